@@ -23,9 +23,9 @@ def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
 @hookimpl
 def nodegraph_sources() -> Mapping[str, Callable[[str], Source]]:
     """Return what plays files."""
-    from nodegraph.live.files import Replay
+    from nodegraph.live.files import replay
 
-    return {"replay": Replay}
+    return {"replay": replay}
 
 
 @hookimpl

@@ -85,7 +85,13 @@ def live(arguments: Namespace) -> int:
     )
     for line in lines_on(session.plan):
         say(line)
-    counts = session.run()
+    error = None
+    try:
+        session.run()
+    except NodegraphError as failure:
+        if not session.counts.received:
+            raise
+        error = failure
     content = json.dumps(
         {
             "graph": graph.title,
@@ -94,13 +100,16 @@ def live(arguments: Namespace) -> int:
             "policy": arguments.policy,
             "behind": {live.step.name: live.behind for live in session.plan.steps},
             "cut_off": dict(session.plan.cut_off),
-            **counts.as_json(),
+            "error": error and str(error),
+            **session.counts.as_json(),
         },
         indent=2,
     )
+    print(content if arguments.json else "\n".join(_summary(session.counts)))
     if arguments.out:
         write_file(arguments.out / RECORD, content.encode())
-    print(content if arguments.json else "\n".join(_summary(counts)))
+    if error:
+        raise error
     return 0
 
 
@@ -108,14 +117,17 @@ def lines_on(plan: LivePlan) -> Iterator[str]:
     """Yield which nodes do not run on the stream, and which differ there from the whole take."""
     from nodegraph.node.description import describe_departure
 
-    by_reason: dict[str, dict[str, None]] = {}
+    cut_off: dict[str, list[str]] = {}
     for node, reason in plan.cut_off.items():
-        by_reason.setdefault(f"not on the stream: {{}}: {reason}", {})[node] = None
+        cut_off.setdefault(reason, []).append(node)
+    departures: dict[str, list[str]] = {}
     for live in plan.steps:
         if departure := describe_departure(live.step.method.node):
-            by_reason.setdefault(f"on a stream, {{}}: {departure}", {})[live.step.name] = None
-    for reason, nodes in by_reason.items():
-        yield reason.replace("{}", ", ".join(nodes), 1)
+            departures.setdefault(departure, []).append(live.step.name)
+    for reason, nodes in cut_off.items():
+        yield f"not on the stream: {', '.join(nodes)}: {reason}"
+    for departure, steps in departures.items():
+        yield f"on a stream, {', '.join(steps)}: {departure}"
 
 
 def _summary(counts: Counts) -> Iterator[str]:
@@ -127,8 +139,8 @@ def _summary(counts: Counts) -> Iterator[str]:
     for sink in {**counts.written, **counts.unsent}:
         unsent = counts.unsent[sink]
         yield f"{sink}: {counts.written[sink]} frames" + (f", {unsent} unsent" if unsent else "")
-    for what, counter in (("refused", counts.refused), ("warned", counts.warnings)):
-        yield from (f"{what} {count} times: {text}" for text, count in counter.items())
+    for what, causes in (("refused", counts.refused), ("warned", counts.warnings)):
+        yield from (f"{what} {count} times: {text}" for text, count in causes)
     milliseconds = counts.latencies.milliseconds()
     if milliseconds:
         head = tuple(milliseconds)

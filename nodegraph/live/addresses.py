@@ -18,8 +18,8 @@ from nodegraph.plugin.streaming import Frame, Sink, Source
 
 T = TypeVar("T")
 
-AGAIN = 1.0
-"""Seconds after which a lost connection is opened again."""
+RETRY_SECONDS = 1.0
+"""How long to wait before a lost connection is opened again."""
 
 
 def source_of(address: str) -> Source:
@@ -100,7 +100,7 @@ class Outlet:
                 return
         except OSError:
             self._sink.close()
-            self._retry_at = time.monotonic() + AGAIN
+            self._retry_at = time.monotonic() + RETRY_SECONDS
         except NodegraphError:
             raise
         except Exception as error:

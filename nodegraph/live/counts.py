@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,6 +46,33 @@ class Latencies:
         return self._longest / 1e6
 
 
+class Causes:
+    """How often something happened, by the line of code that it comes from, and its last text.
+
+    Texts may differ from frame to frame; lines are few, so that memory does not grow.
+    """
+
+    def __init__(self) -> None:
+        self._counts: Counter[Hashable] = Counter()
+        self._texts: dict[Hashable, str] = {}
+
+    def add(self, line: Hashable, text: str) -> None:
+        """Count what comes from a line."""
+        self._counts[line] += 1
+        self._texts[line] = text
+
+    def __iter__(self) -> Iterator[tuple[str, int]]:
+        """Yield the last text of each line, and how often it happened."""
+        return ((text, self._counts[line]) for line, text in self._texts.items())
+
+    def as_json(self) -> dict[str, int]:
+        """Return how often it happened by the last texts."""
+        counts: Counter[str] = Counter()
+        for text, count in self:
+            counts[text] += count
+        return dict(counts)
+
+
 @dataclass
 class Counts:
     """What a stream has counted so far.
@@ -68,10 +95,10 @@ class Counts:
         How often the stream began anew: its numbers jumped, frames were dropped, or the source was
         connected again.
     reconnected : int
-    refused : Counter of str
-        Frames that a node refused, by the node and its reason.
-    warnings : Counter of str
-        What nodes warned of, by the first text from the same line.
+    refused : Causes
+        Frames that a node refused, with the node and its reason.
+    warnings : Causes
+        What nodes warned of.
     written, unsent : Counter of str
         Frames that each sink took, and those that it could not.
     latencies : Latencies
@@ -88,8 +115,8 @@ class Counts:
     undecodable: int = 0
     resets: int = 0
     reconnected: int = 0
-    refused: Counter[str] = field(default_factory=Counter)
-    warnings: Counter[str] = field(default_factory=Counter)
+    refused: Causes = field(default_factory=Causes)
+    warnings: Causes = field(default_factory=Causes)
     written: Counter[str] = field(default_factory=Counter)
     unsent: Counter[str] = field(default_factory=Counter)
     latencies: Latencies = field(default_factory=Latencies)
@@ -97,10 +124,14 @@ class Counts:
     def as_json(self) -> Mapping[str, Any]:
         """Return the counts as plain data; latencies in milliseconds."""
         numbers = {name: getattr(self, name) for name in NUMBERS}
-        counters = {
-            name: dict(getattr(self, name)) for name in ("refused", "warnings", "written", "unsent")
+        return {
+            **numbers,
+            "refused": self.refused.as_json(),
+            "warnings": self.warnings.as_json(),
+            "written": dict(self.written),
+            "unsent": dict(self.unsent),
+            "latency_ms": self.latencies.milliseconds(),
         }
-        return {**numbers, **counters, "latency_ms": self.latencies.milliseconds()}
 
 
 NUMBERS = (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -10,6 +10,7 @@ from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
 from nodegraph.execute.call import failure
+from nodegraph.live.counts import Causes
 from nodegraph.live.forms import live_state, streamable_of
 from nodegraph.live.plan import LivePlan, LiveStep
 from nodegraph.node.live_form import LiveState
@@ -52,7 +53,7 @@ class Engine:
     taps
         Who takes the frames of which output.
     refused
-        Counts frames that a step refused, by its name and the reason.
+        Counts frames that a step refused, with its name and the reason.
 
     Attributes
     ----------
@@ -66,7 +67,7 @@ class Engine:
         header: Any,
         values: Mapping[Output, Any],
         taps: Iterable[Tap],
-        refused: Counter[str],
+        refused: Causes,
     ) -> None:
         self.headers: dict[Output, Any] = {plan.source: header}
         self.count = 0
@@ -190,7 +191,7 @@ class _Runner:
         sources: Sequence[int],
         targets: Sequence[int],
         missing: tuple[Any, ...],
-        refused: Counter[str],
+        refused: Causes,
     ) -> None:
         self._engine = engine
         self._live = live
@@ -287,7 +288,11 @@ class _Runner:
         """Return the payload of a frame that the step refuses, None if none is due yet."""
         if not isinstance(error, Refusal):
             raise self._error(error) from error
-        self._refused[f"{self._live.step.name}: {message_of(error)}"] += 1
+        name, last = self._live.step.name, error.__traceback__
+        while last is not None and last.tb_next is not None:
+            last = last.tb_next
+        line = last and (last.tb_frame.f_code.co_filename, last.tb_lineno)
+        self._refused.add((name, line), f"{name}: {message_of(error)}")
         if not (self._engine.count >= self._live.behind if due is None else due):
             return None
         return self._missing if self._splits else self._missing[0]

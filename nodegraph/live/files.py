@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 import struct
 import time
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
-from itertools import chain
+from itertools import chain, repeat
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -18,47 +19,34 @@ from nodegraph.live.forms import header_of, streamable_of
 from nodegraph.live.packets import MAGIC, PacketReader
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.formats import current_registry
-from nodegraph.plugin.streaming import Frame, Source
+from nodegraph.plugin.streaming import JUMP, Frame, Source
 from nodegraph.runs.export import exporters_of
 
 _RATE = re.compile(r"(.+)@(\d+(?:\.\d*)?)")
 _INDEX = struct.Struct("<q")
 
 
-class Replay:
-    """Plays a file as if it were arriving: any that a reader reads, or recorded packets.
+def replay(address: str) -> Source:
+    """Return what plays a file as if it were arriving: one that a reader reads, or packets.
 
     Parameters
     ----------
     address
         ``FILE`` in the pace in which it was recorded, ``FILE@240`` at 240 frames per second, or
         ``FILE@0`` as fast as frames are taken. The pace changes no result.
+
+    Raises
+    ------
+    NodegraphError
+        If there is no such file, or its recorded packets cannot be read.
     """
-
-    def __init__(self, address: str) -> None:
-        match = _RATE.fullmatch(address)
-        name = match[1] if match else address
-        pace = float(match[2]) if match else None
-        path = current_registry().hooks.place(name) or Path(name)
-        if not path.exists():
-            raise NodegraphError(f"replay:{address}: there is no file {path}")
-        self._stream = (_Packets if _has_packets(path) else _Take)(path, pace)
-
-    def open(self) -> Any:
-        """Return the header of the file."""
-        return self._stream.open()
-
-    def packets(self) -> Iterator[bytes]:
-        """Yield packets, or the numbers of frames, when it is their time."""
-        return self._stream.packets()
-
-    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
-        """Return the frames in a packet, or the frame of a number."""
-        return self._stream.frames(packet, arrived, header)
-
-    def close(self) -> None:
-        """End the replay."""
-        self._stream.closed.set()
+    match = _RATE.fullmatch(address)
+    name = match[1] if match else address
+    pace = float(match[2]) if match else None
+    path = current_registry().hooks.place(name) or Path(name)
+    if not path.exists():
+        raise NodegraphError(f"replay:{address}: there is no file {path}")
+    return (_Packets if _has_packets(path) else _Take)(path, pace)
 
 
 def _has_packets(path: Path) -> bool:
@@ -87,7 +75,7 @@ class _Take:
     def __init__(self, path: Path, pace: float | None) -> None:
         self._path = path
         self._pace = pace
-        self.closed = Event()
+        self._closed = Event()
 
     @cached_property
     def _value(self) -> Any:
@@ -98,12 +86,12 @@ class _Take:
         return streamable_of(type(self._value)).split(self._value)
 
     def open(self) -> Any:
-        self.closed.clear()
+        self._closed.clear()
         return header_of(self._value)
 
     def packets(self) -> Iterator[bytes]:
         rate = getattr(self._value, "rate", 0.0) if self._pace is None else self._pace
-        pace = _Pace(self.closed)
+        pace = _Pace(self._closed)
         for index in range(len(self._payloads)):
             if not pace.wait(index / rate if rate else 0.0):
                 return
@@ -114,6 +102,9 @@ class _Take:
         rate = getattr(header, "rate", 0.0)
         captured = round(index / rate * 1e9) if rate else 0
         return (Frame(index, captured, arrived, self._payloads[index]),)
+
+    def close(self) -> None:
+        self._closed.set()
 
 
 class _Packets:
@@ -128,23 +119,23 @@ class _Packets:
         self._pace = pace
         self._rest = self._reader.packets()
         self._next: tuple[bool, int, bytes] | None = None
-        self.closed = Event()
+        self._closed = Event()
 
     @cached_property
     def _decoder(self) -> Source:
         return source_of(self._reader.source)
 
     def open(self) -> Any:
-        self.closed.clear()
+        self._closed.clear()
         return self._reader.header
 
     def packets(self) -> Iterator[bytes]:
-        pace = _Pace(self.closed)
+        pace = _Pace(self._closed)
         start: int | None = None
         first = [self._next] if self._next else []
         self._next = None
-        for count, (opened, arrived, packet) in enumerate(chain(first, self._rest)):
-            if opened:
+        for count, (reopened, arrived, packet) in enumerate(chain(first, self._rest)):
+            if reopened:
                 self._next = False, arrived, packet
                 raise ConnectionResetError("the source was connected again here")
             start = arrived if start is None else start
@@ -159,9 +150,15 @@ class _Packets:
     def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
         return self._decoder.frames(packet, arrived, header)
 
+    def close(self) -> None:
+        self._closed.set()
+
 
 class FileSink:
     """Collects frames, and writes them at the end in the format that a file's suffix names.
+
+    Frames that were dropped before one are missing in the file. Where numbers go back, or jump by
+    more than `JUMP`, another file begins: ``filled_2.npz`` after ``filled.npz``.
 
     Parameters
     ----------
@@ -173,8 +170,10 @@ class FileSink:
         self._path = Path(address)
         if self._path.exists():
             raise NodegraphError(f"{address} already exists; name another file")
-        self._payloads: list[Any] = []
         self._header: Any = None
+        self._missing: Any = None
+        self._takes: list[list[Any]] = []
+        self._expected = 0
 
     def open(self, header: Any) -> None:
         """Check that the value can be written in that format."""
@@ -185,24 +184,38 @@ class FileSink:
                 f"{listed(sorted(formats))}"
             )
         self._header = header
+        self._missing = streamable_of(type(header)).missing(header)
 
     def write(self, frame: Frame) -> None:
         """Keep a frame."""
-        self._payloads.append(frame.payload)
+        absent = frame.index - self._expected
+        if not self._takes or not 0 <= absent <= JUMP:
+            self._takes.append([])
+        else:
+            self._takes[-1] += repeat(self._missing, absent)
+        self._takes[-1].append(frame.payload)
+        self._expected = frame.index + 1
 
     def close(self) -> None:
-        """Write the file, unless it could not be opened."""
+        """Write the files, unless the sink could not be opened."""
         if self._header is None:
             return
-        value = streamable_of(type(self._header)).join(self._header, self._payloads)
-        export = exporters_of(value, current_registry())[self._path.suffix.lower()]
+        self._write(self._path, self._takes[0] if self._takes else [])
+        for number, payloads in enumerate(self._takes[1:], 2):
+            path = self._path.with_stem(f"{self._path.stem}_{number}")
+            self._write(path, payloads)
+            warnings.warn(f"the stream began anew; what follows is in {path}", stacklevel=2)
+
+    def _write(self, path: Path, payloads: Sequence[Any]) -> None:
+        value = streamable_of(type(self._header)).join(self._header, payloads)
+        export = exporters_of(value, current_registry())[path.suffix.lower()]
         try:
             content = next(iter(export().values()))
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            with self._path.open("xb") as file:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("xb") as file:
                 file.write(content)
         except (OSError, ValueError) as error:
-            raise NodegraphError(f"{self._path}: {message_of(error)}") from error
+            raise NodegraphError(f"{path}: {message_of(error)}") from error
 
 
 def read_streamable(path: Path) -> Any:

@@ -40,11 +40,11 @@ class PacketWriter:
         self._path = path
         self._address = address
         self._file: BufferedWriter | None = None
-        self._opened = False
+        self._is_reopened = False
 
-    def opened(self, header: Any) -> None:
+    def note_opening(self, header: Any) -> None:
         """Note that the source was opened; the first time, begin the file."""
-        self._opened = self._file is not None
+        self._is_reopened = self._file is not None
         if self._file is None:
             packed = Packer(current_registry().hooks.storages).pack(header)
             sizes = [len(buffer) for buffer in packed.buffers]
@@ -53,8 +53,8 @@ class PacketWriter:
 
     def write(self, packet: bytes, arrived: int) -> None:
         """Write a packet."""
-        self._put(_RECORD.pack(self._opened, arrived, len(packet)) + packet)
-        self._opened = False
+        self._put(_RECORD.pack(self._is_reopened, arrived, len(packet)) + packet)
+        self._is_reopened = False
 
     def close(self) -> None:
         """Finish the file, if there is one."""
@@ -116,10 +116,10 @@ class PacketReader:
             file.seek(self._start)
             while record := file.read(_RECORD.size):
                 if len(record) == _RECORD.size:
-                    opened, arrived, size = _RECORD.unpack(record)
+                    reopened, arrived, size = _RECORD.unpack(record)
                     packet = file.read(size)
                     if len(packet) == size:
-                        yield opened, arrived, packet
+                        yield reopened, arrived, packet
                         continue
                 warnings.warn(f"{self._path}: ends in the middle of a packet", stacklevel=2)
                 return

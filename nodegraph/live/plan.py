@@ -250,10 +250,19 @@ def _source_of(graph: Graph, name: str) -> tuple[str, str]:
         candidates = {each for each in candidates if name in _variables(graph, each[0])}
     names = sorted({f"{source}.{output}" for source, output in candidates})
     if len(names) != 1:
-        what = f"{name!r} chooses" if name else "a stream could replace"
-        raise NodegraphError(f"{what} {listed(names)}: name one output of a node")
+        raise NodegraphError(_ambiguous(name, names))
     ((source, output),) = candidates
     return source, output
+
+
+def _ambiguous(name: str, outputs: Collection[str]) -> str:
+    """Return why a name does not say what a stream replaces."""
+    if outputs:
+        several = f"{listed(outputs)}; name the output of one node"
+        return f"{name!r} feeds {several}" if name else f"a stream could replace {several}"
+    if name:
+        return f"no node that {name!r} feeds gives frames to a node with a live form"
+    return "the graph has no node without inputs that gives frames to a node with a live form"
 
 
 def _variables(graph: Graph, node: str) -> set[str]:
@@ -401,7 +410,7 @@ class _Planner:
             if len(labels) > 1:
                 self._problems.add(
                     self._place_of_axis(name),
-                    f"{name!r} has {len(axis.labels)} labels, and a stream has one point",
+                    f"{name!r} has {len(axis.labels)} labels, and there is one stream",
                     f"choose with --only {name}={axis.labels[0]}",
                 )
 

@@ -10,7 +10,6 @@ import signal
 import threading
 import time
 import warnings
-from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from contextvars import copy_context
@@ -27,7 +26,7 @@ from nodegraph.execute import execute
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.graph import Graph
 from nodegraph.live.addresses import (
-    AGAIN,
+    RETRY_SECONDS,
     Outlet,
     check_addresses,
     open_end,
@@ -35,7 +34,7 @@ from nodegraph.live.addresses import (
     reason_of,
     source_of,
 )
-from nodegraph.live.counts import Counts
+from nodegraph.live.counts import Causes, Counts
 from nodegraph.live.engine import Engine, Tap
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.packets import PacketWriter
@@ -43,7 +42,7 @@ from nodegraph.live.plan import LivePlan, live_plan
 from nodegraph.plan import Output, plan
 from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.loading import error_text
-from nodegraph.plugin.streaming import Frame, Sink, Source
+from nodegraph.plugin.streaming import JUMP, Frame, Sink, Source
 from nodegraph.store import Store
 
 Policy = Literal["every", "newest"]
@@ -52,8 +51,6 @@ _QUEUE = 1024
 """Frames that wait at most; then the receiving thread waits."""
 _BACKLOG = 16
 """Frames that wait at most with the policy ``newest``; then all but the last are dropped."""
-_JUMP = 1000
-"""A source whose numbers jump so far has begun anew."""
 _RESTART = 16
 """So many numbers that follow each other, all of which have been there, are a source begun anew."""
 _POLL, _FULL = 0.1, 0.0005  # seconds
@@ -110,7 +107,7 @@ def session_of(
     name, end = source
     planned = live_plan(graph, name, sinks=[node for node, _ in sinks], hold=hold)
     with formats_of(graph.registry):
-        opened = source_of(end) if isinstance(end, str) else end
+        source_end = source_of(end) if isinstance(end, str) else end
         outlets = [outlet for node, sink in sinks for outlet in outlets_of(planned, node, sink)]
         check_addresses(outlets)
         values = _held_values(planned, store)
@@ -118,7 +115,7 @@ def session_of(
         return Session(
             planned,
             values,
-            opened,
+            source_end,
             address,
             outlets,
             policy=policy,
@@ -221,12 +218,12 @@ class Session:
             stack.enter_context(one_thread_each())
             stack.enter_context(self._counting_warnings())
             stack.callback(self._source.close)
-            self._header = self._opened()
+            self._header = self._open_source()
             self._missing = streamable_of(type(self._header)).missing(self._header)
             thread = threading.Thread(target=copy_context().run, args=(self._receive,), daemon=True)
             stack.callback(self._end_of, thread)
             if self._record is not None:
-                self._record.opened(self._header)
+                self._record.note_opening(self._header)
             self._engine = self._new_engine()
             for outlet in self._outlets:
                 stack.callback(outlet.close)
@@ -239,7 +236,7 @@ class Session:
             self._engine.drain()
         return self.counts
 
-    def _opened(self) -> Any:
+    def _open_source(self) -> Any:
         header = open_end(self._address, self._source.open)
         step = self.plan.plan.steps[self.plan.source.step]
         port = step.method.node.outputs[self.plan.source.position]
@@ -296,14 +293,14 @@ class Session:
                 header = self._source.open()
             except (OSError, NodegraphError):  # nobody answers yet
                 self._source.close()
-                self._stopped.wait(AGAIN)
+                self._stopped.wait(RETRY_SECONDS)
                 continue
             changed = difference(self._header, header, name="header")
             if changed:
                 raise NodegraphError(f"{self._address}: returned as another stream: {changed}")
             self.counts.reconnected += 1
             if self._record is not None:
-                self._record.opened(header)
+                self._record.note_opening(header)
             self._queue.put(_Reconnection())
             return
 
@@ -381,7 +378,7 @@ class Session:
         if not self.counts.computed:
             self._warm_up(frame)
         if expected is not None and index != expected:
-            if abs(index - expected) > _JUMP:
+            if abs(index - expected) > JUMP:
                 self._announce(f"{self._address}: after frame {expected - 1} comes {index}")
                 self._begin_anew()
             elif index < expected and not self._has_restarted(index):
@@ -412,7 +409,7 @@ class Session:
 
     def _warm_up(self, frame: Frame) -> None:
         """Compute a few frames that nobody sees, so that what is compiled at first use is."""
-        engine = Engine(self.plan, self._header, self._values, (), Counter())
+        engine = Engine(self.plan, self._header, self._values, (), Causes())
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             for payload in (frame.payload, self._missing, frame.payload):
@@ -425,16 +422,15 @@ class Session:
             self._engine.push(Frame(index, 0, frame.arrived, self._missing))
             self.counts.computed += 1
             self.counts.missing += 1
-        self._absent = {index for index in self._absent if index > frame.index - _JUMP}
+        self._absent = {index for index in self._absent if index > frame.index - JUMP}
         self._absent.update(range(first, frame.index))
 
     @contextmanager
     def _counting_warnings(self) -> Iterator[None]:
-        """Count what nodes warn of, by the line that does: it may do so in every frame."""
-        first: dict[tuple[str, int], str] = {}
+        """Count what nodes warn of, which they may do in every frame."""
 
         def count(message: Warning | str, category: type, file: str, line: int, *_: Any) -> None:
-            self.counts.warnings[first.setdefault((file, line), str(message))] += 1
+            self.counts.warnings.add((file, line), str(message))
 
         with warnings.catch_warnings():
             warnings.simplefilter("always")

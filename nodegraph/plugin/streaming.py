@@ -8,6 +8,9 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from nodegraph.plugin.hook_types import check_fields
 
+JUMP = 1000
+"""A source whose numbers jump by more has begun anew; up to so many frames are missing between."""
+
 
 class Frame(NamedTuple):
     """One frame of a stream.

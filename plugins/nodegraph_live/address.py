@@ -9,6 +9,7 @@ from urllib.parse import parse_qsl
 from nodegraph import NodegraphError, listed
 
 HOST = "127.0.0.1"
+EVERY_HOST = "0.0.0.0"
 
 
 class Settings:

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import Any
 
 from nodegraph import Frame, NodegraphError
-from nodegraph_live.address import Settings
+from nodegraph_live.address import EVERY_HOST, HOST, Settings
 
 TIMEOUT = 10.0
 """Seconds of silence after which a source is taken for gone, unless the address says so."""
@@ -22,51 +22,8 @@ LARGEST_UNSPLIT = 1472
 """Bytes of a packet that Ethernet carries in one piece: its 1500 without the headers."""
 
 
-def receive(
-    endpoint: socket.socket,
-    closed: Event,
-    seconds: float,
-    at_intervals: Callable[[], object] = lambda: None,
-) -> Iterator[bytes]:
-    """Yield packets as they arrive, until the source is closed.
-
-    Parameters
-    ----------
-    endpoint
-    closed
-        Set by another thread, which may close the socket too.
-    seconds
-        How long it may be silent.
-    at_intervals
-        Called about five times per second.
-
-    Raises
-    ------
-    TimeoutError
-        If nothing has come for so long.
-    """
-    deadline = monotonic() + seconds
-    next_call = monotonic()
-    while not closed.is_set():
-        if monotonic() >= next_call:
-            at_intervals()
-            next_call = monotonic() + _POLL
-        try:
-            packet = endpoint.recv(_LARGEST)
-        except TimeoutError:
-            if monotonic() > deadline:
-                raise TimeoutError(f"nothing has come for {seconds:g} s") from None
-            continue
-        except OSError:
-            if closed.is_set():
-                return
-            raise
-        deadline = monotonic() + seconds
-        yield packet
-
-
 def datagram_socket() -> socket.socket:
-    """Return a socket for `receive`."""
+    """Return a socket for a `DatagramReceiver`."""
     endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER)
     endpoint.settimeout(_POLL)
@@ -90,7 +47,7 @@ def bound_socket(settings: Settings, host: str, port: int) -> socket.socket:
             raise settings.error(f"another program receives at port {port}") from error
         raise settings.error(
             f"cannot receive at {host}: {error.strerror}; HOST is an address of this machine, or "
-            "0.0.0.0 for all that it has"
+            f"{EVERY_HOST} for all that it has"
         ) from error
     return endpoint
 
@@ -109,7 +66,62 @@ def resolved(settings: Settings, host: str, port: int) -> tuple[str, int]:
         raise settings.error(f"no host {host!r}: {error.strerror}") from error
 
 
-class DatagramSource:
+class DatagramReceiver:
+    """Receives packets until it is closed.
+
+    Parameters
+    ----------
+    settings
+        ``timeout`` is how many seconds of silence are waited for.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._closed = Event()
+        self._endpoint: socket.socket | None = None
+
+    def close(self) -> None:
+        """Stop receiving; another thread may call it."""
+        self._closed.set()
+        if self._endpoint is not None:
+            self._endpoint.close()
+
+    def _receive(self, at_intervals: Callable[[], object] = lambda: None) -> Iterator[bytes]:
+        """Yield packets as they arrive.
+
+        Parameters
+        ----------
+        at_intervals
+            Called about five times per second.
+
+        Raises
+        ------
+        TimeoutError
+            If nothing has come for so long.
+        """
+        assert self._endpoint is not None
+        seconds = self._settings["timeout"]
+        deadline = monotonic() + seconds
+        next_call = monotonic()
+        while not self._closed.is_set():
+            if monotonic() >= next_call:
+                at_intervals()
+                next_call = monotonic() + _POLL
+            try:
+                packet = self._endpoint.recv(_LARGEST)
+            except TimeoutError:
+                if monotonic() > deadline:
+                    raise TimeoutError(f"nothing has come for {seconds:g} s") from None
+                continue
+            except OSError:
+                if self._closed.is_set():
+                    return
+                raise
+            deadline = monotonic() + seconds
+            yield packet
+
+
+class DatagramSource(DatagramReceiver):
     """Receives packets at a port; each protocol says what is in them.
 
     Parameters
@@ -123,11 +135,9 @@ class DatagramSource:
     """
 
     def __init__(self, settings: Settings, port: int, what: str) -> None:
-        self._settings = settings
+        super().__init__(settings)
         self._host, self._port = settings.endpoint(port)
         self._what = what
-        self._closed = Event()
-        self._endpoint: socket.socket | None = None
         self._first: list[bytes] = []
 
     def describe(self, packet: bytes) -> Any:
@@ -153,15 +163,8 @@ class DatagramSource:
 
     def packets(self) -> Iterator[bytes]:
         """Yield packets as they arrive."""
-        assert self._endpoint is not None
         yield from self._first
-        yield from receive(self._endpoint, self._closed, self._settings["timeout"])
-
-    def close(self) -> None:
-        """Stop receiving."""
-        self._closed.set()
-        if self._endpoint is not None:
-            self._endpoint.close()
+        yield from self._receive()
 
     def _bind(self) -> None:
         self._closed.clear()
@@ -169,12 +172,11 @@ class DatagramSource:
         self._endpoint = bound_socket(self._settings, self._host, self._port)
 
     def _wait_for_header(self) -> Any:
-        assert self._endpoint is not None
         refused = 0
         reason = ""
         deadline = monotonic() + self._settings["timeout"]
         with suppress(TimeoutError):
-            for packet in receive(self._endpoint, self._closed, self._settings["timeout"]):
+            for packet in self._receive():
                 self._first.append(packet)
                 try:
                     header = self.describe(packet)
@@ -187,14 +189,17 @@ class DatagramSource:
                 if monotonic() > deadline:
                     break
         self.close()
-        others = (
-            f"; {refused} packets could not be decoded, the last because {reason}"
-            if refused
-            else ""
-        )
+        hint = ""
+        if refused:
+            hint = f"; {refused} packets could not be decoded, the last because {reason}"
+        elif not self._first and self._host == HOST:
+            hint = (
+                f"; {HOST} receives from this machine only, {EVERY_HOST}:{self._port} from others "
+                "as well"
+            )
         raise NodegraphError(
             f"{self._settings.address}: no complete {self._what} at {self._host}:{self._port} in "
-            f"{self._settings['timeout']:g} s{others}"
+            f"{self._settings['timeout']:g} s{hint}"
         )
 
 

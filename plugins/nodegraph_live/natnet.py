@@ -9,12 +9,10 @@ Tested against an emulator of this package only, not against Motive.
 
 from __future__ import annotations
 
-import socket
 import struct
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from threading import Event
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -22,7 +20,7 @@ import numpy as np
 
 from nodegraph import Frame, NodegraphError
 from nodegraph_live.address import Settings
-from nodegraph_live.datagrams import TIMEOUT, datagram_socket, receive, resolved
+from nodegraph_live.datagrams import TIMEOUT, DatagramReceiver, datagram_socket, resolved
 from nodegraph_live.packet_reader import PacketReader
 from nodegraph_live.payloads import marker_frame, recording_header
 from nodegraph_mocap import Trajectories
@@ -150,7 +148,7 @@ def _wanted(marker_sets: MarkerSets) -> MarkerSets:
     return others if any(others.values()) else marker_sets
 
 
-class NatNetSource:
+class NatNetSource(DatagramReceiver):
     """Receives marker sets from Motive: ``natnet:HOST``, or ``natnet:HOST:PORT`` for commands.
 
     Motive's streaming is set to unicast. A marker at exactly (0, 0, 0) is missing.
@@ -158,10 +156,8 @@ class NatNetSource:
 
     def __init__(self, address: str) -> None:
         form = "natnet:HOST[:PORT][?timeout=SECONDS][&rate=HZ], such as natnet:192.168.0.5"
-        self._settings = Settings("natnet", address, form, {"timeout": TIMEOUT, "rate": 0.0})
+        super().__init__(Settings("natnet", address, form, {"timeout": TIMEOUT, "rate": 0.0}))
         self._target = self._settings.endpoint(PORT)
-        self._closed = Event()
-        self._endpoint: socket.socket | None = None
         self._first: list[bytes] = []
         self._protocol: Version | None = None
         self._marker_sets: MarkerSets = {}
@@ -175,9 +171,8 @@ class NatNetSource:
         self._endpoint = datagram_socket()
         rate = self._settings["rate"]
         deadline = monotonic() + self._settings["timeout"]
-        messages = receive(self._endpoint, self._closed, self._settings["timeout"], self._ask)
         with suppress(TimeoutError):
-            for packet in messages:
+            for packet in self._receive(self._ask):
                 if monotonic() > deadline:
                     break
                 try:
@@ -195,15 +190,9 @@ class NatNetSource:
         raise NodegraphError(f"{self._settings.address}: {self._what_is_lacking(rate)}")
 
     def packets(self) -> Iterator[bytes]:
-        """Yield what the server sends; it is told five times per second that we listen."""
-        assert self._endpoint is not None
+        """Yield what the server sends; five times per second it hears that we listen."""
         yield from self._first
-        yield from receive(
-            self._endpoint,
-            self._closed,
-            self._settings["timeout"],
-            lambda: self._send(encode_message(KEEP_ALIVE, b"\0")),
-        )
+        yield from self._receive(lambda: self._send(encode_message(KEEP_ALIVE, b"\0")))
 
     def frames(self, packet: bytes, arrived: int, header: Trajectories) -> Iterable[Frame]:
         """Return the frame in a packet, if it is one."""
@@ -229,12 +218,6 @@ class NatNetSource:
         captured = round(data.seconds * 1e9)
         payload = marker_frame(positions, zeros_missing=True)
         return (Frame(data.number, captured, arrived, payload),)
-
-    def close(self) -> None:
-        """Stop receiving."""
-        self._closed.set()
-        if self._endpoint is not None:
-            self._endpoint.close()
 
     def _ask(self) -> None:
         if self._protocol is None:
@@ -280,4 +263,4 @@ class NatNetSource:
         if not self._marker_sets:
             return f"the server has described no marker sets {seconds}; stream them in Motive"
         assert not rate
-        return f"the server has not told its rate {seconds}; add ?rate=HZ to the address"
+        return f"the server has not sent its rate {seconds}; add ?rate=HZ to the address"

@@ -159,15 +159,15 @@ class QtmSource:
                 self._endpoint.shutdown(socket.SHUT_RDWR)
             self._endpoint.close()
 
-    def _ask(self, command: str, kind: int) -> bytes:
+    def _ask(self, command: str, wanted: int) -> bytes:
         """Send a command, and return the first message of that type that follows."""
         assert self._endpoint is not None
         self._endpoint.sendall(encode(COMMAND, command.encode() + b"\0"))
-        for got, message in self._messages:
+        for kind, message in self._messages:
             # the greeting comes before the first answer
-            if got == kind and b"RT Interface connected" not in message:
+            if kind == wanted and b"RT Interface connected" not in message:
                 return message
-            if got == ERROR:
+            if kind == ERROR:
                 text = message[_HEAD.size :].rstrip(b"\0").decode(errors="replace")
                 raise ValueError(f"QTM answers {command!r} with {text!r}")
         raise ConnectionError("closed")

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import nodegraph as ng
+from nodegraph.live.counts import Causes
 from nodegraph.live.engine import Engine, Tap
 from nodegraph.live.plan import live_plan
 from nodegraph.live.session import session_of
@@ -91,7 +92,7 @@ def ours(folder: Path) -> Callable[[], int]:
         def count(frame: ng.Frame) -> None:
             counted["frames"] += 1
 
-        engine = Engine(planned, header, {}, [Tap(last, count)], Counter())
+        engine = Engine(planned, header, {}, [Tap(last, count)], Causes())
         for _ in range(FRAMES):
             engine.push(frame)
         return counted["frames"]

@@ -76,7 +76,7 @@ class HoldLive:
 
     def push(self, frame):
         if frame.positions[0, 0] > 1e6:
-            raise Refusal("too far away")
+            raise Refusal(f"{frame.positions[0, 0]:.0f} mm is too far away")
         self.last = np.where(np.isnan(frame.positions), self.last, frame.positions)
         return result(self.last, frame)
 
@@ -189,10 +189,10 @@ def nodegraph_sources():
 GRAPH = """
 nodegraph: 1
 title: Branches
-inputs: {take: take.npz}
+inputs: {take: take.npz, length: 0.1}
 nodes:
   capture: {use: read.recording, with: {path: $take}}
-  face: {use: synthesize.face, with: {seconds: 0.1}}
+  face: {use: synthesize.face, with: {seconds: $length}}
   avg:
     in: capture
     alternatives:
@@ -321,6 +321,40 @@ def test_a_stream_that_returns_or_jumps_begins_anew(folder: Path) -> None:
     assert "after frame 9 comes 90000" in announced[2]
 
 
+def test_a_file_has_dropped_frames_as_missing_and_a_new_stream_is_another(
+    folder: Path, tmp_path: Path
+) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    source = ("take", f"wire:{folder / 'take.npz'}?5-9,!,12-14,90000-90004")
+    counts = session_of(narrow, source, [("far", f"file:{tmp_path}/far.npz")]).run()
+    assert (counts.computed, counts.missing) == (13, 0)
+    present = read_npz(tmp_path / "far.npz").present
+    assert len(present) == 10
+    assert np.flatnonzero(~present.any(axis=1)).tolist() == [5, 6]
+    assert read_npz(tmp_path / "far_2.npz").frames == 5
+    assert "far_2.npz" in next(iter(counts.as_json()["warnings"]))
+
+
+def test_counts_are_printed_and_kept_whatever_fails(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["live", str(folder / "graph.yaml"), "--plugin", str(folder / "nodes.py")]
+    command += ["--only", "avg=narrow", "--sink", f"held=file:{tmp_path}/held.npz"]
+    source = f"take=wire:{folder / 'take.npz'}?0-9"
+    assert main([*command, "--source", f"{source},broken", "--out", str(tmp_path)]) == 2
+    output, errors = capsys.readouterr()
+    assert "frames: 10 received, 10 computed" in output
+    assert "wire:" in errors
+    kept = json.loads((tmp_path / "live.json").read_text())
+    assert kept["computed"] == 10
+    assert "invalid literal" in kept["error"]
+    (tmp_path / "held.npz").unlink()
+    assert main([*command, "--source", source, "--out", str(folder / "take.npz")]) == 2
+    output, errors = capsys.readouterr()
+    assert "frames: 10 received, 10 computed" in output
+    assert "take.npz" in errors
+
+
 def test_recorded_packets_play_the_same_again(folder: Path, graph: Any, tmp_path: Path) -> None:
     narrow = graph_with(folder, only={"avg": "narrow"})
     packets = tmp_path / "packets"
@@ -334,30 +368,30 @@ def test_recorded_packets_play_the_same_again(folder: Path, graph: Any, tmp_path
     packets.write_bytes(packets.read_bytes()[:-3])
     counts = session_of(narrow, ("take", f"replay:{packets}@0"), [("held", Box())]).run()
     assert counts.undecodable == 0
-    assert "ends in the middle of a packet" in next(iter(counts.warnings))
+    assert "ends in the middle of a packet" in next(iter(counts.as_json()["warnings"]))
 
 
 def test_a_frame_that_a_node_refuses_is_missing_and_counted(
     folder: Path, take: Trajectories
 ) -> None:
     positions = take.positions.copy()
-    positions[7, 0] = 2e6
+    positions[7:9, 0] = [[2e6], [3e6]]
     origin = take.origin.copy()
-    origin[7, 0] = 1
+    origin[7:9, 0] = 1
     far = replace(take, positions=positions, origin=origin)
     (folder / "far.npz").write_bytes(ng.get_node("write.npz")(far).content["recording.npz"])
     box = Box()
     graph = graph_with(folder, only={"avg": "narrow"}, set={"take": str(folder / "far.npz")})
     counts = session_of(graph, ("take", f"replay:{folder / 'far.npz'}@0"), [("far", box)]).run()
-    assert counts.refused == {"far: too far away": 1}
+    assert dict(counts.refused) == {"far: 3000000 mm is too far away": 2}
     assert [frame.index for frame in box.frames] == list(range(FRAMES))
-    assert np.isnan(box.frames[7].payload.positions).all()
+    assert all(np.isnan(box.frames[number].payload.positions).all() for number in (7, 8))
 
 
 def test_a_sink_that_was_away_is_opened_again(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nodegraph.live.addresses.AGAIN", 0.0)
+    monkeypatch.setattr("nodegraph.live.addresses.RETRY_SECONDS", 0.0)
     narrow = graph_with(folder, only={"avg": "narrow"})
     counts, box = play(narrow, folder, "0-9", "held", away=3)
     assert counts.unsent == {"held": 3}
@@ -379,7 +413,7 @@ def test_the_newest_frames_are_taken_if_too_many_wait(
 def test_a_source_that_does_not_answer_at_once_is_waited_for(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("nodegraph.live.session.AGAIN", 0.0)
+    monkeypatch.setattr("nodegraph.live.session.RETRY_SECONDS", 0.0)
     narrow = graph_with(folder, only={"avg": "narrow"})
     counts, box = play(narrow, folder, "0-4,!2,0-4", "held")
     assert counts.reconnected == 1
@@ -399,8 +433,14 @@ def test_numbers_that_begin_again_are_a_new_stream(folder: Path) -> None:
 def test_frames_refused_at_the_end_are_missing_and_counted(folder: Path, last: int) -> None:
     narrow = graph_with(folder, only={"avg": "narrow"})
     counts, box = play(narrow, folder, f"0-{last}", "joined")
-    assert counts.refused == {"late(avg=narrow): its last frame is missing": min(last + 1, 5)}
+    assert dict(counts.refused) == {"late(avg=narrow): its last frame is missing": min(last + 1, 5)}
     assert [frame.index for frame in box.frames] == list(range(last + 1))
+
+
+def test_an_input_that_feeds_no_frames_cannot_be_a_source(folder: Path) -> None:
+    graph = graph_with(folder, only={"avg": "narrow"})
+    with pytest.raises(NodegraphError, match="no node that 'length' feeds gives frames to"):
+        session_of(graph, ("length", "replay:take.npz"))
 
 
 def test_two_sinks_have_two_addresses(folder: Path, tmp_path: Path) -> None:
@@ -423,7 +463,7 @@ def test_two_sinks_have_two_addresses(folder: Path, tmp_path: Path) -> None:
         ("held", {"axis": {}}, []),
     ],
 )
-def test_what_cannot_run_on_a_stream_is_said_before(
+def test_what_cannot_run_on_a_stream_is_refused_before_it_begins(
     folder: Path, sink: str, choices: Any, words: list[str]
 ) -> None:
     if "axis" in choices:

@@ -155,7 +155,7 @@ class Forgets(Delayed):
         (Forgets, 0, "another result than of the whole take"),
     ],
 )
-def test_a_live_form_that_cheats_is_told_how(
+def test_a_live_form_that_differs_from_the_whole_take_fails_with_the_reason(
     cheat: Function, lookahead: int, complaint: str
 ) -> None:
     with pytest.raises(AssertionError, match=complaint):
