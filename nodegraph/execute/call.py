@@ -15,12 +15,12 @@ from types import CodeType
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
-from nodegraph.execute.unkeyed import Reads
+from nodegraph.execute.unkeyed import Reads, reads_of_call
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import locked
 from nodegraph.plan import Gathered, Plan, Step
-from nodegraph.plugin.formats import formats_of
+from nodegraph.plugin.formats import registry_of_call
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 
@@ -123,18 +123,17 @@ class Outcome:
 
 def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
+    node, registry = call.node, call.registry
+    is_ours = registry is None or call.plugin in registry.shipped
+    reads = None if is_ours else Reads(node, call.settings)
     messages: list[str] = []
-    token = _warnings.set(messages)
+    # set and reset by hand: a context manager for each step would take three times as long
+    warned, used, noted = (
+        _warnings.set(messages), registry_of_call.set(registry), reads_of_call.set(reads)
+    )  # fmt: skip
     start = time.perf_counter()
-    reads: Reads | None = None
     try:
-        with formats_of(call.registry):
-            if call.registry is None or call.plugin in call.registry.shipped:
-                returned = call.node.function(**call.inputs, **call.settings)
-            else:
-                with Reads(call.node, call.settings) as reads:
-                    returned = call.node.function(**call.inputs, **call.settings)
-            values = values_of(call.node, returned)
+        values = values_of(node, node.function(**call.inputs, **call.settings))
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
         reason = printable(message_of(refusal)) or "no reason given"
@@ -142,9 +141,11 @@ def perform(call: Call) -> Outcome:
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        outcome = failure(call.node, error)
+        outcome = failure(node, error)
     finally:
-        _warnings.reset(token)
+        _warnings.reset(warned)
+        registry_of_call.reset(used)
+        reads_of_call.reset(noted)
     outcome.seconds = time.perf_counter() - start
     if reads is not None and reads.names:
         outcome.unkeyed = tuple(map(printable, reads.names))
@@ -207,13 +208,15 @@ def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
         If it is not what the node's signature promises.
     """
     values = _split(node, returned) if node.splits else (returned,)
+    checked = []
     for port, value in zip(node.outputs, values, strict=True):
         if not isinstance(value, port.type):
             raise TypeError(
                 f"{node.name} returned {type(value).__name__} where its signature promises "
                 f"{port.type.__name__} ({port.name})"
             )
-    return tuple(map(locked, values))
+        checked.append(locked(value))
+    return tuple(checked)
 
 
 def _split(node: Node, returned: Any) -> tuple[Any, ...]:

@@ -96,7 +96,7 @@ class EventLog:
         plan: Plan,
         about: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:
-        self._listeners = listeners
+        self.listeners = listeners
         self._start = time.perf_counter()
         self._counts: Counter[State] = Counter()
         self._ended: dict[int, State] = {}
@@ -138,7 +138,7 @@ class EventLog:
             What `means` returned in earlier runs.
         """
         self._left = left
-        self._remaining = Remaining(steps if self._listeners else (), seconds)
+        self._remaining = Remaining(steps if self.listeners else (), seconds)
 
     def means(self) -> dict[str, float]:
         """Return the mean seconds of the steps that were computed, by node and method."""
@@ -146,14 +146,13 @@ class EventLog:
 
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""
-        if self._listeners:
-            if self._first is None:
-                self._first = self.seconds()
-            self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
+        if self._first is None:
+            self._first = self.seconds()
+        self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
 
     def settled(self, step: Step, outcome: Outcome) -> None:
         """Report how a step ended, and from time to time the progress of the run."""
-        if not self._listeners:
+        if not self.listeners:
             return
         status = outcome.status
         if status in (State.DONE, State.FAILED, State.REFUSED) and not outcome.stored:
@@ -195,12 +194,12 @@ class EventLog:
         }
 
     def _emit(self, kind: str, step: Step | None, detail: Mapping[str, Any]) -> None:
-        if not self._listeners:
+        if not self.listeners:
             return
         event = (
             Event(kind, self.seconds(), detail=detail)
             if step is None
             else Event(kind, self.seconds(), step.index, step.node, step.labels, detail)
         )
-        for listener in self._listeners:
+        for listener in self.listeners:
             listener(event)

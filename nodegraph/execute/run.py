@@ -66,7 +66,7 @@ def execute(
             if store is not None
             else Packer(plan.graph.registry.hooks.storages),
             keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
-            observer=log,
+            observer=log if log.listeners else None,
             timeout=how.timeout,
         )
         earlier = store.recall(_SECONDS) if store is not None and schedule.left else {}
@@ -95,8 +95,9 @@ def execute(
 
 def _checked(result: Any, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
     """Return what an executor yielded, which may be a plugin's, if it is a step and its outcome."""
-    match result:
-        case (int(index), Outcome() as outcome) if 0 <= index < len(plan.steps):
+    if isinstance(result, tuple) and len(result) == 2:  # `match` would take five times as long
+        index, outcome = result
+        if isinstance(index, int) and isinstance(outcome, Outcome) and 0 <= index < len(plan.steps):
             return index, outcome
     raise NodegraphError(
         f"executor {how.executor!r} yielded {reprlib.repr(result)}; expected the index of a step "

@@ -10,8 +10,7 @@ from typing import Any, Protocol
 from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.node.ports import Absent, Across
-from nodegraph.plan import Gathered, Output, Plan, Step, StepInput
-from nodegraph.plugin.registry import Registry
+from nodegraph.plan import Gathered, Output, Plan, Step
 from nodegraph.state import State
 from nodegraph.store import Packer
 
@@ -53,6 +52,8 @@ class Schedule:
     Attributes
     ----------
     plan : Plan
+    registry : Registry
+        The plugins that define the nodes.
     packer : Packer
     outcomes : mapping of step index to Outcome
     values : mapping of step index to values
@@ -72,6 +73,7 @@ class Schedule:
         timeout: float | None = None,
     ) -> None:
         self.plan = plan
+        self.registry = plan.graph.registry
         self.packer = packer or Packer()
         self.outcomes = dict(known or {})
         self.values: dict[int, tuple[Any, ...]] = {}
@@ -91,11 +93,6 @@ class Schedule:
         self._demand([*(_last_steps(plan) if wanted is None else wanted), *self._keep])
 
     @property
-    def registry(self) -> Registry:
-        """The plugins that define the nodes."""
-        return self.plan.graph.registry
-
-    @property
     def left(self) -> Collection[int]:
         """The steps that are still to be settled, as far as is known."""
         return self._waiting.keys()
@@ -107,13 +104,17 @@ class Schedule:
             step = self.plan.steps[index]
             if key and not self._is_first_of_key(index, key):
                 continue
-            lost = [needed for needed in step.needed if not self._load(step, needed)]
-            if lost:
-                self._compute_again(index, lost)
-                continue
+            if self._cache is not None:
+                lost = [needed for needed in step.needed if not self._load(step, needed)]
+                if lost:
+                    self._compute_again(index, lost)
+                    continue
             if self._observer is not None:
                 self._observer.started(step)
-            inputs = {port: self._input(source) for port, source in step.inputs.items()}
+            inputs = {
+                port: self._lend(source) if isinstance(source, Output) else self._gather(source)
+                for port, source in step.inputs.items()
+            }
             for needed in step.needed:  # a copy takes the place of what nothing else reads
                 if self._unread[needed] == 1 and needed not in self._keep:
                     self._drop(needed)
@@ -137,9 +138,10 @@ class Schedule:
         steps read what was stored.
         """
         if call.plugin not in self.registry.shipped:
+            copy = self.packer.copy
             try:
-                call.inputs = {port: self._copy(value) for port, value in call.inputs.items()}
-                call.settings = {name: self.packer.copy(at) for name, at in call.settings.items()}
+                call.inputs = {port: copy(value) for port, value in call.inputs.items()}
+                call.settings = {name: copy(value) for name, value in call.settings.items()}
             except Exception as error:
                 failed = failure(call.node, error, "its inputs cannot be copied")
                 return replace(failed, key=call.key)
@@ -275,19 +277,12 @@ class Schedule:
         self.outcomes[index] = outcome
         step = self.plan.steps[index]
         for needed in step.needed:
-            if self._unread.get(needed):
-                self._unread[needed] -= 1
-                if not self._unread[needed] and (
-                    needed not in self._keep or needed in self._partial
-                ):
+            if unread := self._unread.get(needed):
+                self._unread[needed] = unread - 1
+                if unread == 1 and (needed not in self._keep or needed in self._partial):
                     self._drop(needed)
         if self._observer is not None:
             self._observer.settled(step, outcome)
-
-    def _input(self, source: StepInput) -> Any:
-        if isinstance(source, Output):
-            return self._lend(source)
-        return self._gather(source)
 
     def _gather(self, source: Gathered) -> Across[Any]:
         entries = []
@@ -311,12 +306,6 @@ class Schedule:
             tuple(unused),
             source.methods,
         )
-
-    def _copy(self, value: Any) -> Any:
-        if not isinstance(value, Across):
-            return self.packer.copy(value)
-        entries = tuple((labels, self.packer.copy(entry)) for labels, entry in value)
-        return replace(value, entries=entries)
 
     def _lend(self, output: Output) -> Any:
         return self.packer.lend(self.values[output.step][output.position])

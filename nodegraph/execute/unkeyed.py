@@ -6,12 +6,12 @@ import os
 import site
 import sys
 import sysconfig
-import threading
 from collections.abc import Mapping
-from functools import cache, cached_property
+from contextvars import ContextVar
+from functools import cache
 from pathlib import Path
 from types import FrameType
-from typing import Any, Self
+from typing import Any
 
 from nodegraph.node.decorator import Node
 
@@ -19,12 +19,12 @@ _CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
 _BETWEEN = ("os", "collections.abc", __name__)
 """Modules between a line that reads an environment variable and `_Environment`."""
 
-_calls: dict[int, Reads] = {}
-"""The calls that are watched, by thread."""
+reads_of_call: ContextVar[Reads | None] = ContextVar("reads_of_call", default=None)
+"""Of the call that is being made, if its reads are noted."""
 
 
 class Reads:
-    """What a call reads that is not in its key, noted while it is entered, in its thread.
+    """What a call reads that is not in its key, noted while it is in `reads_of_call`.
 
     What other threads or C code read is not seen.
 
@@ -34,29 +34,14 @@ class Reads:
         In the order in which they were read.
     """
 
+    __slots__ = ("_node", "_settings", "_written", "names")
+
     def __init__(self, node: Node, settings: Mapping[str, Any]) -> None:
+        _install()
         self.names: dict[str, None] = {}
         self._node = node
         self._settings = settings
         self._written: set[str] = set()
-
-    def __enter__(self) -> Self:
-        _install()
-        self._thread = threading.get_ident()
-        _calls[self._thread] = self
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        del _calls[self._thread]
-
-    @cached_property
-    def _known(self) -> tuple[str, ...]:
-        """The files that settings name, which are in the key."""
-        return tuple(
-            os.path.abspath(self._settings[name])
-            for name, setting in self._node.settings.items()
-            if setting.is_file and self._settings.get(name) is not None
-        )
 
     def file(self, path: str, *, writes: bool) -> None:
         """Note that a file was opened."""
@@ -65,7 +50,7 @@ class Reads:
         elif (
             path not in self._written
             and not path.endswith(_CODE)
-            and not _is_in(path, self._known)
+            and not _is_in(path, self._in_key())
             and not _is_in(path, _installed())
         ):
             self.names[os.path.basename(path)] = None
@@ -78,6 +63,14 @@ class Reads:
         module = str(frame.f_globals.get("__name__", "")) if frame is not None else ""
         if module.partition(".")[0] == self._node.function.__module__.partition(".")[0]:
             self.names[f"${name}"] = None
+
+    def _in_key(self) -> tuple[str, ...]:
+        """Return the files that settings name."""
+        return tuple(
+            os.path.abspath(self._settings[name])
+            for name, setting in self._node.settings.items()
+            if setting.is_file and self._settings.get(name) is not None
+        )
 
 
 def _is_in(path: str, folders: tuple[str, ...]) -> bool:
@@ -104,7 +97,7 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
     """``os.environ``, whose reads are noted."""
 
     def __getitem__(self, name: str) -> Any:
-        if reads := _calls.get(threading.get_ident()):
+        if reads := reads_of_call.get():
             reads.variable(name)
         return super().__getitem__(name)
 
@@ -117,7 +110,7 @@ def _install() -> None:
 
 
 def _note(event: str, arguments: tuple[Any, ...]) -> None:
-    if event != "open" or not (reads := _calls.get(threading.get_ident())):
+    if event != "open" or not (reads := reads_of_call.get()):
         return
     path, mode, flags = arguments
     if isinstance(path, (str, os.PathLike)):

@@ -303,8 +303,9 @@ class Node:
 
     def limit(self, timeout: float | None) -> float | None:
         """Return the seconds that a call may take in a run with that limit: the shorter of both."""
-        limits = (self.timeout, timeout)
-        return min((limit for limit in limits if limit is not None), default=None)
+        if self.timeout is None or timeout is None:
+            return self.timeout if timeout is None else timeout
+        return min(self.timeout, timeout)
 
     @property
     def defaults(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import struct
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property, lru_cache, partial
 from importlib import import_module
 from inspect import signature
@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from nodegraph.errors import NodegraphError
 from nodegraph.node.ports import Absent, Across
-from nodegraph.node.values import Value
+from nodegraph.node.values import Value, locked
 
 if TYPE_CHECKING:
     import numpy as np
@@ -838,6 +838,7 @@ class Packer:
         self._storage = _ByType(self._storage_of)
         self._ways = _ByType(lambda kind: way_of(kind, self._storage[kind]))
         self._lenders = _ByType(self._lender_of)
+        self._copiers = _ByType(self._copier_of)
         self._restorers = restorers(self._storages, packages)
 
     def pack(self, value: Any) -> Packed:
@@ -919,15 +920,8 @@ class Packer:
         Unreadable
             If it cannot be put together again.
         """
-        if isinstance(value, (float, int, str)):
-            return value
-        try:
-            packed = self.pack(value)
-        except Unstorable:
-            return self.lend(value)
-        if not packed.faithful:
-            return self.lend(value)
-        return self.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
+        copier = self._copiers[type(value)]
+        return value if copier is None else copier(value)
 
     def _storage_of(self, kind: type) -> Storage | None:
         return next((storage for storage in self._storages if issubclass(kind, storage.type)), None)
@@ -941,6 +935,33 @@ class Packer:
         if kind is tuple:
             return self._lend_each
         return _refuse_iterator if issubclass(kind, Iterator) else None
+
+    def _copier_of(self, kind: type) -> Callable[[Any], Any] | None:
+        if self._storage[kind] is not None:
+            return self._copy_packed
+        if issubclass(kind, (float, int, str, bytes, type(None), Path)):
+            return None
+        if kind is Across:
+            return self._copy_entries
+        return self._copy_array if is_numpys(kind) else self._copy_packed
+
+    def _copy_entries(self, gathered: Across[Any]) -> Across[Any]:
+        entries = tuple((labels, self.copy(value)) for labels, value in gathered)
+        return replace(gathered, entries=entries)
+
+    def _copy_array(self, array: Any) -> Any:
+        if array.dtype.hasobject or not array.flags.forc:
+            return self._copy_packed(array)
+        return locked(array.copy(order="K"))
+
+    def _copy_packed(self, value: Any) -> Any:
+        try:
+            packed = self.pack(value)
+        except Unstorable:
+            return self.lend(value)
+        if not packed.faithful:
+            return self.lend(value)
+        return self.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
 
     def _lend_each(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
         lent = tuple(map(self.lend, values))
