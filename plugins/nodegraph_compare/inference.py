@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from nodegraph_compare import studentised_range
 from nodegraph_compare.ties import ROUNDING
 
 if TYPE_CHECKING:
@@ -91,11 +92,9 @@ class Contrasts:
     @property
     def p(self) -> Numbers:
         """(..., K), adjusted for all pairs of the K methods; 1 for the reference."""
-        from scipy.stats import studentized_range
-
         sizes, place = np.unique(np.abs(self.ratio), return_inverse=True)
-        p = studentized_range.sf(np.sqrt(2) * sizes, self.d.shape[-1], self._pooled_freedom)
-        return np.asarray(np.clip(p, 0.0, 1.0)[place].reshape(self.mean.shape))
+        p = studentised_range.survival(np.sqrt(2) * sizes, self.d.shape[-1], self._pooled_freedom)
+        return np.asarray(p[place].reshape(self.mean.shape))
 
     @property
     def p_alone(self) -> Numbers:
@@ -254,9 +253,7 @@ def range_quantile(methods: int, freedom: float) -> float:
 
     The 95 % quantile of the studentised range, over sqrt(2): of two means, Student's quantile.
     """
-    from scipy.stats import studentized_range
-
-    return float(studentized_range.ppf(CONFIDENCE, methods, freedom) / np.sqrt(2))
+    return studentised_range.quantile(LEVEL, methods, freedom) / float(np.sqrt(2))
 
 
 @lru_cache(maxsize=256)

@@ -11,6 +11,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import LEVEL, range_quantile
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.statistics import holm, rank_biserial, signed_rank
+from nodegraph_compare.studentised_range import survival
 from nodegraph_compare.table.sensitivity import COMMON, WORST, rule_text
 from nodegraph_compare.ties import apart
 from nodegraph_compare.units import units_of
@@ -267,12 +268,9 @@ def _pairs(signed: NDArray[np.float64], ranks: NDArray[np.float64], test: PairTe
 
 
 def _nemenyi(differences: NDArray[np.float64], blocks: int, methods: int) -> NDArray[np.float64]:
-    from scipy.stats import studentized_range
-
     sizes, place = np.unique(differences, return_inverse=True)
     ratio = sizes / _unit(blocks, methods) * np.sqrt(2)
-    p = studentized_range.sf(ratio, methods, np.inf)
-    return np.asarray(np.clip(p, 0.0, 1.0)[place])
+    return np.asarray(survival(ratio, methods, np.inf)[place])
 
 
 def _unit(blocks: int, methods: int) -> float:
