@@ -14,7 +14,15 @@ from nodegraph.errors import (
 )
 from nodegraph.node.declaration import Declared
 from nodegraph.node.decorator import node
-from nodegraph.node.live_form import FrameForm, LiveState, StateForm, Window, WindowForm
+from nodegraph.node.live_form import (
+    FrameForm,
+    LiveState,
+    RunningForm,
+    RunningState,
+    StateForm,
+    Window,
+    WindowForm,
+)
 from nodegraph.node.ports import (
     Absent,
     Across,
@@ -33,6 +41,7 @@ if TYPE_CHECKING:
     from nodegraph.api import load, run
     from nodegraph.kernels import kernel
     from nodegraph.live.forms import fold
+    from nodegraph.live.running import RunningNumbers
     from nodegraph.plugin.formats import formats
     from nodegraph.plugin.hook_types import (
         Command,
@@ -82,6 +91,9 @@ __all__ = [
     "Refusal",
     "Rendered",
     "Renderer",
+    "RunningForm",
+    "RunningNumbers",
+    "RunningState",
     "Sink",
     "Source",
     "StateForm",
@@ -113,6 +125,7 @@ _LATE = {
     "load": "nodegraph.api",
     "run": "nodegraph.api",
     "Frame": "nodegraph.plugin.streaming",
+    "RunningNumbers": "nodegraph.live.running",
     "Sink": "nodegraph.plugin.streaming",
     "Source": "nodegraph.plugin.streaming",
     "Streamable": "nodegraph.plugin.streaming",

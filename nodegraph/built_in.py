@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from nodegraph.plugin.hook_types import Renderer
 from nodegraph.plugin.hooks import hookimpl
-from nodegraph.plugin.streaming import Sink, Source
+from nodegraph.plugin.streaming import Sink, Source, Streamable
 
 
 @hookimpl
@@ -34,6 +35,22 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
     from nodegraph.live.files import FileSink
 
     return {"file": FileSink}
+
+
+@hookimpl
+def nodegraph_streamables() -> Iterable[Streamable]:
+    """Return how numbers that are current in every frame are split into frames."""
+    from nodegraph.live.running import STREAMABLE
+
+    return [STREAMABLE]
+
+
+@hookimpl
+def nodegraph_renderers() -> Iterable[Renderer]:
+    """Return how these numbers are written."""
+    from nodegraph.live.running import RENDERER
+
+    return [RENDERER]
 
 
 @hookimpl

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import nodegraph as ng
 from nodegraph import get_node
@@ -21,7 +23,7 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         "live",
         str(GRAPH),
         *("--source", "recording=replay:sample:face", "--sink", "still=file:{fill}.npz"),
-        *("--out", "live"),
+        *("--sink", "error=file:{fill}.csv", "--out", "live"),
         folder=tmp_path,
     )
     assert ended.status == 0, ended.err
@@ -37,10 +39,21 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         assert np.array_equal(streamed.present[15:], whole.present[15:])
         assert alike[15:].all()
 
+        # the score is kept current: after the last frame it is that of the run
+        rows = list(csv.DictReader((tmp_path / f"{fill}.csv").read_text().splitlines()))
+        errors = run["error"].at(fill=fill)
+        for name, column in (("rmse", "rmse (mm)"), ("max", "max (mm)"), ("jump", "jump (mm)")):
+            last = counts["running"][f"error(fill={fill})"][name]
+            assert float(rows[-1][column]) == last
+            assert last == pytest.approx(errors[name].mean(), rel=1e-9)
+        assert len(rows) == 600
+        assert float(rows[-1]["gaps"]) == len(errors) > float(rows[300]["gaps"])
+
 
 def test_on_a_stream_it_is_two_frames_behind(studies: Studies, tmp_path: Path) -> None:
     ended = studies.command("check", str(GRAPH), "--live", "60", folder=tmp_path)
     paths = [line for line in ended.out.splitlines() if line.startswith("points > ")]
-    assert len(paths) == len(FILLS)
-    assert all("33" in line for line in paths), ended.out
-    assert "not on the stream: error" in ended.out
+    milliseconds = ["16.7" if "error" in line else "33.3" for line in paths]
+    assert len(paths) == 2 * len(FILLS)
+    assert all(figure in line for figure, line in zip(milliseconds, paths, strict=True)), ended.out
+    assert "not on the stream: table" in ended.out

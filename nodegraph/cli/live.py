@@ -141,6 +141,13 @@ def _summary(counts: Counts) -> Iterator[str]:
         yield f"{sink}: {counts.written[sink]} frames" + (f", {unsent} unsent" if unsent else "")
     for what, causes in (("refused", counts.refused), ("warned", counts.warnings)):
         yield from (f"{what} {count} times: {text}" for text, count in causes)
+    by_columns: dict[tuple[str, ...], list[tuple[str, ...]]] = {}
+    for name, latest in counts.running.items():
+        current = latest.as_json().values()
+        texts = ("-" if number is None else f"{number:.4g}" for number in current)
+        by_columns.setdefault(tuple(latest.header.columns), []).append((name, *texts))
+    for head, rows in by_columns.items():
+        yield columns([("after the last frame", *head), *rows])
     milliseconds = counts.latencies.milliseconds()
     if milliseconds:
         head = tuple(milliseconds)

@@ -7,6 +7,8 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from nodegraph.live.running import Latest
+
 _BITS = 5
 """Latencies are counted in steps of 1/32 of their size, in memory that does not grow."""
 QUANTILES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999}
@@ -101,6 +103,8 @@ class Counts:
         What nodes warned of.
     written, unsent : Counter of str
         Frames that each sink took, and those that it could not.
+    running : mapping of step to Latest
+        The numbers that are kept current, since the stream began or began anew.
     latencies : Latencies
         From the arrival of a frame until every sink has what can be computed with it. Counting
         begins when all that arrived while the stream was being opened has been worked off.
@@ -119,6 +123,7 @@ class Counts:
     warnings: Causes = field(default_factory=Causes)
     written: Counter[str] = field(default_factory=Counter)
     unsent: Counter[str] = field(default_factory=Counter)
+    running: dict[str, Latest] = field(default_factory=dict)
     latencies: Latencies = field(default_factory=Latencies)
 
     def as_json(self) -> Mapping[str, Any]:
@@ -130,6 +135,7 @@ class Counts:
             "warnings": self.warnings.as_json(),
             "written": dict(self.written),
             "unsent": dict(self.unsent),
+            "running": {name: latest.as_json() for name, latest in self.running.items()},
             "latency_ms": self.latencies.milliseconds(),
         }
 

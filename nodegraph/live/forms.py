@@ -10,8 +10,16 @@ import numpy as np
 
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.execute.call import values_of
+from nodegraph.live.running import RunningStream
 from nodegraph.node.decorator import Node
-from nodegraph.node.live_form import FrameForm, LiveState, StateForm, Window, WindowForm
+from nodegraph.node.live_form import (
+    FrameForm,
+    LiveState,
+    RunningForm,
+    StateForm,
+    Window,
+    WindowForm,
+)
 from nodegraph.plugin.formats import current_registry
 from nodegraph.plugin.streaming import Streamable
 
@@ -57,6 +65,8 @@ def live_state(
         (header,) = headers.values()
         return _WindowState(node.live, header, {**values, **settings}, settings)
     assert node.live is not None
+    if isinstance(node.live, RunningForm):
+        return RunningStream(node.live, node.live.state(**headers, **values, **settings))
     return node.live.state(**headers, **values, **settings)
 
 

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args, get_origin
 from nodegraph.errors import NodegraphError, Place, Problems, listed, nearest
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.node.decorator import Node
-from nodegraph.node.live_form import StateForm
+from nodegraph.node.live_form import RunningForm, StateForm
 from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Plan, Step, plan
 
@@ -70,6 +70,15 @@ class LivePlan:
         """The steps that are computed once, before the stream begins."""
         needed = {output.step for step in self.steps for output in step.values.values()}
         return tuple(self.plan.steps[index] for index in sorted(needed))
+
+    @property
+    def running(self) -> Mapping[Output, RunningForm]:
+        """The outputs in whose place numbers are kept current."""
+        return {
+            Output(live.step.index, 0): form
+            for live in self.steps
+            if isinstance(form := live.step.method.node.live, RunningForm)
+        }
 
     def paths(self) -> Iterator[tuple[LiveStep, ...]]:
         """Yield for each step that no other reads the slowest way to it from the source."""
@@ -369,13 +378,12 @@ class _Planner:
         return ""
 
     def _has_frames(self, feed: Output | Gathered) -> bool:
-        """Whether what feeds a port is of a type that is split into frames."""
+        """Whether what feeds a port is of a type that is split into frames, and given as such."""
+        nodes = [(self._plan.steps[each.step].method.node, each.position) for each in _read(feed)]
         return all(
-            issubclass(
-                self._plan.steps[output.step].method.node.outputs[output.position].type,
-                self._streamable,
-            )
-            for output in _read(feed)
+            issubclass(node.outputs[position].type, self._streamable)
+            and not isinstance(node.live, RunningForm)
+            for node, position in nodes
         )
 
     def _unavailable(self, output: Output) -> str:

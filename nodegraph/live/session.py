@@ -39,6 +39,7 @@ from nodegraph.live.engine import Engine, Tap
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.packets import PacketWriter
 from nodegraph.live.plan import LivePlan, live_plan
+from nodegraph.live.running import Latest
 from nodegraph.plan import Output, plan
 from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.loading import error_text
@@ -180,6 +181,9 @@ class Session:
     ) -> None:
         self.counts = Counts()
         self.plan = plan
+        self._latest = {output: Latest(form.numbers) for output, form in plan.running.items()}
+        for output, latest in self._latest.items():
+            self.counts.running[plan.plan.steps[output.step].name] = latest
         self._values = values
         self._source = source
         self._address = address
@@ -249,6 +253,7 @@ class Session:
 
     def _new_engine(self) -> Engine:
         taps = [Tap(outlet.output, partial(outlet.write, self.counts)) for outlet in self._outlets]
+        taps += [Tap(output, latest.receive) for output, latest in self._latest.items()]
         return Engine(self.plan, self._header, self._values, taps, self.counts.refused)
 
     def _receive(self) -> None:

@@ -24,7 +24,7 @@ from typing import (
 
 from nodegraph.errors import NodeError
 from nodegraph.node.declaration import UNDECLARED, Declaration, Ends, LookAhead, Undeclared
-from nodegraph.node.live_form import FrameForm, LiveForm, StateForm, WindowForm
+from nodegraph.node.live_form import FrameForm, LiveForm, RunningForm, StateForm, WindowForm
 from nodegraph.node.ports import (
     Across,
     ColumnOf,
@@ -84,7 +84,8 @@ def node(
         ends of a gap; or a function of the settings that returns it.
     live
         How the node computes frame by frame, so that a stream gives what the whole take gives:
-        ``"frame"`` if its function, called with one frame, does; a `WindowForm` or a `StateForm`.
+        ``"frame"`` if its function, called with one frame, does; a `WindowForm` or a `StateForm`;
+        a `RunningForm` for a node that computes one value of a whole take.
         Omitted by nodes that need the whole take.
     deprecated
         What to use instead, for a node that another replaces: ``"use fill.new"``. The node works
@@ -292,6 +293,8 @@ class Node:
                 f"{self.name}: its live form streams {', '.join(unknown) or 'its first port'}; "
                 f"its ports are {ports}"
             )
+        if isinstance(self.live, RunningForm) and self.splits:
+            raise NodeError(f"{self.name}: has several outputs; a RunningForm is for one")
         if self.timeout is not None and not 0 < self.timeout < math.inf:
             raise NodeError(f"{self.name}: timeout is {self.timeout!r}; it must be seconds above 0")
         defaults = self.defaults
@@ -349,6 +352,8 @@ class Node:
             declared = self._frames("after", self.live.after, settings)
         elif isinstance(self.live, StateForm):
             declared = self._frames("lookahead", self.live.lookahead, settings)
+        elif isinstance(self.live, RunningForm):
+            declared = 0
         if declared is UNDECLARED:
             declared = self.lookahead(settings)
         return 0 if declared is UNDECLARED else declared

@@ -12,7 +12,7 @@ from typing import Any
 from nodegraph.errors import NodeError
 from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, Setting
-from nodegraph.node.live_form import StateForm
+from nodegraph.node.live_form import RunningForm, StateForm
 
 FILE, COLUMN, TEXT, NAME = "FILE", "COLUMN", "TEXT", "NAME"
 """Values in an example that only the reader can know."""
@@ -100,9 +100,12 @@ def describe_declaration(
 def describe_departure(node: Node) -> str:
     """Return how a stream's result differs from that of the whole take; empty if it does not."""
     form = node.live
-    if not isinstance(form, StateForm):
+    if isinstance(form, RunningForm):
+        phrases = [f"keeps {', '.join(form.numbers)} of the frames so far current"]
+    elif isinstance(form, StateForm):
+        phrases = [f"leaves {form.leaves} missing"] if form.leaves else []
+    else:
         return ""
-    phrases = [f"leaves {form.leaves} missing"] if form.leaves else []
     if form.tolerance:
         phrases.append(f"numbers within {form.tolerance:g} of those of the whole take")
     return ", ".join(phrases)

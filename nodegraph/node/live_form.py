@@ -1,9 +1,12 @@
-"""How a node computes frame by frame: by its own function, from a window, or with a state."""
+"""How a node computes frame by frame: by its own function, from a window, or with a state.
+
+A node that computes one value of a whole take, such as a score, keeps numbers of it current.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
 from nodegraph.node.declaration import UNDECLARED, LookAhead
@@ -147,4 +150,65 @@ class StateForm:
     tolerance: float = 0.0
 
 
-LiveForm = FrameForm | WindowForm | StateForm
+class RunningState(Protocol):
+    """What keeps the numbers of a `RunningForm` current, made for one stream as a `LiveState`."""
+
+    def push(self, *args: Any, **kwargs: Any) -> Any:
+        """Take the next frame and return the numbers of all frames so far.
+
+        Parameters
+        ----------
+        *args
+            The payload at each port of `streams`, None for an open one. They are read-only.
+
+        Returns
+        -------
+        (K,) array of float64
+            In the order of `RunningForm.numbers`, NaN for one that nothing is known of yet.
+        """
+
+
+@dataclass(frozen=True)
+class RunningForm:
+    """A class that keeps numbers current, for a node that computes one value of a whole take.
+
+    A score of a take has no frames, but its mean error is known after each. On a stream the node
+    gives these numbers in place of its output: after every frame they are what the function would
+    give of a take that ended there.
+
+    Attributes
+    ----------
+    state : callable
+        The class, see `RunningState`.
+    numbers : mapping of name to unit
+        What it gives: ``{"gaps": "", "rmse": "mm"}``.
+    summary : callable
+        ``summary(value)`` returns the same numbers of what the function gives of a whole take.
+    streams : tuple of str
+        Ports that take frames; by default the first. All others take whole values.
+    tolerance : float
+        By how much a number may differ from the function's, relative to its size.
+
+    Examples
+    --------
+    >>> class MeanError:
+    ...     def __init__(self, estimate, truth):
+    ...         self.sum, self.count = 0.0, 0
+    ...     def push(self, estimate, truth):
+    ...         self.sum += np.abs(estimate.positions - truth.positions).mean()
+    ...         self.count += 1
+    ...         return np.array([self.sum / self.count])
+    >>> form = RunningForm(
+    ...     MeanError, numbers={"mean": "mm"}, summary=lambda table: table["mean"],
+    ...     streams=("estimate", "truth"), tolerance=1e-12,
+    ... )
+    """
+
+    state: Callable[..., RunningState]
+    numbers: Mapping[str, str] = field(hash=False)
+    summary: Callable[[Any], Iterable[float]]
+    streams: tuple[str, ...] = ()
+    tolerance: float = 0.0
+
+
+LiveForm = FrameForm | WindowForm | StateForm | RunningForm

@@ -15,7 +15,7 @@ import numpy as np
 from nodegraph.equality import difference
 from nodegraph.errors import Refusal
 from nodegraph.live.forms import header_of, live_state, rows_of, streamable_of
-from nodegraph.node.live_form import FrameForm, LiveState, StateForm
+from nodegraph.node.live_form import FrameForm, LiveForm, LiveState, RunningForm, StateForm
 from nodegraph.testing.trial import Trial
 
 Row = tuple[Any, ...]
@@ -125,10 +125,7 @@ class _Stream:
         for port, value in zip(node.outputs, streamed, strict=True):
             if value is None:
                 continue
-            whole = outputs[port.name]
-            if isinstance(node.live, StateForm) and (node.live.leaves or node.live.tolerance):
-                whole = _departing(value, whole, node.live)
-            if changed := difference(value, whole, name=port.name):
+            if changed := _difference(node.live, value, outputs[port.name], port.name):
                 self._trial.add_fault(_DIFFERS, f"{what}: {changed}")
                 return False
         return True
@@ -185,6 +182,20 @@ class _Stream:
 
     def _state(self) -> LiveState:
         return live_state(self._trial.node, self._headers, self._rest, self._settings)
+
+
+def _difference(form: LiveForm | None, streamed: Any, whole: Any, name: str) -> str:
+    """Return where a stream's result is not that of the whole take, beyond what a form declares."""
+    if isinstance(form, RunningForm):
+        streamed = streamed.values[-1:]  # nothing of a stream without frames
+        numbers = np.array([list(form.summary(whole))][: len(streamed)], dtype=np.float64)
+        if streamed.shape == numbers.shape:
+            near = np.abs(streamed - numbers) <= form.tolerance * np.abs(numbers)
+            streamed = np.where(near, numbers, streamed)
+        return difference(streamed, numbers, name=name)
+    if isinstance(form, StateForm) and (form.leaves or form.tolerance):
+        whole = _departing(streamed, whole, form)
+    return difference(streamed, whole, name=name)
 
 
 def _departing(streamed: Any, whole: Any, form: StateForm) -> Any:

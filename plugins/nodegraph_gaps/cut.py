@@ -65,7 +65,8 @@ def cut(
     markers, so that all methods face the same gaps.
     Events are drawn one after the other among the places that are still free. Where chance has
     left too little room for all of them, they are drawn instead from a dense packing, which
-    begins at the take's start.
+    begins at the take's start. All this needs the whole take: on a stream, `gaps.dropout` hides
+    samples as they arrive.
 
     With `pattern` occlusion, events come in bursts: 8 on average (geometric), each around one of
     four neighbours, at times that are normal around the burst's middle with a standard deviation

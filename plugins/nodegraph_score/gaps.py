@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from nodegraph import Columns, Truth, node
-from nodegraph_mocap import Mask, Table, Trajectories
+from nodegraph import Columns, Refusal, RunningForm, Truth, node
+from nodegraph_mocap import MarkerFrame, Mask, Origin, Table, Trajectories
 from nodegraph_mocap.suspect import impulses
-from nodegraph_score.hidden_errors import hidden_errors
+from nodegraph_score.hidden_errors import columns, hidden_errors
 from nodegraph_tables import BetterEnd, TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -32,7 +32,53 @@ UNITS = {
 BETTER: dict[str, BetterEnd] = {"start": "none", "frames": "none", "filled": "higher"}
 
 
-@node("score.gaps")
+_RUNNING = {"gaps": "", **{name: UNITS[name] for name in ("filled", "rmse", "mae", "max", "jump")}}
+
+
+class _Stream:
+    """The means over the gaps so far."""
+
+    def __init__(self, estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
+        hidden_errors(estimate, truth, hidden)  # that the markers are the same
+        self._of_estimate = np.array(columns(estimate.markers, truth.markers), dtype=np.intp)
+        self._of_hidden = np.array(columns(hidden.markers, truth.markers), dtype=np.intp)
+        self._markers = truth.markers
+        self._open = np.zeros((len(truth.markers), 8))
+        self._closed = np.zeros(8)
+
+    def push(
+        self, estimate: MarkerFrame, truth: MarkerFrame, hidden: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
+        from nodegraph_score import gaps_kernel
+
+        known = truth.origin != Origin.MISSING
+        for column in np.flatnonzero(hidden[self._of_hidden] & ~known):
+            raise Refusal(f"marker {self._markers[column]!r}: hidden, but the truth has no sample")
+        return gaps_kernel.advance(
+            self._open,
+            self._closed,
+            estimate.positions,
+            truth.positions,
+            hidden,
+            self._of_estimate,
+            self._of_hidden,
+        )
+
+
+def _means_over_gaps(table: Table) -> list[float]:
+    return [len(table), *(table[name].mean() for name in _RUNNING if name != "gaps")]
+
+
+@node(
+    "score.gaps",
+    live=RunningForm(
+        _Stream,
+        numbers=_RUNNING,
+        summary=_means_over_gaps,
+        streams=("estimate", "truth", "hidden"),
+        tolerance=1e-9,  # sums are in the order of frames
+    ),
+)
 def gaps(
     estimate: Trajectories, truth: Truth[Trajectories], hidden: Mask
 ) -> Annotated[Table, Columns("gap", "marker", *UNITS, "suspect")]:
@@ -73,6 +119,9 @@ def gaps(
     one that lasts two frames or more is not recognized. How many gaps have one is in the notes.
 
     Markers are matched by name.
+
+    On a stream the means of `filled`, `rmse`, `mae`, `max` and `jump` over the gaps so far are
+    kept current, a gap that is still open with the samples that it has so far.
 
     Parameters
     ----------

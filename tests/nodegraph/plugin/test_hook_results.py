@@ -12,7 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph import Comparison, Conclusion, NodegraphError, Rendered, Renderer, Storage, node
+from nodegraph import (
+    Comparison,
+    Conclusion,
+    NodegraphError,
+    Rendered,
+    Renderer,
+    RunningNumbers,
+    Storage,
+    node,
+)
 from nodegraph.plugin.guards import PluginError
 from nodegraph.plugin.registry import Registry
 
@@ -57,7 +66,7 @@ def test_the_results_of_all_plugins_are_put_together(install: Install, tmp_path:
     ).hooks
     assert set(hooks.bibtex) == {"@misc{a}", "@misc{b}"}
     assert hooks.graphs == {"fill": Path("x/fill.yaml")}
-    assert [renderer.type for renderer in hooks.renderers] == [float]
+    assert [renderer.type for renderer in hooks.renderers] == [float, RunningNumbers]
     assert hooks.place("sample:face") == tmp_path / "face"
     assert hooks.place("other:face") is None
     assert hooks.place("face.c3d") is None
@@ -99,7 +108,7 @@ def test_a_hook_that_fails_is_named_and_the_rest_goes_on(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         assert hooks.bibtex == ("@misc{b}",)
-        assert [renderer.type for renderer in hooks.renderers] == [float]
+        assert [renderer.type for renderer in hooks.renderers] == [float, RunningNumbers]
         assert hooks.graphs == {"fill": Path("x/fill.yaml")}
         assert hooks.templates == {"lips": Path("lips")}
     (warning,) = caught

@@ -8,7 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph import FrameForm, StateForm, Truth, Window, WindowForm, fold, node
+from nodegraph import (
+    FrameForm,
+    Refusal,
+    RunningForm,
+    StateForm,
+    Truth,
+    Window,
+    WindowForm,
+    fold,
+    node,
+)
 from nodegraph.testing import check_node
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
@@ -99,7 +109,39 @@ def shift(recording: Trajectories, truth: Truth[Trajectories]) -> Trajectories:
     return recording.with_samples(positions, changed=missing, origin=Origin.FILLED)
 
 
-@pytest.mark.parametrize("function", [mean, hold_with(Delayed), shift])
+class Missing:
+    """The share of samples missing so far."""
+
+    def __init__(self, recording: Trajectories) -> None:
+        self.missing = self.samples = 0
+
+    def push(self, frame: Frame) -> np.ndarray[Any, Any]:
+        self.missing += int(np.count_nonzero(frame.origin == Origin.MISSING))
+        self.samples += len(frame.origin)
+        return np.array([self.missing / self.samples])
+
+
+class SkipsFrames(Missing):
+    def push(self, frame: Frame) -> np.ndarray[Any, Any]:
+        if (frame.origin == Origin.MISSING).all():
+            return np.array([self.missing / max(self.samples, 1)])
+        return super().push(frame)
+
+
+def missing_with(state: Function) -> Function:
+    form = RunningForm(state, numbers={"missing": "share"}, summary=lambda whole: [whole])
+
+    @node("live.missing", live=form)
+    def missing(recording: Trajectories) -> float:
+        """Return the share of missing samples."""
+        if not recording.present.size:
+            raise Refusal("there is no sample")
+        return float(np.mean(~recording.present))
+
+    return missing
+
+
+@pytest.mark.parametrize("function", [mean, hold_with(Delayed), shift, missing_with(Missing)])
 def test_good_live_forms_pass(function: Function) -> None:
     check_node(function)
 
@@ -160,6 +202,11 @@ def test_a_live_form_that_differs_from_the_whole_take_fails_with_the_reason(
 ) -> None:
     with pytest.raises(AssertionError, match=complaint):
         check_node(hold_with(cheat, lookahead))
+
+
+def test_running_numbers_are_those_of_a_take_that_ends_here() -> None:
+    with pytest.raises(AssertionError, match="another result than of the whole take"):
+        check_node(missing_with(SkipsFrames))
 
 
 class Leaves(Delayed):
