@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 from pydantic import Field
 
 from nodegraph import node
@@ -20,10 +21,8 @@ from nodegraph_track.follow import (
     live_form,
     lookahead,
 )
-from nodegraph_track.linking import assign
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -106,6 +105,8 @@ def assignment(
 def _link(
     tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float, fade: float
 ) -> Links:
+    from nodegraph_track import linking_kernel
+
     expected = tracks.led_by_velocity(frame, fade)
-    last, before = tracks.last, tracks.last - tracks.jump
-    return Links(expected, *assign(expected, points, gate, last, before))
+    in_turn = np.array([expected, tracks.last, tracks.last - tracks.jump])
+    return Links(expected, linking_kernel.assigned(in_turn, points, gate))

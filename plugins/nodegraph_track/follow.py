@@ -68,29 +68,16 @@ class OpenTracks(NamedTuple):
     length: NDArray[np.intp]
     opened: int
 
-    def some(self, which: NDArray[np.bool_]) -> OpenTracks:
-        """Return some of the tracks."""
-        return OpenTracks(
-            name=self.name[which],
-            place=self.place[which],
-            last=self.last[which],
-            jump=self.jump[which],
-            steps=self.steps[which],
-            seen=self.seen[which],
-            length=self.length[which],
-            opened=self.opened,
-        )
-
     def led_by_velocity(self, frame: int, fade: float) -> NDArray[np.float64]:
         """Return where velocity leads each track in a frame, (A, 3).
 
         The velocity is the median of the last three steps, coordinate by coordinate: one point
         gone astray does not change it. It is multiplied by `fade` for every frame without a point.
         """
-        from nodegraph_track import motion_kernel
+        from nodegraph_track import linking_kernel
 
         absent = frame - 1 - self.seen
-        carried = motion_kernel.carried_by_velocity(self.place, self.steps, absent, fade)
+        carried = linking_kernel.carried_by_velocity(self.place, self.steps, absent, fade)
         return np.asarray(carried)
 
 
@@ -113,12 +100,11 @@ class Links(NamedTuple):
     ----------
     predicted : (A, 3) array of float64
         Where each open track is, if it gets no point.
-    track, point : (L,) arrays of int
-        Which open track takes which point of the frame; none twice.
+    point : (A,) array of int
+        Which point of the frame each open track takes, none twice; -1 for none.
     """
 
     predicted: NDArray[np.float64]
-    track: NDArray[np.intp]
     point: NDArray[np.intp]
 
 
@@ -244,7 +230,7 @@ class _Tracker:
         self._method, self._gate = method, gate
         self._patience, self._shortest = patience, shortest
         self._tracks = tracks
-        self._known = len(tracks.name)
+        self._is_known = len(tracks.name) > 0
         self._frame = 0
 
     @staticmethod
@@ -263,16 +249,13 @@ class _Tracker:
         """
         from nodegraph_track import tracks_kernel
 
-        links = self._method(self._tracks, points, self._frame, self._gate)
+        predicted, of_track = self._method(self._tracks, points, self._frame, self._gate)
+        limits = self._patience, self._shortest, self._is_known
         state = tracks_kernel.next_tracks(
-            self._tracks, links, points, self._frame, self._patience, self._shortest, owner
+            self._tracks, predicted, of_track, points, self._frame, *limits, owner
         )
         self._tracks = OpenTracks(*state)
         self._frame += 1
-        if self._known:
-            known = self._tracks.name < self._known
-            self._tracks = self._tracks.some(known)._replace(opened=self._known)
-            owner[owner >= self._known] = -1
 
 
 def _tracks_of(reference: Trajectories) -> OpenTracks:
@@ -397,13 +380,14 @@ class _Stream:
         )
 
     def push(self, points: NDArray[np.float64]) -> MarkerFrame:
-        points = points[_order(points, np.zeros(len(points), dtype=np.intp))]
+        from nodegraph_track import tracks_kernel
+
+        points = tracks_kernel.in_order(points)
         owner = np.empty(len(points), dtype=np.intp)
         self._tracker.link(points, owner)
         positions = np.full((len(self.header.markers), 3), np.nan)
-        positions[owner[owner >= 0]] = points[owner >= 0]
-        missing = np.isnan(positions[:, 0])
-        origin = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
+        origin = np.full(len(positions), Origin.MISSING, dtype=np.uint8)
+        tracks_kernel.place(points, owner, positions, origin, int(Origin.MEASURED))
         return MarkerFrame(positions, origin)
 
     def drain(self) -> Iterable[MarkerFrame]:

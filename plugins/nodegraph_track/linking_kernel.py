@@ -5,7 +5,7 @@ A kernel calls only kernels of its own file: numba's cache notices an edit of no
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     Integers = NDArray[np.intp]
 
 compiled = kernel()
+
+_FARTHEST = 1.7e308
+"""Squared mm that are still no infinity."""
 
 
 @compiled
@@ -98,23 +101,20 @@ def pairs_within(
 
 
 @compiled
-def nearest_first(start: Integers, point: Integers, order: Integers, points: int) -> Integers:
-    """Return the point of each place, (A,), -1 for none, when pairs are linked in some order.
+def nearest_first(places: Floats, points: Floats, gate: float) -> Integers:
+    """Return the point of each place, (A,), -1 for none: the nearest pair of all first, and so on.
 
     Parameters
     ----------
-    start, point
-        Pairs; see `pairs_within`.
-    order : (K,) array of int
-        Which pair comes first, second, ...; it is linked if its place and point still are free.
-    points
-        How many there are.
+    places, points, gate
+        As for `pairs_within`.
     """
-    place, of_place = np.empty(len(point), np.int64), np.full(len(start) - 1, -1)
-    for row in range(len(of_place)):
+    of_place, free = np.full(len(places), -1), np.ones(len(points), np.bool_)
+    start, point, squared = pairs_within(places, points, gate, of_place < 0, free)
+    place = np.empty(len(point), np.int64)
+    for row in range(len(places)):
         place[start[row] : start[row + 1]] = row
-    free = np.ones(points, np.bool_)
-    for pair in order:
+    for pair in np.argsort(squared, kind="mergesort"):
         if of_place[place[pair]] < 0 and free[point[pair]]:
             of_place[place[pair]] = point[pair]
             free[point[pair]] = False
@@ -125,26 +125,107 @@ def nearest_first(start: Integers, point: Integers, order: Integers, points: int
 def assigned(in_turn: Floats, points: Floats, gate: float) -> Integers:
     """Return the point of each place by which the links are cheapest, (A,), -1 for none.
 
+    Minimizes the sum of the squared distances of all links plus ``gate**2`` for each place that
+    gets no point.
+
     Parameters
     ----------
     in_turn : (S, A, 3) array of float64
-        The places; then where those that got no point are looked for among the points left.
+        The places; then where those that got no point are looked for among the points left, in the
+        same way.
     points, gate
         As for `pairs_within`.
     """
     of_place, free = np.full(in_turn.shape[1], -1), np.ones(len(points), np.bool_)
     for turn in range(len(in_turn)):
-        wanting = of_place < 0
-        if wanting.any() and free.any():
-            start, point, squared = pairs_within(in_turn[turn], points, gate, wanting, free)
-            # Beyond any gate: more than all links together.
-            alone = gate * gate if np.isfinite(gate) else 1.0 + squared.sum()
-            partners = cheapest(start, point, squared, len(points), alone)
-            for row in range(len(partners)):
-                if 0 <= partners[row] < len(points):
-                    of_place[row] = partners[row]
-                    free[partners[row]] = False
+        _assign(in_turn[turn], points, gate, of_place, free)
     return of_place
+
+
+@compiled
+def _assign(places: Floats, points: Floats, gate: float, of_place: Integers, free: Flags) -> None:
+    """Give free points to the places without one, and write both."""
+    wanting = of_place < 0
+    if not (wanting.any() and free.any()):
+        return
+    start, point, squared = pairs_within(places, points, gate, wanting, free)
+    if _take_nearest(start, point, squared, of_place, free):
+        return
+    # Beyond any gate: more than all links together.
+    alone = gate * gate if np.isfinite(gate) else 1.0 + squared.sum()
+    partners = cheapest(start, point, squared, len(points), alone)
+    for row in range(len(partners)):
+        if 0 <= partners[row] < len(points):
+            of_place[row] = partners[row]
+            free[partners[row]] = False
+
+
+@compiled
+def _take_nearest(
+    start: Integers, point: Integers, squared: Floats, of_place: Integers, free: Flags
+) -> bool:
+    """Give each place its nearest point if no two places have the same; return whether it is so.
+
+    No links can be cheaper, since none of a place is. `cheapest` finds the same ones.
+    """
+    for row in range(len(of_place)):
+        if start[row] == start[row + 1]:
+            continue
+        best = start[row]
+        for pair in range(best + 1, start[row + 1]):
+            if squared[pair] < squared[best]:
+                best = pair
+        if not free[point[best]]:
+            for earlier in range(row):  # as it was
+                if start[earlier] < start[earlier + 1]:
+                    free[of_place[earlier]] = True
+                    of_place[earlier] = -1
+            return False
+        of_place[row] = point[best]
+        free[point[best]] = False
+    return True
+
+
+@compiled
+def assigned_by_neighbours(
+    tracks: Any, points: Floats, frame: int, gate: float, rounds: int, near: Integers
+) -> tuple[Floats, Integers]:
+    """Return where the neighbours' motion leads each track, (A, 3), and its point; -1 for none.
+
+    Parameters
+    ----------
+    tracks
+        See `nodegraph_track.follow.OpenTracks`.
+    points, gate
+        As for `pairs_within`.
+    frame
+    rounds
+        How often motion and links are found from each other, at most.
+    near : (A, N) array of int
+        Written; see `carried_by_neighbours`.
+    """
+    seen = tracks.seen == frame - 1
+    alone = carried_by_velocity(tracks.place, tracks.steps, frame - 1 - tracks.seen, 0.0)
+    expected = alone.copy()
+    expected[~seen] = np.nan
+    of_place, free = np.full(len(alone), -1), np.ones(len(points), np.bool_)
+    of_seen, settled = of_place, False
+    for count in range(rounds):
+        of_place, free = np.full(len(alone), -1), np.ones(len(points), np.bool_)
+        _assign(expected, points, gate, of_place, free)
+        before, of_seen = of_seen, np.where(seen, of_place, -1)
+        settled = count > 0 and np.array_equal(before, of_seen)
+        if settled:
+            break
+        moved = np.flatnonzero(of_seen >= 0)
+        motion = points[of_seen[moved]] - tracks.place[moved]
+        expected = carried_by_neighbours(tracks.place, moved, motion, near, alone)
+    if not settled:
+        of_place, free = np.full(len(alone), -1), np.ones(len(points), np.bool_)
+        _assign(expected, points, gate, of_place, free)
+    _assign(alone, points, gate, of_place, free)
+    _assign(expected - tracks.jump, points, gate, of_place, free)
+    return expected, of_place
 
 
 @compiled
@@ -206,3 +287,148 @@ def _cheapest_open(columns: Integers, cost: Floats, done: Flags) -> int:
         if not done[column] and (best < 0 or cost[column] < cost[best]):
             best = column
     return best
+
+
+@compiled
+def carried_by_velocity(place: Floats, steps: Floats, absent: Integers, fade: float) -> Floats:
+    """Return places moved by the median of their last steps, (A, 3).
+
+    Parameters
+    ----------
+    place : (A, 3) array of float64
+    steps : (A, 3, 3) array of float64
+        mm per frame between the last four points. The median is that of each coordinate.
+    absent : (A,) array of int
+        For how many frames no point was found.
+    fade
+        What is left of the velocity after each of these.
+    """
+    result = np.empty((len(place), 3))
+    for row in range(len(place)):
+        left = fade ** float(absent[row])
+        for axis in range(3):
+            first, second, third = steps[row, 0, axis], steps[row, 1, axis], steps[row, 2, axis]
+            median = max(min(first, second), min(max(first, second), third))
+            result[row, axis] = place[row, axis] + left * median
+    return result
+
+
+@compiled
+def carried_by_neighbours(
+    place: Floats, moved: Integers, motion: Floats, near: Integers, otherwise: Floats
+) -> Floats:
+    """Return places moved by the median motion of their nearest neighbours, (A, 3).
+
+    Parameters
+    ----------
+    place : (A, 3) array of float64
+    moved : (L,) array of int
+        The places whose motion is known, each once.
+    motion : (L, 3) array of float64
+        mm.
+    near : (A, N) array of int
+        Which N places, at most, are the neighbours of each, itself not among them; written. At
+        first those of the frame before, by which the search is shorter, or the place itself.
+    otherwise : (A, 3) array of float64
+        Where a place without any neighbour is.
+    """
+    values = np.empty((near.shape[1], len(place), 3))
+    counts = _nearest_others(place, moved, near)
+    link_of = np.full(len(place), -1)
+    link_of[moved] = np.arange(len(moved))
+    for row in range(len(place)):
+        for rank in range(counts[row]):
+            link = link_of[near[row, rank]]
+            for axis in range(3):
+                values[rank, row, axis] = motion[link, axis]
+    result = otherwise.copy()
+    if len(counts) and counts.min() == len(values):
+        _sort_all(values.reshape(len(values), -1))
+    else:
+        for row in range(len(place)):
+            for axis in range(3):
+                _sort(values[: counts[row], row, axis])
+    for row in range(len(place)):
+        middle, other = counts[row] // 2, (counts[row] - 1) // 2
+        for axis in range(3 if counts[row] else 0):
+            median = (values[middle, row, axis] + values[other, row, axis]) / 2.0
+            result[row, axis] = place[row, axis] + median
+    return result
+
+
+@compiled
+def _nearest_others(place: Floats, moved: Integers, near: Integers) -> Integers:
+    """Write the nearest places that moved to each, and return how many, (A,).
+
+    Parameters
+    ----------
+    place, moved, near
+        As for `carried_by_neighbours`.
+    """
+    most, counts = near.shape[1], np.empty(len(place), np.int64)
+    link_of = np.full(len(place), -1)
+    link_of[moved] = np.arange(len(moved))
+    others, squared = place[moved], np.empty(len(moved))
+    x, y, z = others[:, 0].copy(), others[:, 1].copy(), others[:, 2].copy()
+    which, smallest = np.empty(len(moved) + 1, np.int64), np.empty(most)
+    for row in range(len(place)):
+        for link in range(len(moved)):
+            dx, dy, dz = x[link] - place[row, 0], y[link] - place[row, 1], z[link] - place[row, 2]
+            squared[link] = dx * dx + dy * dy + dz * dz
+        if link_of[row] >= 0:
+            squared[link_of[row]] = np.inf
+        # The nearest are no farther than the farthest of as many others.
+        farthest = 0.0
+        for rank in range(most):
+            link = link_of[near[row, rank]]
+            farthest = max(farthest, squared[link]) if link >= 0 else np.inf
+        farthest, count = min(farthest, _FARTHEST), 0
+        for link in range(len(moved)):  # without a branch, which could not be foreseen
+            which[count] = link
+            count += squared[link] <= farthest
+        if count > most:
+            count = _smallest(squared, which[:count], smallest)
+        near[row, :count] = moved[which[:count]]
+        near[row, count:] = row
+        counts[row] = count
+    return counts
+
+
+@compiled
+def _smallest(values: Floats, which: Integers, smallest: Floats) -> int:
+    """Put first which of some values are the smallest, the least first; return how many."""
+    count, most = 0, len(smallest)
+    for index in which:
+        value = values[index]
+        if count == most and value >= smallest[most - 1]:
+            continue
+        rank = min(count, most - 1)
+        count = rank + 1
+        while rank > 0 and smallest[rank - 1] > value:
+            smallest[rank], which[rank] = smallest[rank - 1], which[rank - 1]
+            rank -= 1
+        smallest[rank], which[rank] = value, index
+    return count
+
+
+@compiled
+def _sort_all(columns: Floats) -> None:
+    """Sort each of (N, C) columns, all at once: neighbours change places in N rounds."""
+    for turn in range(len(columns)):
+        for upper in range(turn % 2, len(columns) - 1, 2):
+            first, second = columns[upper], columns[upper + 1]
+            for column in range(columns.shape[1]):
+                above, below = first[column], second[column]
+                first[column] = above if above < below else below
+                second[column] = below if above < below else above
+
+
+@compiled
+def _sort(values: Floats) -> None:
+    """Sort a few values."""
+    for end in range(1, len(values)):
+        value, rank = values[end], end
+        while rank > 0 and values[rank - 1] > value:
+            values[rank] = values[rank - 1]
+            rank -= 1
+        values[rank] = value

@@ -16,7 +16,6 @@ from nodegraph_track.follow import (
     live_form,
     lookahead,
 )
-from nodegraph_track.linking import take_nearest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +23,9 @@ if TYPE_CHECKING:
 
 
 def _link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float) -> Links:
-    return Links(tracks.place, *take_nearest(tracks.place, points, gate))
+    from nodegraph_track import linking_kernel
+
+    return Links(tracks.place, linking_kernel.nearest_first(tracks.place, points, gate))
 
 
 @node("track.nearest", lookahead=lookahead, live=live_form(lambda: _link))

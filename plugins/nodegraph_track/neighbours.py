@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -13,7 +12,6 @@ from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.follow import (
     Gate,
     Links,
-    Method,
     OpenTracks,
     Patience,
     Shortest,
@@ -21,19 +19,33 @@ from nodegraph_track.follow import (
     live_form,
     lookahead,
 )
-from nodegraph_track.linking import assign
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from nodegraph_track.linking import Pairs
 
 MOST_ROUNDS = 8
 """How often motion and links are found from each other; two rounds nearly always settle them."""
 
 
-def _method(neighbours: int) -> Method:
-    return partial(_link, neighbours=neighbours)
+class _Method:
+    """Keeps the neighbours of the frame before, by which those of the next one are found sooner."""
+
+    def __init__(self, neighbours: int) -> None:
+        self._neighbours = neighbours
+        self._near = np.empty((0, 0), dtype=np.intp)
+
+    def __call__(
+        self, tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float
+    ) -> Links:
+        from nodegraph_track import linking_kernel
+
+        if len(self._near) != len(tracks.name):
+            own = np.arange(len(tracks.name))
+            self._near = np.repeat(own[:, None], min(self._neighbours, len(own)), axis=1)
+        rounds, near = MOST_ROUNDS, self._near
+        return Links(
+            *linking_kernel.assigned_by_neighbours(tracks, points, frame, gate, rounds, near)
+        )
 
 
 @node(
@@ -44,7 +56,7 @@ def _method(neighbours: int) -> Method:
         "motion, after Guenter et al. 1998"
     ),
     lookahead=lookahead,
-    live=live_form(_method),
+    live=live_form(_Method),
 )
 def neighbours(
     detections: Detections,
@@ -113,30 +125,5 @@ def neighbours(
     Trajectories
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
-    method = _method(neighbours)
+    method = _Method(neighbours)
     return follow(detections, reference, method, gate=gate, patience=patience, shortest=shortest)
-
-
-def _link(
-    tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: float, neighbours: int
-) -> Links:
-    from nodegraph_track.motion_kernel import carried_by_neighbours
-
-    seen = tracks.seen == frame - 1
-    alone = tracks.led_by_velocity(frame, fade=0.0)
-    expected = np.where(seen[:, None], alone, np.nan)
-    links: Pairs | None = None
-    for _ in range(MOST_ROUNDS):
-        before, links = links, _both(seen, *assign(expected, points, gate))
-        if before is not None and all(map(np.array_equal, before, links)):
-            break
-        track, point = links
-        motion, most = points[point] - tracks.place[track], min(neighbours, len(track))
-        expected = carried_by_neighbours(tracks.place, track, motion, most, alone)
-    return Links(expected, *assign(expected, points, gate, alone, expected - tracks.jump))
-
-
-def _both(seen: NDArray[np.bool_], track: NDArray[np.intp], point: NDArray[np.intp]) -> Pairs:
-    """Return the links of tracks that have a point in the frame before, too."""
-    chosen = seen[track]
-    return track[chosen], point[chosen]

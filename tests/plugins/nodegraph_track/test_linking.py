@@ -9,13 +9,27 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from nodegraph_track.linking import assign, take_nearest
+from nodegraph_track.linking_kernel import assigned, nearest_first
 
 
 def scene(seed: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     random = np.random.default_rng(seed)
     points = random.uniform(0, 4, (random.integers(0, 6), 3))
     return random.uniform(0, 4, (random.integers(0, 6), 3)), points[np.argsort(points[:, 0])]
+
+
+def assign(
+    places: NDArray[np.float64],
+    points: NDArray[np.float64],
+    gate: float,
+    *otherwise: NDArray[np.float64],
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    return pairs(assigned(np.array([places, *otherwise]), points, gate))
+
+
+def pairs(of_place: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    place = np.flatnonzero(of_place >= 0)
+    return place, of_place[place]
 
 
 def cost(squared: NDArray[np.float64], links: set[tuple[int, int]], gate: float) -> float:
@@ -97,5 +111,5 @@ def test_the_nearest_pair_is_linked_first(seed: int, gate: float) -> None:
         row, column = np.unravel_index(apart.argmin(), apart.shape)
         expected.add((int(row), int(column)))
         apart[row] = apart[:, column] = np.inf
-    place, point = take_nearest(places, points, gate)
+    place, point = pairs(nearest_first(places, points, gate))
     assert set(zip(place.tolist(), point.tolist(), strict=True)) == expected

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.assignment import assignment
-from nodegraph_track.motion_kernel import carried_by_neighbours
+from nodegraph_track.linking_kernel import carried_by_neighbours
 from nodegraph_track.neighbours import neighbours
 
 
@@ -59,8 +59,16 @@ def test_a_place_is_moved_by_the_median_motion_of_the_nearest_others(seed: int, 
     random = np.random.default_rng(seed)
     place, otherwise = random.normal(size=(2, random.integers(1, 15), 3))
     moved = np.flatnonzero(random.random(len(place)) < 0.7)
-    arguments = place, moved, random.normal(size=(len(moved), 3)), count, otherwise
-    assert carried_by_neighbours(*arguments) == pytest.approx(plain(*arguments))
+    motion = random.normal(size=(len(moved), 3))
+    expected = plain(place, moved, motion, count, otherwise)
+    near = np.repeat(np.arange(len(place))[:, None], count, axis=1)
+    for _ in range(2):  # the second time, by the neighbours of the first
+        result = carried_by_neighbours(place, moved, motion, near, otherwise)
+        assert result == pytest.approx(expected)
+    # and by those of other places
+    again = place[::-1].copy()
+    result = carried_by_neighbours(again, moved, motion, near, otherwise)
+    assert result == pytest.approx(plain(again, moved, motion, count, otherwise))
 
 
 def test_one_that_is_hidden_while_the_head_turns_is_found_where_its_neighbours_are() -> None:
