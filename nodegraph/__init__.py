@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     )
     from nodegraph.plugin.hooks import hookimpl
     from nodegraph.plugin.registry import get_node
-    from nodegraph.plugin.streaming import Frame, Sink, Source, Streamable
+    from nodegraph.plugin.streaming import Frame, LiveView, Sink, Source, Streamable
     from nodegraph.report.page import standalone_page
 
 __all__ = [
@@ -85,6 +85,7 @@ __all__ = [
     "Label",
     "LabelOf",
     "LiveState",
+    "LiveView",
     "NodeError",
     "NodegraphError",
     "Origin",
@@ -125,6 +126,7 @@ _LATE = {
     "load": "nodegraph.api",
     "run": "nodegraph.api",
     "Frame": "nodegraph.plugin.streaming",
+    "LiveView": "nodegraph.plugin.streaming",
     "RunningNumbers": "nodegraph.live.running",
     "Sink": "nodegraph.plugin.streaming",
     "Source": "nodegraph.plugin.streaming",

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_graph, add_store
@@ -15,6 +17,8 @@ from nodegraph.errors import NodegraphError
 if TYPE_CHECKING:
     from nodegraph.live.counts import Counts
     from nodegraph.live.plan import LivePlan
+    from nodegraph.live.session import Session
+    from nodegraph.serve.stream import StreamPage
 
 HELP = "Run a graph on a stream, frame by frame."
 RECORD = "live.json"
@@ -52,6 +56,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help=f"Folder for the counts, as {RECORD}."
     )
+    parser.add_argument(
+        "--open",
+        action="store_true",
+        help="Show the stream on a page in a browser while it runs, and how it has ended.",
+    )
     parser.add_argument("--json", action="store_true", help="Print the counts as JSON.")
     add_store(parser)
 
@@ -85,32 +94,55 @@ def live(arguments: Namespace) -> int:
     )
     for line in lines_on(session.plan):
         say(line)
-    error = None
-    try:
-        session.run()
-    except NodegraphError as failure:
-        if not session.counts.received:
-            raise
-        error = failure
-    content = json.dumps(
-        {
-            "graph": graph.title,
-            "source": arguments.source,
-            "sinks": arguments.sink,
-            "policy": arguments.policy,
-            "behind": {live.step.name: live.behind for live in session.plan.steps},
-            "cut_off": dict(session.plan.cut_off),
-            "error": error and str(error),
-            **session.counts.as_json(),
-        },
-        indent=2,
-    )
-    print(content if arguments.json else "\n".join(_summary(session.counts)))
-    if arguments.out:
-        write_file(arguments.out / RECORD, content.encode())
-    if error:
-        raise error
+    with _page_of(session, graph.title, arguments) as page:
+        error = None
+        try:
+            session.run()
+        except NodegraphError as failure:
+            if not session.counts.received:
+                raise
+            error = failure
+        content = json.dumps(
+            {
+                "graph": graph.title,
+                "source": arguments.source,
+                "sinks": arguments.sink,
+                "policy": arguments.policy,
+                "behind": {live.step.name: live.behind for live in session.plan.steps},
+                "cut_off": dict(session.plan.cut_off),
+                "error": error and str(error),
+                **session.counts.as_json(),
+            },
+            indent=2,
+        )
+        print(content if arguments.json else "\n".join(_summary(session.counts)))
+        if arguments.out:
+            write_file(arguments.out / RECORD, content.encode())
+        if error:
+            raise error
+        if page is not None and not session.is_stopped:
+            page.end()
+            say("the stream has ended; Ctrl-C ends its page")
+            with suppress(KeyboardInterrupt):
+                Event().wait()
     return 0
+
+
+@contextmanager
+def _page_of(session: Session, title: str, arguments: Namespace) -> Iterator[StreamPage | None]:
+    """Show a session on a page, if that was asked for."""
+    if not arguments.open:
+        yield None
+        return
+    from nodegraph.cli.browser import needing_pages, show
+
+    with needing_pages():
+        from nodegraph.serve.stream import StreamPage
+    facts = (Path(arguments.graph).name, arguments.source, f"policy {arguments.policy}")
+    with StreamPage(session, title, facts, say) as page:
+        say(f"{page.address}\nopen this address in one browser")
+        show(page.address)
+        yield page
 
 
 def lines_on(plan: LivePlan) -> Iterator[str]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
 from nodegraph.cli.arguments import add_plugin
+from nodegraph.cli.browser import needing_pages, show
 from nodegraph.cli.output import say
-from nodegraph.errors import NodegraphError
 
 HELP = "Show the report of runs in a browser, with every result behind it."
 _MORE = """\
@@ -60,22 +58,14 @@ def open(arguments: Namespace) -> int:
     """Serve runs until the user ends it."""
     from nodegraph.plugin.registry import Registry
 
-    try:
+    with needing_pages():
         from nodegraph.serve.server import serve
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] not in ("starlette", "uvicorn"):
-            raise
-        raise NodegraphError(
-            "the pages need starlette and uvicorn; pip install 'nodegraph[open]'"
-        ) from error
 
     def ready(address: str) -> None:
         print(address, flush=True)
         say("open this address in one browser; Ctrl-C ends it")
-        if arguments.browser and _has_display():
-            import webbrowser
-
-            webbrowser.open(address)
+        if arguments.browser:
+            show(address)
 
     serve(
         arguments.runs,
@@ -85,9 +75,3 @@ def open(arguments: Namespace) -> int:
         ready=ready,
     )
     return 0
-
-
-def _has_display() -> bool:
-    if sys.platform.startswith(("win", "darwin")):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -29,6 +29,16 @@ class Latencies:
         self._counts[size << _BITS | part] += 1
         self._longest = max(self._longest, nanoseconds)
 
+    def since(self, earlier: Latencies) -> Latencies:
+        """Return those that were counted after an earlier copy; their maximum is rounded up."""
+        later = Latencies()
+        later._counts = [
+            now - then for now, then in zip(self._counts, earlier._counts, strict=True)
+        ]
+        place = max((place for place, count in enumerate(later._counts) if count), default=-1)
+        later._longest = min(round(_upper(place)), self._longest) if place >= 0 else 0
+        return later
+
     def milliseconds(self) -> dict[str, float]:
         """Return quantiles and maximum, each at most 1/32 too large; nothing without latencies."""
         total = sum(self._counts)
@@ -42,10 +52,14 @@ class Latencies:
         for place, count in enumerate(self._counts):
             seen += count
             if count and seen >= rank:
-                size, part = place >> _BITS, place & ((1 << _BITS) - 1)
-                upper = ((1 << _BITS) + part + 1) * 2.0 ** (size - _BITS)
-                return min(upper, self._longest) / 1e6
+                return min(_upper(place), self._longest) / 1e6
         return self._longest / 1e6
+
+
+def _upper(place: int) -> float:
+    """Return the nanoseconds below which what is counted at a place lies."""
+    size, part = place >> _BITS, place & ((1 << _BITS) - 1)
+    return float(((1 << _BITS) + part + 1) * 2.0 ** (size - _BITS))
 
 
 class Causes:

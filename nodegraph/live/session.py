@@ -35,7 +35,7 @@ from nodegraph.live.addresses import (
     source_of,
 )
 from nodegraph.live.counts import Causes, Counts
-from nodegraph.live.engine import Engine, Tap
+from nodegraph.live.engine import Engine, Receiver, Tap
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.packets import PacketWriter
 from nodegraph.live.plan import LivePlan, live_plan
@@ -165,6 +165,10 @@ class Session:
     ----------
     plan : LivePlan
     counts : Counts
+    is_lost : bool
+        Whether the connection to the source is lost, and opened again until it is back.
+    is_stopped : bool
+        Whether the stream was ended by `stop`, or by an interruption of the program.
     """
 
     def __init__(
@@ -191,6 +195,9 @@ class Session:
         self._policy = policy
         self._record = record
         self._announce = announce
+        self._watchers: Mapping[Output, Receiver] = {}
+        self.is_lost = False
+        self.is_stopped = False
         self._queue: SimpleQueue[Frame | _Reconnection | _End] = SimpleQueue()
         self._stopped = threading.Event()
         self._next: _Reconnection | _End | None = None
@@ -205,8 +212,18 @@ class Session:
         self._is_behind = True
         """Whether what arrived while the stream was opened is still being worked off."""
 
+    def watch(self, receivers: Mapping[Output, Receiver]) -> None:
+        """Have functions called with the frames of outputs, in the thread that computes them."""
+        self._watchers = receivers
+
+    @property
+    def headers(self) -> Mapping[Output, Any]:
+        """The values without frames of each streamed output; there are some once frames are."""
+        return self._engine.headers
+
     def stop(self) -> None:
         """End the stream; what has arrived is still computed."""
+        self.is_stopped = True
         self._stopped.set()
 
     def run(self) -> Counts:
@@ -254,6 +271,7 @@ class Session:
     def _new_engine(self) -> Engine:
         taps = [Tap(outlet.output, partial(outlet.write, self.counts)) for outlet in self._outlets]
         taps += [Tap(output, latest.receive) for output, latest in self._latest.items()]
+        taps += [Tap(output, receive) for output, receive in self._watchers.items()]
         return Engine(self.plan, self._header, self._values, taps, self.counts.refused)
 
     def _receive(self) -> None:
@@ -266,7 +284,9 @@ class Session:
                 except OSError as error:
                     self._announce(f"{self._address}: {reason_of(error)}; waiting for it to return")
                     self._source.close()
+                    self.is_lost = True
                     self._open_again()
+                    self.is_lost = False
             self._queue.put(_End())
         except NodegraphError as error:
             self._queue.put(_End(error))

@@ -28,7 +28,7 @@ from nodegraph.plugin.hook_types import (
 )
 from nodegraph.plugin.hooks import GROUP
 from nodegraph.plugin.loading import error_text
-from nodegraph.plugin.streaming import Streamable
+from nodegraph.plugin.streaming import LiveView, Streamable
 
 Function = Callable[..., Any]
 _END = object()
@@ -183,6 +183,16 @@ def guard_streamable(streamable: Streamable, source: Source) -> Streamable:
         join=join,
         missing=guarded("missing"),
     )
+
+
+def guard_live_view(view: LiveView, source: Source) -> LiveView:
+    """Return a view that raises `PluginError` where another fails."""
+    what = f"the view of {view.type.__name__} on a stream"
+
+    def pack(payload: Any) -> Any:
+        return expect(view.pack(payload), bytes)
+
+    return replace(view, begin=source.raising(what, view.begin), pack=source.raising(what, pack))
 
 
 def guard_stream_end(scheme: str, make: Function, source: Source) -> Function:

@@ -25,6 +25,7 @@ from nodegraph.plugin.guards import (
     guard_detail,
     guard_executor,
     guard_format,
+    guard_live_view,
     guard_node_finder,
     guard_place,
     guard_renderer,
@@ -45,7 +46,7 @@ from nodegraph.plugin.hook_types import (
     expect,
 )
 from nodegraph.plugin.loading import Plugin, error_text, package_of
-from nodegraph.plugin.streaming import Streamable
+from nodegraph.plugin.streaming import LiveView, Streamable
 
 
 @dataclass
@@ -93,6 +94,11 @@ class HookResults:
     def streamables(self) -> tuple[Streamable, ...]:
         """How values are split into frames; the last plugin comes first."""
         return tuple(guard_streamable(*pair) for pair in self._listed("nodegraph_streamables"))
+
+    @cached_property
+    def live_views(self) -> tuple[LiveView, ...]:
+        """How values appear on the page of a stream; the last plugin comes first."""
+        return tuple(guard_live_view(*pair) for pair in self._listed("nodegraph_live_views"))
 
     @cached_property
     def sources(self) -> Mapping[str, Callable[[str], Any]]:

@@ -22,7 +22,7 @@ from nodegraph.plugin.hook_types import (
     Renderer,
     Storage,
 )
-from nodegraph.plugin.streaming import Sink, Source, Streamable
+from nodegraph.plugin.streaming import LiveView, Sink, Source, Streamable
 
 GROUP = "nodegraph"
 hookspec = pluggy.HookspecMarker(GROUP)
@@ -156,6 +156,20 @@ def nodegraph_streamables() -> Iterable[Streamable]:  # type: ignore[empty-body]
     >>> @hookimpl
     ... def nodegraph_streamables():
     ...     return [Streamable(Lips, without_frames, split_lips, join_lips, missing_lips)]
+    """
+
+
+@hookspec
+def nodegraph_live_views() -> Iterable[LiveView]:  # type: ignore[empty-body]
+    """Return how values of the plugin's types appear on the page of a stream.
+
+    Examples
+    --------
+    >>> @hookimpl
+    ... def nodegraph_live_views():
+    ...     def begin(values):
+    ...         return [lips.outline for lips in values.values()]
+    ...     return [LiveView(Lips, begin, lambda frame: frame.tobytes(), "lips/live", (SCRIPT,))]
     """
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
@@ -65,6 +65,43 @@ class Streamable:
     split: Callable[[Any], Sequence[Any]]
     join: Callable[[Any, Sequence[Any]], Any]
     missing: Callable[[Any], Any]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
+class LiveView:
+    """Shows values of one type on the page of a stream, frame by frame.
+
+    Attributes
+    ----------
+    type : type
+    begin : callable
+        ``begin(values)`` returns what a script needs before the first frame, as data for
+        `json_script`, or None to be called again with a later frame. ``values`` maps the labels
+        of what stands side by side to values of one frame.
+    pack : callable
+        ``pack(payload)`` returns the bytes of a frame. It is called at most 30 times per second,
+        beside the thread that computes the stream.
+    module : str
+        The module of a script whose ``show(element, begun, labels)`` returns a promise of an
+        object that draws into the element: ``draw(frames)`` takes an ArrayBuffer for each label.
+    scripts, styles : tuple of str
+        JavaScript and CSS that the view needs.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    """
+
+    type: type
+    begin: Callable[[Mapping[str, Any]], Any]
+    pack: Callable[[Any], bytes]
+    module: str
+    scripts: tuple[str, ...] = ()
+    styles: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)

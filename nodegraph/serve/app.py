@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 import asyncio
-import html
 import json
-import re
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from functools import wraps
 from http import HTTPStatus
-from importlib.resources import files
 from typing import Any
 from urllib.parse import quote
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from nodegraph.errors import NodegraphError, listed, nearest
 from nodegraph.formatting import labels_of
 from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
-from nodegraph.report.page import SCRIPTS, policy, source, templates_of
+from nodegraph.report.page import SCRIPTS, source
 from nodegraph.runs.reopen import NotStored, ReopenedRun
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.serve.computing import Computing
+from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response
 from nodegraph.serve.runs import OpenRun, OpenRuns, RunState, entry_of
 from nodegraph.serve.values import Query, labels_in, packed, shown
 
@@ -34,7 +32,6 @@ _EVERY = 0.5
 """Seconds between two looks at the events of a run."""
 
 _MOST_CHANGES = 5
-_POLICY = re.compile('http-equiv="Content-Security-Policy" content="([^"]*)"')
 _Endpoint = Callable[..., Response]
 
 
@@ -68,7 +65,9 @@ def _as_page(answer: Callable[[Request], Response]) -> _Endpoint:
         try:
             return answer(request)
         except Exception as error:
-            return _page("message.html", _status(error), title="Not shown", message=_text(error))
+            return page_response(
+                "message.html", _status(error), title="Not shown", message=_text(error)
+            )
 
     return endpoint
 
@@ -135,7 +134,7 @@ class _Pages:
             return self._report(runs)
         if states <= {RunState.FINISHED, RunState.UNREADABLE} and len(runs) == 1:
             (condition,) = conditions.values()
-            return _page(
+            return page_response(
                 "message.html",
                 HTTPStatus.CONFLICT,
                 title=runs[0].name,
@@ -154,21 +153,23 @@ class _Pages:
         ]
         going = [run.name for run, each in conditions.items() if not each.state.is_final]
         scripts = [source(f"{name}.js") for name in SCRIPTS]
-        scripts.append(_source("progress.js").replace("__RUNS__", _json(going)))
+        scripts.append(own_source("progress.js").replace("__RUNS__", json_in_script(going)))
         drawings = [str(part["drawing"]) for part in parts]
         title = " | ".join(dict.fromkeys(str(part["title"]) for part in parts))
-        return _page("progress.html", title=title, parts=parts, scripts=scripts, trusted=drawings)
+        return page_response(
+            "progress.html", title=title, parts=parts, scripts=scripts, trusted=drawings
+        )
 
     def runs(self, request: Request) -> Response:
         """List the runs, to be seen side by side."""
         rows = [entry_of(run) for run in self._runs.all().values()]
-        return _page("runs.html", title="Runs", rows=rows, first=self._runs.first)
+        return page_response("runs.html", title="Runs", rows=rows, first=self._runs.first)
 
     def values(self, request: Request) -> Response:
         """List the nodes of a run with their combinations."""
         run = self._run(request)
         record = SavedRun(run.folder).record
-        return _page("values.html", title="Results", run=run, record=record)
+        return page_response("values.html", title="Results", run=run, record=record)
 
     def value(self, request: Request) -> Response:
         """Show a value of a run."""
@@ -182,9 +183,9 @@ class _Pages:
             value = shown(values, query)
         except NotStored as error:
             missing = NotComputed(error, values).data
-            scripts.append(_source("missing.js"))
-            return _page("missing.html", missing=missing, **context, scripts=scripts)
-        return _page(
+            scripts.append(own_source("missing.js"))
+            return page_response("missing.html", missing=missing, **context, scripts=scripts)
+        return page_response(
             "value.html",
             **context,
             value=value,
@@ -258,7 +259,7 @@ class _Pages:
     def _report(self, runs: Sequence[OpenRun]) -> Response:
         studies = {run.name: linked(run.study(), f"files/{run.number}") for run in runs}
         study = merged(studies) if len(studies) > 1 else next(iter(studies.values()))
-        return _html(page(study, server=_server(runs)))
+        return html_response(page(study, server=_server(runs)))
 
     def _named(self, names: Sequence[str]) -> list[OpenRun]:
         """Return the runs that are named, by default those that the command named."""
@@ -322,45 +323,6 @@ def _missing(wanted: str, run: ReopenedRun, query: Query) -> Sequence[int]:
     return ()
 
 
-def _page(
-    template: str,
-    status: HTTPStatus = HTTPStatus.OK,
-    *,
-    scripts: Sequence[str] = (),
-    styles: Sequence[str] = (),
-    trusted: Sequence[str] = (),
-    **context: Any,
-) -> Response:
-    """Return a page of the server's own."""
-    from markupsafe import Markup
-
-    content = (
-        templates_of("nodegraph.serve")
-        .get_template(template)
-        .render(
-            policy=policy(trusted, *scripts, connect=True).replace(
-                "form-action 'none'", "form-action 'self'"
-            ),
-            scripts=[Markup(script) for script in scripts],
-            styles=[Markup(style) for style in (source("page.css"), _source("serve.css"), *styles)],
-            **context,
-        )
-    )
-    return _html(content, status)
-
-
-def _html(content: str, status: HTTPStatus = HTTPStatus.OK) -> Response:
-    """Return a page, with the policy that it states, and its forms lead here only."""
-    stated = _POLICY.search(content)
-    rules = html.unescape(stated[1]) if stated else "default-src 'none'"
-    own = f"{rules}; frame-ancestors 'none'"
-    return HTMLResponse(
-        content.encode(errors="backslashreplace"),
-        status,
-        headers={"Content-Security-Policy": own},
-    )
-
-
 def _attachment(content: bytes, name: str) -> Response:
     """Return a file that the browser saves and does not show: it may be anything."""
     headers = {"Content-Disposition": f"attachment; filename*=utf-8''{quote(name)}"}
@@ -369,13 +331,4 @@ def _attachment(content: bytes, name: str) -> Response:
 
 def _server(runs: Sequence[OpenRun]) -> str:
     """Return the script that defines the module ``server``."""
-    return _source("server.js").replace("__RUNS__", _json([run.name for run in runs]))
-
-
-def _source(name: str) -> str:
-    return files("nodegraph.serve").joinpath("templates", name).read_text(encoding="utf-8")
-
-
-def _json(value: Any) -> str:
-    """Return data for a script in a page."""
-    return json.dumps(value).replace("<", "\\u003c")
+    return own_source("server.js").replace("__RUNS__", json_in_script([run.name for run in runs]))

@@ -39,9 +39,9 @@ _POLICY = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancest
 # cookie is not sent with that; a refresh is a request of this page
 _ENTER = (
     '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>nodegraph</title>'
-    '<meta http-equiv="refresh" content="0; url=/"><p><a href="/">Open the report</a></p></html>'
+    '<meta http-equiv="refresh" content="0; url=/"><p><a href="/">Open the page</a></p></html>'
 )
-_HOW = "open the address that nodegraph open printed, or start it again for a new one"
+_HOW = "open the address that the command printed, or start it again for a new one"
 
 
 class Refused(NamedTuple):

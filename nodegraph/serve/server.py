@@ -1,4 +1,4 @@
-"""Serve an application on this machine, for one browser, until the user ends it."""
+"""Serve applications on this machine, for one browser, until the user ends it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from contextlib import closing
 from pathlib import Path
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.registry import Registry
@@ -50,24 +51,60 @@ def serve(
         If a folder is no run, or the port is not free.
     KeyboardInterrupt
     """
-    runs = OpenRuns(paths, registry, store)
-    with closing(_listening(port)) as listener:
-        authority = f"{HOST}:{listener.getsockname()[1]}"
-        guard = Guard(application(runs), authority)
-        config = uvicorn.Config(
-            guard,
-            http="h11",
-            ws="none",
-            lifespan="off",
-            log_config=None,
-            access_log=False,
-            proxy_headers=False,
-            server_header=False,
-            limit_concurrency=_MOST_CONNECTIONS,
-            timeout_graceful_shutdown=_PATIENCE,
+    server = LocalServer(application(OpenRuns(paths, registry, store)), port)
+    ready(server.address)
+    server.run()
+
+
+class LocalServer:
+    """Answers one browser on this machine.
+
+    Parameters
+    ----------
+    app
+        What answers; a guard stands before it.
+    port
+        0 for any that is free.
+
+    Attributes
+    ----------
+    address : str
+        Lets one browser in.
+
+    Raises
+    ------
+    NodegraphError
+        If the port is not free.
+    """
+
+    def __init__(self, app: ASGIApp, port: int = 0) -> None:
+        self._listener = _listening(port)
+        authority = f"{HOST}:{self._listener.getsockname()[1]}"
+        guard = Guard(app, authority)
+        self.address = f"http://{authority}/?token={guard.token}"
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                guard,
+                http="h11",
+                ws="none",
+                lifespan="off",
+                log_config=None,
+                access_log=False,
+                proxy_headers=False,
+                server_header=False,
+                limit_concurrency=_MOST_CONNECTIONS,
+                timeout_graceful_shutdown=_PATIENCE,
+            )
         )
-        ready(f"http://{authority}/?token={guard.token}")
-        uvicorn.Server(config).run(sockets=[listener])
+
+    def run(self) -> None:
+        """Answer until the user interrupts, or `end` is called."""
+        with closing(self._listener):
+            self._server.run(sockets=[self._listener])
+
+    def end(self) -> None:
+        """Have `run` return; called from another thread."""
+        self._server.should_exit = True
 
 
 def _listening(port: int) -> socket.socket:

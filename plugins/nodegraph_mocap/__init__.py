@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import Comparison, Detail, Files, Renderer, Streamable, hookimpl
+from nodegraph import Comparison, Detail, Files, LiveView, Renderer, Streamable, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -72,6 +72,14 @@ def nodegraph_streamables() -> Iterable[Streamable]:
     from nodegraph_mocap.streaming import streamables
 
     return streamables()
+
+
+@hookimpl
+def nodegraph_live_views() -> Iterable[LiveView]:
+    """Return how recordings and animations appear on the page of a stream."""
+    from nodegraph_mocap.player.live import live_views
+
+    return live_views()
 
 
 @hookimpl

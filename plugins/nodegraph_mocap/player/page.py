@@ -47,7 +47,9 @@ def render_playback(playback: Playback, title: str) -> Rendered:
     )
     if playback.notes:
         html += "".join(f'<p class="quiet">{escape(note)}</p>' for note in playback.notes)
-    rendered = Rendered(html, scripts=_scripts(), styles=(_source("player.css"),), kind="figure")
+    rendered = Rendered(
+        html, scripts=_scripts(), styles=(script_or_style("player.css"),), kind="figure"
+    )
     alone = standalone_page(rendered, title or "Playback")
     return replace(rendered, files={".html": alone.encode()})
 
@@ -69,9 +71,10 @@ def _content(panel: Panel) -> str:
 
 @cache
 def _scripts() -> tuple[str, ...]:
-    return tuple(_source(f"{name}.js") for name in _SCRIPTS)
+    return tuple(script_or_style(f"{name}.js") for name in _SCRIPTS)
 
 
-def _source(name: str) -> str:
+def script_or_style(name: str) -> str:
+    """Return a file of the player's folder ``web``."""
     place = files("nodegraph_mocap.player").joinpath("web", name)
     return place.read_text(encoding="utf-8")

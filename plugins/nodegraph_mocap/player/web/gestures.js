@@ -2,12 +2,14 @@
 nodegraph.define("mocap/player/gestures", ["mocap/player/camera"], ({ frontal, turned, zoomed }) => {
   const TURN = Math.PI; // across a picture's width
   const STILL = 4; // px that a hand may move in a click
-  const KEYS = {
+  const OF_TIME = {
     " ": (player) => player.toggle(),
     ArrowLeft: (player) => player.step(-1),
     ArrowRight: (player) => player.step(1),
     Home: (player) => player.seek(0),
     End: (player) => player.seek(player.study.ticks - 1),
+  };
+  const KEYS = {
     "+": (player) => player.look((camera) => zoomed(camera, 1.25)),
     "-": (player) => player.look((camera) => zoomed(camera, 1 / 1.25)),
     0: (player) => player.look(frontal),
@@ -59,13 +61,16 @@ nodegraph.define("mocap/player/gestures", ["mocap/player/camera"], ({ frontal, t
   };
 
   // Keys are ours while the pictures have the focus; controls keep what they mean by themselves.
-  const keyed = (player, stage) => stage.addEventListener("keydown", (event) => {
+  const keyed = (player, stage, keys = { ...OF_TIME, ...KEYS }) => stage.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const act = (event.shiftKey && WITH_SHIFT[event.key]) || (!event.shiftKey || event.key === "+" ? KEYS[event.key] : null);
+    const act = (event.shiftKey && WITH_SHIFT[event.key]) || (!event.shiftKey || event.key === "+" ? keys[event.key] : null);
     if (!act) return;
     event.preventDefault();
     act(player);
   });
 
-  return { dragged, keyed };
+  // Of a stream, whose time nobody sets.
+  const keyedInSpace = (player, stage) => keyed(player, stage, KEYS);
+
+  return { dragged, keyed, keyedInSpace };
 });

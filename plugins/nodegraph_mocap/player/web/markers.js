@@ -1,6 +1,7 @@
 // Markers as dots: where each sample came from or how wrong it is, edges, trails, the truth.
 nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, project }) => {
   const MISSING = 0;
+  const NEAR = 10; // px from a marker that point at it
   const RECOVERED = 2;
   const REPAIRED = 3;
   const ORIGINS = ["missing", "captured", "recovered", "repaired"];
@@ -9,6 +10,12 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   // are those of the report's still figures, a little lighter.
   const COLOURS = ["", "#2a86c8", "#e0453c", "#d98a00"];
   const RAMP = [[42, 134, 200], [129, 112, 190], [196, 88, 148], [222, 84, 84], [232, 134, 20]];
+
+  const INKS = {
+    light: { text: "#17202c", line: "#9aa4b0", trail: "rgba(42, 134, 200, 0.6)" },
+    dark: { text: "#e7ebf0", line: "#68747f", trail: "rgba(86, 164, 226, 0.65)" },
+  };
+  const inksOf = (dark) => INKS[dark ? "dark" : "light"];
 
   const errorColour = (error, largest) => {
     const place = within(0, error / largest, 1) * (RAMP.length - 1);
@@ -193,5 +200,22 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     return Number.isFinite(error) ? `${words}, ${error.toFixed(2)} mm off the truth` : words;
   };
 
-  return { RECOVERED, REPAIRED, ORIGINS, RAMP, drawMarkers, toldMarkers, toldSample };
+  // Writes what there is to say of the marker under the pointer into a panel's tip, or hides that.
+  const namePointed = ({ panel, canvas, tip }, event, dots, textOf) => {
+    const fine = canvas.width / canvas.clientWidth;
+    let [nearest, least] = [-1, NEAR * fine];
+    if (event && dots && panel.kind === "markers") {
+      for (let marker = 0; marker < panel.markers.length; marker += 1) {
+        const away = Math.hypot(dots[3 * marker] - event.offsetX * fine, dots[3 * marker + 1] - event.offsetY * fine);
+        if (away < least) [nearest, least] = [marker, away];
+      }
+    }
+    tip.toggleAttribute("hidden", nearest < 0);
+    if (nearest < 0) return;
+    tip.textContent = textOf(nearest);
+    tip.style.left = `${(100 * dots[3 * nearest]) / canvas.width}%`;
+    tip.style.top = `${(100 * dots[3 * nearest + 1]) / canvas.height}%`;
+  };
+
+  return { RECOVERED, REPAIRED, ORIGINS, RAMP, drawMarkers, toldMarkers, toldSample, namePointed, inksOf };
 });

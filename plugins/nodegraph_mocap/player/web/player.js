@@ -5,17 +5,12 @@ nodegraph.define("mocap/player", [
 ], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
-  const { drawMarkers, toldMarkers, toldSample } = markers;
+  const { drawMarkers, toldMarkers, toldSample, namePointed, inksOf } = markers;
   const { controlsFor, chooserFor, legendFor, buttonFor } = controls;
   const MOST = 6; // panels at once
   const FIRST = 4; // of more
-  const NEAR = 10; // px from a marker that point at it
   const TRAIL = 0.5; // seconds
   const FINENESS = 2; // dots for each pixel of the page
-  const INKS = {
-    light: { text: "#17202c", line: "#9aa4b0", trail: "rgba(42, 134, 200, 0.6)" },
-    dark: { text: "#e7ebf0", line: "#68747f", trail: "rgba(86, 164, 226, 0.65)" },
-  };
   const CALM = matchMedia("(prefers-reduced-motion: reduce)");
 
   // Panels of fills are labelled "ridge", or "ridge, met" where they differ in more than the method.
@@ -128,19 +123,7 @@ nodegraph.define("mocap/player", [
     point(place, event) {
       const { panel, canvas, tip } = this.panels[place];
       const { frame, dots } = this.drawn[place] ?? {};
-      const fine = canvas.width / canvas.clientWidth;
-      let [nearest, least] = [-1, NEAR * fine];
-      if (event && dots && panel.kind === "markers") {
-        for (let marker = 0; marker < panel.markers.length; marker += 1) {
-          const away = Math.hypot(dots[3 * marker] - event.offsetX * fine, dots[3 * marker + 1] - event.offsetY * fine);
-          if (away < least) [nearest, least] = [marker, away];
-        }
-      }
-      tip.toggleAttribute("hidden", nearest < 0);
-      if (nearest < 0) return;
-      tip.textContent = toldSample(panel, this.study.truth, nearest, frame);
-      tip.style.left = `${(100 * dots[3 * nearest]) / canvas.width}%`;
-      tip.style.top = `${(100 * dots[3 * nearest + 1]) / canvas.height}%`;
+      namePointed({ panel, canvas, tip }, event, dots, (marker) => toldSample(panel, this.study.truth, marker, frame));
     }
 
     visit([first, last, marker]) {
@@ -246,7 +229,7 @@ nodegraph.define("mocap/player", [
     }
 
     draw(chosen = () => true) {
-      const ink = INKS[theme.dark() && !this.printing ? "dark" : "light"];
+      const ink = inksOf(theme.dark() && !this.printing);
       this.panels.forEach((one, place) => {
         if (this.shown.includes(place) && chosen(one)) this.drawn[place] = this.drawPanel(one, ink);
       });

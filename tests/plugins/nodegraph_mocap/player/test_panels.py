@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from nodegraph_mocap import HeadMotion
+from nodegraph_mocap.player.panels import panel_of, posed
 from nodegraph_mocap.specimens import animations, recordings
-from nodegraph_plot.playback import panel_of, posed
 from tests.plugins.nodegraph_plot import made_face
 
 

@@ -1,0 +1,242 @@
+"""The page of a stream: what is computed, as it is computed, in browsers on this machine.
+
+The thread that computes only leaves its newest frames where another thread finds them, which packs
+them thirty times per second for the process that answers the browsers.
+"""
+
+from __future__ import annotations
+
+import pickle
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import partial
+from types import TracebackType
+from typing import Any
+
+from nodegraph.errors import NodegraphError
+from nodegraph.execute.worker.client import kill, start
+from nodegraph.live.forms import streamable_of
+from nodegraph.live.plan import LivePlan, not_given
+from nodegraph.live.session import Session
+from nodegraph.node.ports import Label
+from nodegraph.plan import Output
+from nodegraph.plugin.formats import formats_of
+from nodegraph.plugin.streaming import Frame, LiveView
+from nodegraph.report.page import SCRIPTS, source
+from nodegraph.serve.pages import json_in_script, own_source, page_response
+from nodegraph.serve.stream_server import EVERY, FIGURES, State, Update
+
+_PATIENCE = 3.0
+"""Seconds for the process to end."""
+
+
+@dataclass
+class _Shown:
+    """One output on the page, with its alternatives side by side.
+
+    Attributes
+    ----------
+    name : str
+        Of the node, or ``node.output``.
+    view : LiveView
+    panels : mapping of label to Output
+    """
+
+    name: str
+    view: LiveView
+    panels: Mapping[str, Output]
+    is_begun: bool = False
+    sent: list[Frame] = field(default_factory=list)
+
+
+class StreamPage:
+    """Shows a session while it runs, and its last state as long as the context lasts.
+
+    Parameters
+    ----------
+    session
+        Not yet run.
+    title
+        Of the graph.
+    facts
+        What else stands at the head of the page: the source, say.
+    announce
+        Called with what cannot be shown.
+
+    Attributes
+    ----------
+    address : str
+        Lets one browser in.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        title: str,
+        facts: Sequence[str],
+        announce: Callable[[str], None],
+    ) -> None:
+        self._session = session
+        self._announce = announce
+        self._registry = session.plan.plan.graph.registry
+        self._shown = list(_shown(session.plan, self._registry.hooks.live_views))
+        self._newest: dict[Output, Frame] = {}
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._follow, daemon=True)
+        self._start = time.monotonic()
+        self._process = start("nodegraph.serve.stream_server", pipe_output=True)
+        self._send(_content(self._shown, title, facts))
+        assert self._process.stdout is not None
+        self.address = self._process.stdout.readline().decode().strip()
+        if not self.address:
+            raise NodegraphError("the page of the stream cannot be served")
+
+    def __enter__(self) -> StreamPage:
+        outputs = {output for shown in self._shown for output in shown.panels.values()}
+        self._session.watch(
+            {output: partial(self._newest.__setitem__, output) for output in outputs}
+        )
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.end(str(error or ""))
+        assert self._process.stdin is not None
+        with suppress(OSError):
+            self._process.stdin.close()
+        try:
+            self._process.wait(_PATIENCE)
+        finally:
+            kill(self._process)
+
+    def end(self, message: str = "") -> None:
+        """Show that the stream has ended, and why it has failed if it has."""
+        if self._ended.is_set():
+            return
+        self._ended.set()
+        self._thread.join()
+        with formats_of(self._registry), suppress(OSError):
+            self._send(self._update("ended", message, with_counts=True))
+
+    def _follow(self) -> None:
+        with formats_of(self._registry):
+            ticks = 0
+            while not self._ended.wait(EVERY):
+                try:
+                    self._send(self._update(self._state, with_counts=ticks % FIGURES == 0))
+                except OSError:
+                    self._announce("the page of the stream is no longer served")
+                    return
+                ticks += 1
+
+    @property
+    def _state(self) -> State:
+        if self._session.is_lost:
+            return "lost"
+        return "receiving" if self._session.counts.received else "waiting"
+
+    def _send(self, message: str | Update) -> None:
+        assert self._process.stdin is not None
+        # at once, so that no count changes meanwhile
+        self._process.stdin.write(pickle.dumps(message, pickle.HIGHEST_PROTOCOL))
+        self._process.stdin.flush()
+
+    def _update(self, state: State, message: str = "", *, with_counts: bool) -> Update:
+        """Return what is new of each output that all its alternatives have."""
+        begun: dict[str, Any] = {}
+        frames: dict[str, list[bytes]] = {}
+        for shown in [*self._shown]:
+            newest = [frame for frame in map(self._newest.get, shown.panels.values()) if frame]
+            if len(newest) < len(shown.panels) or [*map(id, newest)] == [*map(id, shown.sent)]:
+                continue
+            shown.sent = newest
+            try:
+                if not shown.is_begun:
+                    data = shown.view.begin(dict(self._values(shown)))
+                    if data is None:
+                        continue
+                    begun[shown.name], shown.is_begun = data, True
+                frames[shown.name] = [shown.view.pack(frame.payload) for frame in shown.sent]
+            except NodegraphError as error:
+                self._announce(f"{shown.name} is not shown: {error}")
+                self._shown.remove(shown)
+        seconds = time.monotonic() - self._start
+        counts = self._session.counts if with_counts else None
+        return Update(seconds, begun, frames, state, message, counts)
+
+    def _values(self, shown: _Shown) -> Iterator[tuple[str, Any]]:
+        """Yield the newest frame of each panel as a value."""
+        for (label, output), frame in zip(shown.panels.items(), shown.sent, strict=True):
+            header = self._session.headers[output]
+            yield label, streamable_of(type(header)).join(header, [frame.payload])
+
+
+def _shown(plan: LivePlan, views: Sequence[LiveView]) -> Iterator[_Shown]:
+    """Yield each output on the stream that a view shows, the source's before others beside it."""
+    outputs = [plan.source]
+    outputs += [
+        Output(step.step.index, position)
+        for step in plan.steps
+        for position in range(len(step.step.method.node.outputs))
+    ]
+    panels: dict[str, dict[str, Output]] = {}
+    of_name: dict[str, LiveView] = {}
+    for output in outputs:
+        step = plan.plan.steps[output.step]
+        ports = step.method.node.outputs
+        port = ports[output.position]
+        view = next((view for view in views if issubclass(port.type, view.type)), None)
+        if view is None or not_given(plan.plan, output):
+            continue
+        name = step.node if output.position == 0 else f"{step.node}.{port.name}"
+        of_name[name] = view
+        panels.setdefault(name, {})[_label(plan, name, output)] = output
+    first = next(iter(panels)) if plan.source in next(iter(panels.values()), {}).values() else ""
+    for name, own in panels.items():
+        is_beside = first and name != first and of_name[name] is of_name[first]
+        before = panels[first] if is_beside else {}
+        yield _Shown(name, of_name[name], {**before, **own})
+
+
+def _label(plan: LivePlan, name: str, output: Output) -> str:
+    labels: Mapping[str, Label] = plan.outputs(name)[output]
+    return ", ".join(map(str, labels.values())) or name
+
+
+def _content(shown: Sequence[_Shown], title: str, facts: Sequence[str]) -> str:
+    """Return the page, which gets everything else from the stream of events."""
+    views = list({id(each.view): each.view for each in shown}.values())
+    groups = [
+        {
+            "name": each.name,
+            "view": next(place for place, view in enumerate(views) if view is each.view),
+            "module": each.view.module,
+            "labels": list(each.panels),
+        }
+        for each in shown
+    ]
+    modules = json_in_script(list(dict.fromkeys(view.module for view in views)))
+    scripts = [source(f"{name}.js") for name in SCRIPTS]
+    scripts += dict.fromkeys(script for view in views for script in view.scripts)
+    scripts.append(
+        own_source("stream.js")
+        .replace("__MODULES__", modules)
+        .replace("__GROUPS__", json_in_script(groups))
+    )
+    styles = dict.fromkeys(style for view in views for style in view.styles)
+    response = page_response(
+        "stream.html",
+        title=title,
+        facts=facts,
+        scripts=scripts,
+        styles=[own_source("stream.css"), *styles],
+    )
+    return bytes(response.body).decode()

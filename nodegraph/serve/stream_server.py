@@ -1,0 +1,189 @@
+"""The process that answers the browsers of a stream's page, so that they cannot slow the stream."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+import pickle
+import sys
+import threading
+from collections import deque
+from collections.abc import AsyncIterator, Mapping, Sequence
+from typing import Any, BinaryIO, Literal, NamedTuple
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import Response, StreamingResponse
+from starlette.routing import Route
+
+from nodegraph.live.counts import NUMBERS, Counts
+from nodegraph.serve.pages import html_response
+from nodegraph.serve.server import LocalServer
+
+State = Literal["waiting", "receiving", "lost", "ended"]
+
+EVERY = 1 / 30
+"""Seconds between two frames of the page."""
+FIGURES = 8
+"""Frames of the page between two looks at its figures."""
+
+LAST = 5.0
+"""Seconds over which rates and latencies are those of the last frames."""
+
+_SILENT = 1.0
+"""Seconds without a frame after which a source is waited for."""
+
+
+class Update(NamedTuple):
+    """What has changed since the message before.
+
+    Attributes
+    ----------
+    seconds : float
+        Since the stream began.
+    begun : mapping of group to data
+        What scripts need before the first frame of a group.
+    frames : mapping of group to sequence of bytes
+        A frame for each panel.
+    state : State
+    message : str
+        Why the stream has failed.
+    counts : Counts or None
+    """
+
+    seconds: float
+    begun: Mapping[str, Any]
+    frames: Mapping[str, Sequence[bytes]]
+    state: State
+    message: str = ""
+    counts: Counts | None = None
+
+
+def main() -> None:
+    """Answer until standard input, on which messages come, is closed."""
+    messages = sys.stdin.buffer
+    content: str = pickle.load(messages)
+    shown = _Shown()
+    server = LocalServer(_application(content, shown))
+    print(server.address, flush=True)
+    answering = threading.Thread(target=server.run)
+    answering.start()
+    try:
+        _follow(messages, shown)
+    finally:
+        server.end()
+
+
+def _follow(messages: BinaryIO, shown: _Shown) -> None:
+    while True:
+        try:
+            shown.take(pickle.load(messages))
+        except EOFError:
+            return
+
+
+def _application(content: str, shown: _Shown) -> Starlette:
+    def home(request: Request) -> Response:
+        return html_response(content)
+
+    def stream(request: Request) -> Response:
+        names = request.query_params.getlist("show")
+        return StreamingResponse(shown.events(names), media_type="text/event-stream")
+
+    return Starlette(routes=[Route("/", home), Route("/stream", stream)])
+
+
+class _Shown:
+    """What the page shows now, for browsers that take it when they can.
+
+    Nothing waits for a browser: each gets what is newest when it has taken what it had got.
+    """
+
+    def __init__(self) -> None:
+        self._begun: dict[str, Any] = {}
+        self._frames: dict[str, list[str]] = {}
+        self._figures: Mapping[str, Any] = {}
+        self._is_over = False
+        self._past: deque[tuple[float, Counts]] = deque()
+        self._received_at = 0.0
+
+    def take(self, update: Update) -> None:
+        """Take a message."""
+        self._begun |= update.begun
+        for name, frames in update.frames.items():
+            self._frames[name] = [base64.b64encode(frame).decode() for frame in frames]
+        if update.counts is not None:
+            self._figures = self._figures_of(update, update.counts)
+            self._is_over = update.state == "ended"
+
+    def _figures_of(self, update: Update, counts: Counts) -> Mapping[str, Any]:
+        past = self._past
+        if not past or counts.received > past[-1][1].received:
+            self._received_at = update.seconds
+        past.append((update.seconds, counts))
+        while len(past) > 2 and past[1][0] <= update.seconds - LAST:
+            past.popleft()
+        before, earlier = past[0]
+        seconds = update.seconds - before
+
+        def rate(now: int, then: int) -> float:
+            return round((now - then) / seconds, 1) if seconds else 0.0
+
+        state = update.state
+        if state == "receiving" and update.seconds - self._received_at > _SILENT:
+            state = "waiting"
+        return {
+            "state": state,
+            "message": update.message,
+            "seconds": round(update.seconds, 1),
+            "numbers": {name: getattr(counts, name) for name in NUMBERS},
+            "rates": {
+                "in": rate(counts.received, earlier.received),
+                "out": rate(counts.computed, earlier.computed),
+            },
+            "latency": {
+                "last": counts.latencies.since(earlier.latencies).milliseconds(),
+                "all": counts.latencies.milliseconds(),
+            },
+            "sinks": {
+                sink: {
+                    "written": counts.written[sink],
+                    "unsent": counts.unsent[sink],
+                    "rate": rate(counts.written[sink], earlier.written[sink]),
+                }
+                for sink in {**counts.written, **counts.unsent}
+            },
+            "refused": counts.refused.as_json(),
+            "warnings": counts.warnings.as_json(),
+        }
+
+    async def events(self, names: Sequence[str]) -> AsyncIterator[str]:
+        """Yield what a page needs that shows some groups, until the stream ends."""
+        yield "retry: 1000\n\n"
+        sent: dict[str, Any] = {}
+        while True:
+            is_over = self._is_over
+            event = {
+                "begun": self._unsent(sent, "begun", self._begun, names),
+                "frames": self._unsent(sent, "frames", self._frames, names),
+            }
+            if self._figures is not sent.get("figures"):
+                sent["figures"] = event["figures"] = self._figures
+            if any(event.values()):
+                yield f"data: {json.dumps(event)}\n\n"
+            if is_over:
+                return
+            await asyncio.sleep(EVERY)
+
+    def _unsent(
+        self, sent: dict[str, Any], kind: str, values: Mapping[str, Any], names: Sequence[str]
+    ) -> Mapping[str, Any]:
+        """Return the values of some names that were not sent yet, and note them."""
+        new = {
+            name: values[name]
+            for name in names
+            if name in values and values[name] is not sent.get(f"{kind} {name}")
+        }
+        sent.update({f"{kind} {name}": value for name, value in new.items()})
+        return new
