@@ -11,6 +11,7 @@ import pytest
 
 import nodegraph as ng
 from nodegraph.plugin.registry import Registry
+from tests.records import read_record
 from tests.studies import DATA, FEW, ROOT, Studies, command, needs_recordings, table
 
 GRAPH = ROOT / "graphs" / "fill.yaml"
@@ -54,7 +55,7 @@ def test_everything_that_the_walk_promises_is_there(built_in: Path) -> None:
 
 
 def test_the_record_agrees_with_the_events(built_in: Path) -> None:
-    record = json.loads((built_in / "run.json").read_text())
+    record = read_record(built_in)
     events = [json.loads(line) for line in (built_in / "events.jsonl").read_text().splitlines()]
     assert record["counts"]["failed"] == 0
     for state in ("done", "stored"):

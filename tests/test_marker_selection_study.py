@@ -11,6 +11,7 @@ import pytest
 
 import nodegraph as ng
 from nodegraph_files import sample_folder
+from tests.records import read_record
 from tests.studies import DATA, ROOT, Studies, needs_recordings, table
 
 GRAPH = ROOT / "graphs" / "marker_selection.yaml"
@@ -179,7 +180,7 @@ def test_three_performers_have_their_curves_floors_and_marks(
         assert 1e-4 < float(points[0]["floor"]) < 2e-2
         assert float(points[0]["mse"]) > float(points[-1]["mse"])
     check_marks(result)
-    steps = json.loads((result / "run.json").read_text())["steps"]
+    steps = read_record(result)["steps"]
     sentences = {
         step["node"]: " ".join(step.get("warnings", ()))
         for step in steps

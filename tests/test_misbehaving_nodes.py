@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from tests.records import read_record
 from tests.studies import ROOT, command
 
 NODES = """\
@@ -102,7 +103,7 @@ def record_of(folder: Path, bad: str, *words: str) -> dict[str, Any]:
     """Run the graph with one bad node; return the record."""
     (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
     assert command(*words_for(folder, *words), folder=folder).status == 1
-    return dict(json.loads((folder / "out" / "run.json").read_text()))
+    return read_record(folder / "out")
 
 
 BAD = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -14,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from tests.records import read_record
 from tests.studies import FEW, GRAPHS, ONE, ROOT, Studies
 
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
@@ -36,13 +36,9 @@ def again(tmp_path: Path) -> Again:
             [*command, *SMALL], env=environment, cwd=tmp_path, capture_output=True, check=False
         )
         assert process.returncode == 0, process.stderr.decode()
-        return record(tmp_path / "runs" / "fill")
+        return read_record(tmp_path / "runs" / "fill")
 
     return run
-
-
-def record(folder: Path) -> dict[str, Any]:
-    return dict(json.loads((folder / "run.json").read_text()))
 
 
 def edit(file: Path, old: str, new: str) -> None:
@@ -64,7 +60,7 @@ def computed(record: dict[str, Any]) -> set[str]:
 def test_a_second_run_computes_nothing(studies: Studies, name: str) -> None:
     earlier = studies.few(name)
     later = studies.run(name, *FEW.get(name, ()))
-    first, second = record(earlier), record(later)
+    first, second = read_record(earlier), read_record(later)
     states = Counter(step["state"] for step in second["steps"])
     assert second["counts"] == {**second["counts"], "done": 0, "failed": 0, "unneeded": 0}
     assert second["counts"]["stored"] == states["done"]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
 import pytest
 
+from tests.records import read_record
 from tests.studies import DATA, ROOT, Studies, command, needs_recordings, table
 
 GRAPH = str(ROOT / "graphs" / "tracking.yaml")
@@ -61,7 +61,7 @@ def test_the_report_tells_which_number_is_better(built_in: Path) -> None:
 
 
 def test_all_trackers_get_the_same_points(built_in: Path) -> None:
-    record = json.loads((built_in / "run.json").read_text())
+    record = read_record(built_in)
     assert record["counts"]["failed"] == 0
     counts = {name: 0 for name in ("points", "tracks", "score")}
     for step in record["steps"]:

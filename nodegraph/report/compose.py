@@ -38,12 +38,12 @@ from nodegraph.report.study import (
     TimingRow,
     numbered,
 )
-from nodegraph.runs.folder import EVENTS, RECORD, REPORT, STUDY, graph_name
+from nodegraph.runs.folder import EVENTS, RECORD, REPORT, STEPS, STUDY, graph_name
 from nodegraph.runs.record import NotShown, versions
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
-_FILES = (Link("what ran", RECORD), Link("events", EVENTS))
+_FILES = (Link("what ran", RECORD), Link("steps", STEPS), Link("events", EVENTS))
 
 Write = Callable[[str, bytes], str]
 """Writes a file beside the report by its name; returns why that failed, empty if it did not."""
@@ -283,7 +283,7 @@ class _FileNames:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         used = graph.spec.included
-        own = (RECORD, EVENTS, STUDY, REPORT, graph_name(used), *used)
+        own = (RECORD, STEPS, EVENTS, STUDY, REPORT, graph_name(used), *used)
         self._owners: dict[str, _Words] = {fold(path.partition("/")[0]): [] for path in own}
         self._nodes = clashes(graph.nodes)
         self._labels = {

@@ -11,8 +11,9 @@ from nodegraph.plugin.loading import error_text
 from nodegraph.report.compose import Composed, compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study, study_bytes
-from nodegraph.runs.folder import RECORD, REPORT, STUDY, RunFolder
+from nodegraph.runs.folder import RECORD, REPORT, STEPS, STUDY, RunFolder
 from nodegraph.runs.record import NotWritten, record
+from nodegraph.runs.record_files import record_bytes, steps_bytes
 from nodegraph.runs.settings import RunSettings
 
 
@@ -56,13 +57,14 @@ class _Writer:
 
     def write(self, run: Run, settings: RunSettings) -> Written:
         what_ran = record(run, settings)
-        self._write(RECORD, lambda: what_ran.as_json().encode())
+        self._write(STEPS, lambda: steps_bytes(what_ran.steps))
+        self._write(RECORD, lambda: record_bytes(what_ran))
         composed = self._compose(run, settings)
         lost = [file for name, file in self._lost.items() if name != RECORD]
         if lost or composed.not_shown:
             has_record = RECORD not in self._lost
             complete = replace(what_ran, not_shown=list(composed.not_shown), not_written=lost)
-            self._write(RECORD, lambda: complete.as_json().encode())
+            self._write(RECORD, lambda: record_bytes(complete))
             if has_record and RECORD in self._lost:
                 again = self._lost[RECORD]
                 reason = f"{again.reason}; the existing one does not list what is lost"

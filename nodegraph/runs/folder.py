@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import shutil
 import warnings
+import zlib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from datetime import datetime
 from io import FileIO
+from operator import itemgetter
 from pathlib import Path
 
 from nodegraph.errors import NodegraphError
@@ -18,6 +21,7 @@ from nodegraph.state import State
 from nodegraph.store import files
 
 RECORD = "run.json"
+STEPS = "steps.jsonl.gz"
 EVENTS = "events.jsonl"
 STUDY = "study.json.gz"
 REPORT = "report.html"
@@ -180,10 +184,13 @@ def _identity(folder: Path) -> object | None:
     try:
         record = json.loads((folder / RECORD).read_bytes())
         settings = {name: value for name, value in record["settings"].items() if name not in _HOW}
-        steps = [(step["node"], step["labels"], step["key"]) for step in record["steps"]]
+        with gzip.open(folder / STEPS) as lines:
+            steps = [itemgetter("node", "labels", "key")(json.loads(line)) for line in lines]
         lost = record.get("not_shown") or record.get("not_written")
         graph = (folder / graph_name(record["included"])).read_bytes()
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (OSError, EOFError, zlib.error, ValueError, LookupError):
+        return None
+    except (TypeError, AttributeError, RecursionError):  # JSON, but no record
         return None
     return None if lost else (graph, record["included"], settings, record["versions"], steps)
 

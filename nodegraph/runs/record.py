@@ -1,20 +1,17 @@
-"""The record of a run, ``run.json``: what ran, with which settings, and how it ended."""
+"""The record of a run: what ran, with which settings, and how it ended."""
 
 from __future__ import annotations
 
-import json
 import platform
 import sys
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
-from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Run
@@ -22,10 +19,6 @@ from nodegraph.graph import Graph, GraphNode
 from nodegraph.plan import Output, Step, StepInput, skip_reason
 from nodegraph.runs.settings import Bool, Float, Int, Label, RunSettings
 from nodegraph.state import State
-from nodegraph.validation import first_error
-
-if TYPE_CHECKING:
-    from pydantic import TypeAdapter
 
 FORMAT = 1
 Labels = dict[str, Label]
@@ -206,6 +199,27 @@ class RecordedStep:
 
 
 @dataclass(frozen=True, slots=True)
+class Failure:
+    """Steps of a node that failed for the same reason.
+
+    Attributes
+    ----------
+    count : int
+        How many.
+    labels, place, trace, repeat
+        Of the first of them.
+    """
+
+    node: str
+    reason: str
+    count: Int
+    labels: Labels
+    place: str
+    trace: str
+    repeat: str
+
+
+@dataclass(frozen=True, slots=True)
 class Record:
     """Everything about a run but its values.
 
@@ -239,27 +253,24 @@ class Record:
     counts: dict[str, Int]
     seconds: Float
     not_kept: dict[str, Int]
-    steps: list[RecordedStep]
     skipped: list[Skipped]
     versions: dict[str, str]
+    failures: list[Failure] = field(default_factory=list)
     not_shown: list[NotShown] = field(default_factory=list)
     not_written: list[NotWritten] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
+    steps: list[RecordedStep] = field(default_factory=list)
 
     def method(self, step: RecordedStep) -> RecordedMethod:
         """Return the method of a step."""
         methods = self.nodes[step.node].methods.values()
         return next(method for method in methods if method.use == step.use)
 
-    def as_json(self) -> str:
-        """Return the content of ``run.json``."""
-        # pydantic cannot write names of files that are not valid text; the escapes of JSON can
-        return json.dumps(_adapter().dump_python(self, exclude_defaults=True), indent=1) + "\n"
-
 
 def record(run: Run, settings: RunSettings) -> Record:
     """Return the record of a run."""
     graph = run.plan.graph
+    steps = _steps(run, settings)
     rules = {
         skip_reason(item): {axis: list(labels) for axis, labels in item.labels.items()}
         for item in graph.spec.skip
@@ -285,15 +296,16 @@ def record(run: Run, settings: RunSettings) -> Record:
         counts=run.counts(),
         seconds=round(run.seconds, 6),
         not_kept=dict(run.cache.not_stored) if run.cache else {},
-        steps=_steps(run, settings),
         skipped=[
             Skipped(reason, dict(counts), rules.get(reason, {}))
             for reason, counts in run.plan.skipped_together().items()
         ],
         versions=versions(graph),
+        failures=_failures(steps),
         notices=[
             Notice(str(notice.place), notice.message, notice.instead) for notice in graph.notices
         ],
+        steps=steps,
     )
 
 
@@ -380,6 +392,17 @@ def _step(
     )
 
 
+def _failures(steps: Iterable[RecordedStep]) -> list[Failure]:
+    failed = [step for step in steps if step.state is State.FAILED]
+    counts = Counter((step.node, step.reason) for step in failed)
+    firsts = {(step.node, step.reason): step for step in reversed(failed)}
+    return [
+        Failure(node, reason, count, first.labels, first.place, first.trace, first.repeat)
+        for (node, reason), count in counts.items()
+        for first in [firsts[node, reason]]
+    ]
+
+
 def _sources(run: Run, fed: StepInput) -> Source | list[Source]:
     if isinstance(fed, Output):
         return _source(run, fed, {})
@@ -392,80 +415,3 @@ def _sources(run: Run, fed: StepInput) -> Source | list[Source]:
 def _source(run: Run, output: Output, labels: Mapping[str, Any]) -> Source:
     ports = run.plan.steps[output.step].method.node.outputs
     return Source(output.step, ports[output.position].name, plain(labels))
-
-
-@cache
-def _adapter() -> TypeAdapter[Record]:
-    from pydantic import TypeAdapter
-
-    return TypeAdapter(Record)
-
-
-def read_record(path: Path) -> Record:
-    """Return the record in a file.
-
-    Raises
-    ------
-    NodegraphError
-        If there is none, or none that this version can read.
-    """
-    from pydantic import ValidationError
-
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, NotADirectoryError):
-        raise NodegraphError(
-            f"{path}: there is no finished run; run the graph, or name the folder of a run"
-        ) from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise NodegraphError(f"{path} cannot be read ({error}); run the graph again") from error
-    written = data.get("format") if isinstance(data, dict) else FORMAT
-    if written != FORMAT:
-        raise NodegraphError(
-            f"{path} is of format {written}, and only {FORMAT} can be read; run the graph again"
-        )
-    try:
-        record = _adapter().validate_python(data)
-    except ValidationError as error:
-        fault = first_error(error, data)
-    else:
-        fault = next(_faults(record), "")
-        if not fault:
-            return record
-    raise NodegraphError(f"{path} cannot be read ({fault}); run the graph again")
-
-
-def _faults(record: Record) -> Iterator[str]:
-    """Yield every reference of a record to something that it does not have."""
-    for name, node in record.nodes.items():
-        yield from (
-            f"nodes.{name}: no axis {axis!r}" for axis in node.axes if axis not in record.axes
-        )
-    uses = {
-        name: {method.use for method in node.methods.values()}
-        for name, node in record.nodes.items()
-    }
-    steps = {step.step for step in record.steps}
-    for index, step in enumerate(record.steps):
-        here = f"steps.{index}"
-        for cell in step.cells:
-            yield from (f"{here}: {fault}" for fault in _faults_of_cell(cell, record))
-        if step.use not in uses.get(step.node, ()):
-            yield f"{here}: {step.node!r} has no method {step.use!r}"
-        for port, sources in step.sources():
-            for source in sources:
-                if source.step not in steps:
-                    yield f"{here}: inputs.{port}: no step {source.step}"
-    for index, skipped in enumerate(record.skipped):
-        unknown = sorted(skipped.counts.keys() - record.nodes.keys())
-        yield from (f"skipped.{index}: no node {name!r}" for name in unknown)
-    for index, shown in enumerate(record.not_shown):
-        yield from (f"not_shown.{index}: {fault}" for fault in _faults_of_cell(shown, record))
-
-
-def _faults_of_cell(cell: Cell | NotShown, record: Record) -> Iterator[str]:
-    node = record.nodes.get(cell.node)
-    if node is None:
-        yield f"no node {cell.node!r}"
-    elif cell.labels.keys() != set(node.axes):
-        yield f"its labels are not those of {cell.node!r}: {', '.join(sorted(node.axes))}"

@@ -9,8 +9,8 @@ from typing import Any
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.formatting import name_at
 from nodegraph.node.ports import Label
-from nodegraph.runs.folder import RECORD
-from nodegraph.runs.record import RecordedStep, read_record
+from nodegraph.runs.record import RecordedStep
+from nodegraph.runs.record_files import read_record
 from nodegraph.store import DamagedEntry, Store
 
 
@@ -33,7 +33,7 @@ class SavedRun:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.record = read_record(folder / RECORD)
+        self.record = read_record(folder)
 
     def value(self, name: str, at: Mapping[str, object], store: Store) -> Any:
         """Return a value of a node.

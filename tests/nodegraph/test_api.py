@@ -15,6 +15,7 @@ from nodegraph.execute import Event
 from nodegraph.graph import Graph
 from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry, default_registry
+from tests.records import read_record
 
 TEXT = """\
 nodegraph: 1
@@ -122,7 +123,7 @@ def saved(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def without_times(path: Path) -> dict[str, Any]:
-    record: dict[str, Any] = json.loads((path / "run.json").read_text())
+    record = read_record(path)
     for part in (record, *record["steps"]):
         del part["seconds"]
     return record

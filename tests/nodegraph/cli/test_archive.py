@@ -14,6 +14,8 @@ from urllib.parse import unquote
 
 import pytest
 
+from tests.records import read_record, steps_of
+
 Command = Callable[..., tuple[int, str, str]]
 READER = """
 
@@ -135,7 +137,7 @@ def test_the_description_is_that_of_a_workflow_run(command: Command) -> None:
     assert read == {"numbers/one.txt", "inputs/two.txt", *parameters_read}
     results = {entity["@id"] for entity in action["result"]}
     assert results == {name for name in files if name.startswith("run/")}
-    assert {"run/report.html", "run/run.json", "run/events.jsonl"} <= results
+    assert {"run/report.html", "run/run.json", "run/steps.jsonl.gz"} <= results
     assert entities["numbers/one.txt"]["exampleOfWork"] == {"@id": "#input-start"}
     assert entities["#input-start"]["additionalType"] == "File"
     assert entities["#value-factor"]["value"] == 2
@@ -186,7 +188,8 @@ def test_no_path_of_this_machine_is_in_it(command: Command, tmp_path: Path) -> N
     assert record_archived["command"] == (
         "nodegraph run toy.yaml --set start=inputs/one.txt --plugin plugins/toys.py"
     )
-    [reason] = [step["reason"] for step in record_archived["steps"] if step["state"] == "failed"]
+    steps = steps_of(files["run/steps.jsonl.gz"])
+    [reason] = [step["reason"] for step in steps if step["state"] == "failed"]
     assert reason == "inputs/one.txt: no good"
     entities = metadata(files)
     assert entities["#run"]["actionStatus"] == "http://schema.org/FailedActionStatus"
@@ -214,8 +217,8 @@ def test_it_runs_again_where_it_is_unpacked(
     words = [*line.split()[1:], "--store", "kept", "--out", "again"]
     assert command(*words, nodes=False)[0] == 0
     was, now = (
-        {(step["node"], str(step["labels"])): step["digests"] for step in json.loads(text)["steps"]}
-        for text in (Path("run/run.json").read_text(), Path("again/run.json").read_text())
+        {(step["node"], str(step["labels"])): step["digests"] for step in read_record(run)["steps"]}
+        for run in ("run", "again")
     )
     assert was == now
 

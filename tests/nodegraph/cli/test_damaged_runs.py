@@ -15,7 +15,9 @@ import pytest
 from nodegraph import NodegraphError
 from nodegraph.report import study
 from nodegraph.report.study import read_study
+from nodegraph.runs import record_files
 from nodegraph.runs.saved_run import SavedRun
+from tests.records import read_record, write_steps
 
 Command = Callable[..., tuple[int, str, str]]
 Place = tuple[str | int, ...]
@@ -80,18 +82,20 @@ def read_by(command: Command, readers: Iterable[tuple[str, ...]]) -> str:
 
 
 def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
-    whole = json.loads((ran / "run.json").read_text())
+    whole = read_record(ran)
     assert "again" not in read_by(command, READERS)
+    files = ("run.json", "steps.jsonl.gz")
+    beginnings = tuple(f"ran/{name} {text}" for name in files for text in ("cannot", "is of"))
     for at in places(whole):
         for count, data in enumerate(changed(whole, at)):
+            steps = data.pop("steps", None)
             (ran / "run.json").write_text(json.dumps(data))
+            write_steps(ran, steps if isinstance(steps, list) else [steps])
             try:
                 SavedRun(ran)
             except NodegraphError as error:
                 message = str(error)
-                assert message.startswith(
-                    ("ran/run.json cannot be read (", "ran/run.json is of")
-                ), message
+                assert message.startswith(beginnings), message
                 assert message.endswith("run the graph again"), message
             else:
                 read_by(command, READERS if count < 2 else ())
@@ -119,20 +123,19 @@ def test_the_key_that_lacks_is_named(command: Command, ran: Path, key: str, at: 
 @pytest.mark.parametrize(
     ("step", "reason"),
     [
-        ({"node": "nowhere"}, "steps.0: no node 'nowhere'"),
-        ({"use": "fill.hold"}, "steps.0: 'a' has no method 'fill.hold'"),
-        ({"labels": {"length": 1}}, "steps.0: its labels are not those of 'a'"),
-        ({"state": "odd"}, "steps.0.state: input should be 'done'"),
-        ({"inputs": {"x": {"step": 99, "output": "x"}}}, "steps.0: inputs.x: no step 99"),
-        ({"key": "../../odd"}, "steps.0.key: string should match pattern"),
+        ({"node": "nowhere"}, "line 1: no node 'nowhere'"),
+        ({"use": "fill.hold"}, "line 1: 'a' has no method 'fill.hold'"),
+        ({"labels": {"length": 1}}, "line 1: its labels are not those of 'a'"),
+        ({"state": "odd"}, "line 1.state: input should be 'done'"),
+        ({"inputs": {"x": {"step": 99, "output": "x"}}}, "line 1: inputs.x: no step 99"),
+        ({"key": "../../odd"}, "line 1.key: string should match pattern"),
     ],
 )
 def test_steps_that_refer_to_nothing_are_named(
     ran: Path, step: dict[str, Any], reason: str
 ) -> None:
-    data = json.loads((ran / "run.json").read_text())
-    data["steps"][0] |= step
-    (ran / "run.json").write_text(json.dumps(data))
+    first, *rest = read_record(ran)["steps"]
+    write_steps(ran, [first | step, *rest])
     with pytest.raises(NodegraphError) as caught:
         SavedRun(ran)
     assert reason in str(caught.value)
@@ -142,6 +145,30 @@ def test_a_file_that_is_not_a_record_is_an_error(command: Command, ran: Path) ->
     for text in ("", "[]", "7", "[" * 100_000, '{"format": 99}', "\0"):
         (ran / "run.json").write_text(text)
         assert "run the graph again" in read_by(command, READERS[:1])
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (None, "was not written when the run ended"),
+        (b"{}", "cannot be read (Not a gzipped file"),
+        (gzip.compress(b"{}\n"), "cannot be read (line 1.step: field required)"),
+        (gzip.compress(b"{\n"), "cannot be read (Expecting property name"),
+        (gzip.compress(b" " * 100_001), "cannot be read (it has more than 0 MB)"),
+    ],
+    ids=["none", "plain", "empty", "no JSON", "large"],
+)
+def test_a_file_that_has_no_steps_is_an_error(
+    ran: Path, content: bytes | None, reason: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(record_files, "_MOST_BYTES", 100_000)
+    (ran / "steps.jsonl.gz").unlink()
+    if content is not None:
+        (ran / "steps.jsonl.gz").write_bytes(content)
+    with pytest.raises(NodegraphError, match="run the graph again") as caught:
+        SavedRun(ran)
+    assert str(caught.value).startswith("ran/steps.jsonl.gz")
+    assert reason in str(caught.value)
 
 
 def test_a_study_larger_than_its_bound_is_not_read(

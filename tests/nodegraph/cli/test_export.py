@@ -1,11 +1,12 @@
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from tests.records import read_record
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -63,8 +64,7 @@ def test_an_output_is_named_after_a_point_and_labels_in_several_options(command:
 
 
 def test_a_combination_of_a_shared_step_is_exported(ran: Path, command: Command) -> None:
-    record = json.loads((ran / "run.json").read_text())
-    shared = [cell for step in record["steps"] for cell in step.get("also", ())]
+    shared = [cell for step in read_record(ran)["steps"] for cell in step.get("also", ())]
     assert {"node": "one", "labels": {}} in shared
     status, _, _ = exported(command, "one", "--out", "one.txt")
     assert (status, Path("one.txt").read_text()) == (0, "0.0")

@@ -14,6 +14,7 @@ from urllib.parse import unquote
 import pytest
 
 from tests.nodegraph.cli.portable import check_portable, paths_in
+from tests.records import read_record
 
 Command = Callable[..., tuple[int, str, str]]
 NODES = """
@@ -72,7 +73,7 @@ def links(folder: Path) -> list[str]:
     results = (folder / "report.html").read_text().partition('id="download"')[0]
     targets = re.findall(r'href="\./([^"]+)">', results)
     paths = [unquote(html.unescape(target)) for target in targets]
-    return [path for path in paths if path not in ("run.json", "events.jsonl")]
+    return [path for path in paths if path not in ("run.json", "steps.jsonl.gz", "events.jsonl")]
 
 
 def texts(folder: Path, suffix: str = ".csv") -> list[str]:
@@ -199,8 +200,7 @@ def test_a_file_that_would_lie_elsewhere_fails_its_step_alone(command: Command, 
     names = json.dumps(["x.txt", name])
     graph(f"  w: {{use: write.files, with: {{names: {names}}}}}\n  t: {{use: toy.word}}")
     assert command("run", "toy.yaml")[0] == 1
-    record = json.loads(Path("runs/toy/run.json").read_text())
-    steps = {step["node"]: step for step in record["steps"]}
+    steps = {step["node"]: step for step in read_record("runs/toy")["steps"]}
     assert (steps["w"]["state"], steps["t"]["state"]) == ("failed", "done")
     assert repr(name) in steps["w"]["reason"]
     assert steps["w"]["place"].startswith("toys.py:")

@@ -13,6 +13,7 @@ import pytest
 import nodegraph_dask
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
+from tests.records import read_record
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -24,7 +25,7 @@ def test_a_run_writes_its_folder_and_ends_with_0(command: Command) -> None:
     status, out, _ = command("run", "toy.yaml", "--executor", "serial")
     assert status == 0
     assert "runs/toy" in out
-    for name in ("report.html", "run.json", "graph.yaml", "events.jsonl"):
+    for name in ("report.html", "run.json", "steps.jsonl.gz", "graph.yaml", "events.jsonl"):
         assert (Path("runs/toy") / name).is_file()
     assert Path("runs/toy/graph.yaml").read_text() == Path("toy.yaml").read_text()
 
@@ -54,6 +55,7 @@ def test_the_same_run_again_replaces_the_first(command: Command) -> None:
             Path("toys.py").read_text().replace("return start", "return start + 0.5")
         ),
         lambda: Path("runs/toy/run.json").write_text("[]"),
+        lambda: Path("runs/toy/steps.jsonl.gz").write_bytes(b""),
     ],
 )
 def test_a_run_that_differs_in_anything_is_kept(
@@ -160,7 +162,7 @@ def test_a_failed_step_is_repeated_alone_by_the_printed_command(command: Command
     status, out, _ = command(*words[1:], nodes=False)
     assert status == 1
     assert "3 steps: 2 stored, 1 failed" in out
-    steps = json.loads(Path("runs/toy/run.json").read_text())["steps"]
+    steps = read_record("runs/toy")["steps"]
     failed = next(step for step in steps if step["state"] == "failed")
     assert (failed["node"], failed["labels"]) == ("fill", {"length": 1, "fill": "strict"})
     assert failed["reason"] == "too far"

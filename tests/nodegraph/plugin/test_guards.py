@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ import pytest
 
 from nodegraph.cli.main import main
 from nodegraph.plugin import loading
+from tests.records import read_record
 
 NODES = """
 from nodegraph import Comparison, Conclusion, InputFile, Renderer, Storage, hookimpl, node
@@ -114,7 +114,7 @@ def test_a_run_has_all_its_files_though_a_rendering_fails(
     bad = {"hook": "nodegraph_renderers", "returned": returned}
     status, errors = command("run", "graph.yaml", "--out", "run", **bad)
     assert (status, "plugin 'bad_hook': the renderer of float" in errors) == (1, True)
-    assert json.loads(Path("run/run.json").read_text())["steps"][0]["state"] == "done"
+    assert read_record("run")["steps"][0]["state"] == "done"
     assert "the renderer of float" in Path("run/report.html").read_text()
     status, errors = command("export", "run", "a", "--out", "a.csv", **bad)
     assert (status, "plugin 'bad_hook': the renderer of float" in errors) == (2, True)

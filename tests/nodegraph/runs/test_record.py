@@ -5,7 +5,9 @@ from collections.abc import Callable
 
 from nodegraph.execute import Run
 from nodegraph.runs.record import record
+from nodegraph.runs.record_files import record_bytes, steps_bytes
 from nodegraph.runs.settings import RunSettings
+from tests.records import steps_of
 
 TEXT = """
 title: A toy
@@ -25,7 +27,8 @@ known: [a]
 
 def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
-    data = json.loads(record(run, RunSettings("toy.yaml")).as_json())
+    what_ran = record(run, RunSettings("toy.yaml"))
+    data = json.loads(record_bytes(what_ran)) | {"steps": steps_of(steps_bytes(what_ran.steps))}
     assert data["settings"] == {"graph": "toy.yaml"}
     assert (data["title"], data["inputs"], data["known"]) == ("A toy", {"start": -3}, ["a"])
     assert data["axes"]["actor"] == ["ME", "MB"]
@@ -50,6 +53,9 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
     assert steps["bad",]["reason"] == "-3.0 is negative"
     assert steps["bad",]["place"].startswith("conftest.py:")
     assert "ValueError" in steps["bad",]["trace"]
+    (failure,) = data["failures"]
+    assert (failure["node"], failure["count"]) == ("bad", 1)
+    assert failure["reason"] == "-3.0 is negative"
     assert len(steps["table",]["inputs"]["scores"]) == 6
     (skipped,) = data["skipped"]
     assert skipped["labels"] == {"k": [2], "actor": ["MB"]}

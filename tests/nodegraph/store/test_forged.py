@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from tests.records import read_record, write_steps
+
 from . import forged
 from .forged import Change, deep, output
 
@@ -182,7 +184,7 @@ class Study:
 
     def results(self, out: str) -> dict[int, list[str]]:
         """Return of a run by label what the sum's digest is."""
-        steps: list[Any] = json.loads((self.folder / out / "run.json").read_text())["steps"]
+        steps = read_record(self.folder / out)["steps"]
         return {
             step["labels"]["number"]: step["digests"] for step in steps if step["node"] == "sum"
         }
@@ -253,12 +255,12 @@ def test_every_command_reads_forged_entries(
     for name, source in (("kept", "forged"), ("other", "first")):
         shutil.rmtree(folder / name, ignore_errors=True)
         shutil.copytree(folder / source, folder / name)
-    record = json.loads((folder / "first" / "run.json").read_text())
-    result = [step for step in record["steps"] if step["node"] == "a"]
+    steps = read_record(folder / "first")["steps"]
+    result = [step for step in steps if step["node"] == "a"]
     results = [(step["key"], step["digests"]) for step in result]
     for step, (key, digests) in zip(result, results[1:] + results[:1], strict=True):
         step |= {"key": key, "digests": digests}
-    (folder / "other" / "run.json").write_text(json.dumps(record))
+    write_steps(folder / "other", steps)
     ended = nodegraph(*words, at=folder)
     assert ended.returncode == status, ended.stderr
     assert text in ended.stdout + ended.stderr

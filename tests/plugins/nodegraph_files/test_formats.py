@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Callable
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 
 from nodegraph.cli.main import main
+from tests.records import read_record
 
 TOY = """
 import numpy as np
@@ -58,7 +58,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         Path("graph.yaml").write_text(GRAPH.format(path=path))
         out = tmp_path / f"run{len(list(tmp_path.glob('run*')))}"
         main(["run", "graph.yaml", "--plugin", "toy.py", "--out", str(out), *words])
-        step = json.loads((out / "run.json").read_text())["steps"][0]
+        step = read_record(out)["steps"][0]
         state = "stored" if step.get("stored") else step["state"]
         return f"{state} {step.get('reason', '')}".strip(), out
 
