@@ -76,6 +76,23 @@ class System:
     def __init__(self, columns: Matrix, low: float, high: float) -> None:
         self._columns = np.ascontiguousarray(columns)
         self._low, self._high = low, high
+        self._work: Any = None
+
+    def solve_next(self, target: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the (K,) weights of one target, (R,), sooner if those of the last are near them.
+
+        NaN if they could not be found.
+        """
+        if len(self._columns) and np.isfinite(self._low) and self._plain:
+            from nodegraph_blendshapes.solve import kernel
+
+            if self._work is None:
+                self._work = kernel.new_work(self._squares)
+            weights = np.empty(len(self._columns))
+            if kernel.bounded_next(self._squares, target, self._work, _ROUNDS, KKT, weights):
+                return weights
+            self._work = None
+        return np.asarray(self.solve(target[None]).weights[0])
 
     def solve(self, targets: Matrix) -> Answer:
         """Return the weights of (N, R) targets."""

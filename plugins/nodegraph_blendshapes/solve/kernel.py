@@ -101,7 +101,7 @@ def bounded(
     solution : (N, K) array of float64
         Written.
     """
-    work = _new_work(squares)
+    work = new_work(squares)
     for frame in range(len(targets)):
         target = targets[frame]
         length = math.sqrt(_dot(target, target, len(target)))
@@ -111,7 +111,45 @@ def bounded(
 
 
 @compiled
-def _new_work(squares: Squares) -> Work:
+def bounded_next(
+    squares: Squares, target: Floats, work: Work, most: int, share: float, solution: Floats
+) -> bool:
+    """Write the weights of one more target, from those before on; return whether they are least.
+
+    Parameters
+    ----------
+    squares, most
+        As for `bounded`.
+    target : (R,) array of float64
+    work
+        Where the search before stands, or `new_work`; written.
+    share
+        What a gradient may be that does not push against a bound, see `bounded.are_least`.
+    solution : (K,) array of float64
+        Written.
+    """
+    count, size = len(solution), len(target)
+    length = math.sqrt(_dot(target, target, size))
+    linear = np.empty(count)
+    for k in range(count):
+        linear[k] = _dot(squares.columns[k], target, size)
+    _exchange(squares, linear, work, length, most)
+    _refine(squares, target, work)
+    rest, reach = target.copy(), length
+    for k in range(count):
+        solution[k] = work.weights[k]
+        _add(rest, squares.columns[k], -solution[k], size)
+        reach += abs(solution[k]) * squares.lengths[k]
+    for k in range(count):
+        downhill = _dot(squares.columns[k], rest, size)
+        is_out = solution[k] <= squares.low if downhill < 0.0 else solution[k] >= squares.high
+        if not (is_out or abs(downhill) <= share * reach * squares.lengths[k]):
+            return False
+    return True
+
+
+@compiled
+def new_work(squares: Squares) -> Work:
     """Return a search that has not begun: every weight is free."""
     count = len(squares.lengths)
     work = Work(

@@ -200,39 +200,39 @@ class _Stream:
         self._low, self._high = limits(bounds)
         self._ridge = ridge
         self._problem = problem = Problem.of(recording, model)
-        self._markers = [recording.markers.index(name) for name in problem.markers]
+        self._markers = np.array([recording.markers.index(name) for name in problem.markers])
         self._neutral = model.neutral[[model.markers.index(name) for name in problem.markers]]
-        self._systems: dict[bytes, tuple[NDArray[np.intp], int, System]] = {}
+        self._systems: dict[bytes, tuple[NDArray[np.intp], NDArray[np.float64], System]] = {}
         values = np.empty((0, len(model.names)))
         self.header = (Weights(values=values, names=model.names, rate=recording.rate), None)
 
     def push(self, frame: MarkerFrame) -> tuple[NDArray[np.float64], None]:
-        values = np.zeros(len(self._problem.shapes))
-        there = frame.origin[self._markers] != Origin.MISSING
+        there = frame.origin.take(self._markers) != Origin.MISSING
         if not there.any():
-            values[:] = np.nan
-            return values, None
-        shapes, columns, system = self._system(there)
-        target = np.zeros((1, columns))
-        offsets = (frame.positions[self._markers] - self._neutral)[there]
-        target[0, : offsets.size] = offsets.ravel()
-        answer = system.solve(target)
-        values[shapes] = answer.weights[0]
-        if answer.unsolved[0]:
+            return np.full(len(self._problem.shapes), np.nan), None
+        shapes, further, system = self._system(there)
+        offsets = (frame.positions.take(self._markers, axis=0) - self._neutral)[there]
+        weights = system.solve_next(np.concatenate((offsets.ravel(), further)))
+        values = np.zeros(len(self._problem.shapes))
+        values[shapes] = weights
+        if len(weights) and np.isnan(weights[0]):
             values[:] = np.nan
         return values, None
 
     def drain(self) -> Iterable[Any]:
         return ()
 
-    def _system(self, there: NDArray[np.bool_]) -> tuple[NDArray[np.intp], int, System]:
+    def _system(
+        self, there: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.intp], NDArray[np.float64], System]:
+        """Return which shapes some markers show, what is 0 behind their offsets, and the rest."""
         key = there.tobytes()
         if key not in self._systems:
             if len(self._systems) == _MOST_PATTERNS:
                 self._systems.clear()
             shapes, columns = columns_of(self._problem, there, self._ridge)
-            system = System(columns, self._low, self._high)
-            self._systems[key] = shapes, columns.shape[1], system
+            further = np.zeros(columns.shape[1] - 3 * np.count_nonzero(there))
+            self._systems[key] = shapes, further, System(columns, self._low, self._high)
         return self._systems[key]
 
 
