@@ -6,41 +6,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Window, WindowForm, node
+from nodegraph import node
 from nodegraph_fill.along_time import bridge
+from nodegraph_fill.closing import live_form
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
-from nodegraph_mocap import MarkerFrame, Origin, Trajectories
+from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def _straight_at(
-    window: Window[MarkerFrame, Trajectories], *, ends: Ends, max_gap: int
-) -> MarkerFrame:
-    """Return the frame in the middle of a window that has both ends of a gap of `max_gap`."""
-    frames, now = window.frames, window.now
-    present = frames.origin != Origin.MISSING
-    back = np.argmax(present[now::-1], axis=0)
-    ahead = np.argmax(present[now:], axis=0)
-    inside = (back > 0) & (ahead > 0) & (back + ahead <= max_gap + 1)
-    (marker,) = np.nonzero(inside)
-    before = frames.positions[now - back[marker], marker]
-    after = frames.positions[now + ahead[marker], marker]
-    here = frames.at(now)
-    positions = here.positions.copy()
-    share = back[marker] / (back + ahead)[marker]
-    positions[marker] = before + (after - before) * share[:, None]
-    origin = np.where(inside, np.uint8(Origin.FILLED), here.origin)
-    return MarkerFrame(positions, origin, None if here.sigma is None else here.sigma.copy())
+def _straight(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+    gap, _, _, share = gaps.samples
+    before = recording.positions[gaps.start - 1, gaps.marker]
+    after = recording.positions[gaps.stop, gaps.marker]
+    return np.asarray(before[gap] + (after - before)[gap] * share[:, None])
 
 
 @node(
     "fill.linear",
     lookahead=to_gap_end,
     ends=True,
-    live=WindowForm(_straight_at, before=to_gap_end, after=to_gap_end),
+    live=live_form(lambda: _straight),
 )
 def linear(
     recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
@@ -71,10 +59,3 @@ def linear(
         The recording with filled samples, their origin `Origin.FILLED`.
     """
     return bridge(recording, ends, max_gap, _straight)
-
-
-def _straight(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
-    gap, _, _, share = gaps.samples
-    before = recording.positions[gaps.start - 1, gaps.marker]
-    after = recording.positions[gaps.stop, gaps.marker]
-    return np.asarray(before[gap] + (after - before)[gap] * share[:, None])

@@ -8,6 +8,7 @@ import numpy as np
 
 from nodegraph import node
 from nodegraph_fill.along_time import bridge
+from nodegraph_fill.closing import live_form
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
 from nodegraph_mocap import Trajectories
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     adapted="from Vicon Nexus: the donor is the nearest marker, not one that the user picks",
     lookahead=to_gap_end,
     ends=True,
+    live=live_form(lambda: _between),
 )
 def pattern(
     recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
+from nodegraph_fill.closing import Between, live_form
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.rigid_motion import carried
@@ -18,12 +19,24 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+def _between(neighbours: int) -> Between:
+    def mixed(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+        gap, frame, marker, share = gaps.samples
+        ahead = carried(recording, gaps.start[gap] - 1, frame, marker, neighbours)
+        back = carried(recording, gaps.stop[gap], frame, marker, neighbours)
+        both = ahead + (back - ahead) * share[:, None]
+        return np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, both))
+
+    return mixed
+
+
 @node(
     "fill.rigid",
     cite="vicon_nexus",
     adapted="from Vicon Nexus: the body is the nearest markers, fitted from both ends of the gap",
     lookahead=to_gap_end,
     ends=True,
+    live=live_form(_between, one_end=True),
 )
 def rigid(
     recording: Trajectories,
@@ -66,22 +79,13 @@ def rigid(
     Trajectories
         The recording with filled samples, their origin `Origin.FILLED`.
     """
+    between = _between(neighbours)
 
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        return Estimate(_mixed(recording, gaps, neighbours))
+        _, frame, marker, _ = gaps.samples
+        positions = np.full_like(recording.positions, np.nan)
+        positions[frame, marker] = between(recording, gaps)
+        return Estimate(positions)
 
     otherwise = "no three neighbours that span a plane"
     return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
-
-
-def _mixed(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArray[np.float64]:
-    """Return positions, (T, M, 3), in the gaps; NaN elsewhere."""
-    gap, frame, marker, share = gaps.samples
-    ahead = carried(recording, gaps.start[gap] - 1, frame, marker, neighbours)
-    back = carried(recording, gaps.stop[gap], frame, marker, neighbours)
-    mixed = ahead + (back - ahead) * share[:, None]
-    positions = np.full_like(recording.positions, np.nan)
-    positions[frame, marker] = np.where(
-        np.isnan(back), ahead, np.where(np.isnan(ahead), back, mixed)
-    )
-    return positions

@@ -133,11 +133,11 @@ def curve_into(
     order, ends
         As for `bspline`.
     """
-    from nodegraph_smooth import bspline_kernel
+    from nodegraph_smooth import weights_kernel
 
     rows = first_rows(order, ends)
     places = runs.marker, runs.start, runs.stop
-    if bspline_kernel.curve_into(smoothed, positions, middle(order), *places, rows):
+    if weights_kernel.curve_into(smoothed, positions, middle(order), *places, rows):
         for length, alike in runs.subset(runs.length < 2 * len(rows)).by_length():
             every = all_rows(order, ends, length)
-            bspline_kernel.rows_into(smoothed, positions, alike.marker, alike.start, every)
+            weights_kernel.rows_into(smoothed, positions, alike.marker, alike.start, every)

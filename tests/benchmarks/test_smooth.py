@@ -37,13 +37,13 @@ def noisy(frames: int) -> Trajectories:
 
 
 def into_a_buffer(take: Trajectories) -> Callable[[], Positions]:
-    from nodegraph_smooth import bspline_kernel
+    from nodegraph_smooth import weights_kernel
 
     result, runs = np.zeros_like(take.positions), Runs.of(take)
     places = middle(3), runs.marker, runs.start, runs.stop, first_rows(3, "vertex")
 
     def run() -> Positions:
-        bspline_kernel.curve_into(result, take.positions, *places)
+        weights_kernel.curve_into(result, take.positions, *places)
         return result
 
     return run

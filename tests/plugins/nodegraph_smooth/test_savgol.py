@@ -35,6 +35,12 @@ def test_share_of_noise_kept_with_the_defaults(recorded: Callable[..., Trajector
     assert np.flatnonzero(np.abs(smoothed) > 1e-12).tolist() == list(range(16, 25))
 
 
+def test_a_reach_in_frames_takes_the_place_of_the_window(noisy: Trajectories) -> None:
+    assert np.array_equal(savgol(noisy, reach=4).positions, savgol(noisy).positions)
+    with pytest.raises(Refusal, match="a window of reach 1 is 3 frames"):
+        savgol(noisy, reach=1)
+
+
 def test_a_window_that_a_polynomial_goes_through_is_refused(
     recorded: Callable[..., Trajectories],
 ) -> None:

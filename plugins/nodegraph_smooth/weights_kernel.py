@@ -1,4 +1,4 @@
-"""The loops of the B-spline smoothing, compiled: import this module only when it runs.
+"""The loops that smooth runs by fixed weights, compiled: import this module only when it runs.
 
 Each output sample is written as its own sample plus weighted differences from it, so that a
 trajectory that stands still comes out as it went in. The sums are contracted to fused

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_smooth.bspline_kernel import BLOCK, curve_into, filter_into, rows_into
+from nodegraph_smooth.weights_kernel import BLOCK, curve_into, filter_into, rows_into
 
 
 @pytest.mark.parametrize("reach", [0, 1, 2, 4])
