@@ -15,7 +15,7 @@ from nodegraph import Across, ColumnOf, Label, LabelOf, listed, nearest
 from nodegraph_tables import BetterEnd, info_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Mapping
 
     from nodegraph_mocap import Table
 
@@ -107,18 +107,17 @@ def check_known(scores: Across[Table], name: str, *, what: str = "axis or column
     axes = () if what == "metric" else scores.axes
     if name in axes:
         return
-    for where, table in placed(scores):
+    for labels, table in scores:
         if name not in table.columns:
             there = "axes and columns" if axes else "columns"
             near = nearest(name, (*axes, *table.columns), what=there)
-            raise ValueError(f"no {what} {name!r}{where}; {near}")
+            raise ValueError(f"no {what} {name!r}{_place(labels)}; {near}")
 
 
-def placed(scores: Across[Table]) -> Iterator[tuple[str, Table]]:
-    """Yield each table with its place for a message: `` in the table of trial=0``."""
-    for labels, table in scores:
-        place = ", ".join(f"{axis}={label}" for axis, label in labels.items() if label != "")
-        yield f" in the table of {place}" if place else "", table
+def _place(labels: Mapping[str, Label]) -> str:
+    """Return the place of a table for a message: `` in the table of trial=0``."""
+    place = ", ".join(f"{axis}={label}" for axis, label in labels.items() if label != "")
+    return f" in the table of {place}" if place else ""
 
 
 EXTREME = {"lower": "lowest", "higher": "highest"}
@@ -366,11 +365,12 @@ def check_numbers(scores: Across[Table], name: str, what: str) -> None:
         If it is not; the message says `what` it is to be, and what there is instead.
     """
     check_known(scores, name, what="metric")
-    for where, table in placed(scores):
+    for labels, table in scores:
         if table[name].dtype.kind not in "iuf":
             numbers = [column for column in table if table[column].dtype.kind in "iuf"]
             raise ValueError(
-                f"{what} {name!r} is no column of numbers{where}; there are: {listed(numbers)}"
+                f"{what} {name!r} is no column of numbers{_place(labels)}; "
+                f"there are: {listed(numbers)}"
             )
 
 

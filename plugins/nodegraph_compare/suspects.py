@@ -48,8 +48,10 @@ class Suspects:
     rows: NDArray[np.intp]
 
 
-def suspects(scores: Across[Table], question: Question, group: Group) -> Suspects:
-    """Return the blocks of a group whose truth is suspect.
+def suspects(
+    scores: Across[Table], question: Question, groups: Sequence[Group]
+) -> tuple[Suspects, ...]:
+    """Return, for each group, the blocks whose truth is suspect.
 
     They are blocks with a row whose column ``suspect`` has a reason, and blocks in which every
     method fails: with m the logarithm of the smallest error of a block, less the median of its
@@ -57,8 +59,15 @@ def suspects(scores: Across[Table], question: Question, group: Group) -> Suspect
     or more. Of a metric that has values of 0 or below, or of which low is not better, only the
     former.
     """
+    texts = _texts(scores)
+    return tuple(_suspects(scores, question, group, texts[group.rows]) for group in groups)
+
+
+def _suspects(
+    scores: Across[Table], question: Question, group: Group, texts: NDArray[np.object_]
+) -> Suspects:
     reasons: dict[int, str] = {}
-    for place, text in zip(group.block.tolist(), _texts(scores)[group.rows], strict=True):
+    for place, text in zip(group.block.tolist(), texts, strict=True):
         if text:
             reasons.setdefault(place, text)
     for place in np.flatnonzero(_failed(group, question)).tolist():

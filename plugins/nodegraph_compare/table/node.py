@@ -222,7 +222,7 @@ def table(
     for name in beside:
         check_numbers(scores, name, "beside")
     against, instead = comparison.baseline(baseline), comparison.fallback
-    doubted = [suspects(scores, question, group) for group in gathered]
+    doubted = suspects(scores, question, gathered)
     doubtful = np.concatenate([*(each.rows for each in doubted), np.empty(0, dtype=np.intp)])
     plain = (
         {group.labels: group for group in groups(scores, question, doubtful)}
