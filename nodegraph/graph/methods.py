@@ -93,6 +93,10 @@ def resolve_methods(
         What stands for a graph file, by the label of the method that uses it.
     problems
     """
+    if len(spec.methods) == 1 and not graphs:
+        method = spec.methods[0]
+        if method.use != PASS and not is_family(method.use):  # as most nodes have
+            return [_resolved(spec, method, _find(method, registry, problems), ())]
     methods = _merged(list(_expanded(spec, registry, problems)), spec.methods)
     siblings = [method for method in methods if method.use != PASS]
     if not spec.has_alternatives and spec.methods and spec.methods[0].use == PASS:

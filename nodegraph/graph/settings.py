@@ -109,12 +109,10 @@ class SettingsReader:
             written = {name: value for name, value in written.items() if self._is_valid(value)}
             axes = self._axes(written.values())
         combinations = itertools.product(*(self._namespace.axes[axis].labels for axis in axes))
+        plain = {name: value.value for name, value in written.items()}
         for labels in combinations if in_full else itertools.islice(combinations, 1):
             at = dict(zip(axes, labels, strict=True))
-            shown = {
-                name: self._substituted(value.value, at) if value.variables() else value.value
-                for name, value in written.items()
-            }
+            shown = {name: self._substituted(value, at) for name, value in plain.items()}
             # settings without a valid value: their errors are recorded already
             invalid = pending.written.keys() - written.keys()
             values = self._validated(pending, shown, invalid)
