@@ -6,10 +6,11 @@ them thirty times per second for the process that answers the browsers.
 
 from __future__ import annotations
 
+import json
 import pickle
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -21,7 +22,6 @@ from nodegraph.execute.worker.client import kill, start
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.plan import LivePlan, not_given
 from nodegraph.live.session import Session
-from nodegraph.node.ports import Label
 from nodegraph.plan import Output
 from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.streaming import Frame, LiveView
@@ -84,11 +84,12 @@ class StreamPage:
         self._registry = session.plan.plan.graph.registry
         self._shown = list(_shown(session.plan, self._registry.hooks.live_views))
         self._newest: dict[Output, Frame] = {}
+        self._watched: Collection[str] = ()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._follow, daemon=True)
         self._start = time.monotonic()
         self._process = start("nodegraph.serve.stream_server", pipe_output=True)
-        self._send(_content(self._shown, title, facts))
+        self._send(_content(session.plan, self._shown, title, facts))
         assert self._process.stdout is not None
         self.address = self._process.stdout.readline().decode().strip()
         if not self.address:
@@ -100,6 +101,7 @@ class StreamPage:
             {output: partial(self._newest.__setitem__, output) for output in outputs}
         )
         self._thread.start()
+        threading.Thread(target=self._listen, daemon=True).start()
         return self
 
     def __exit__(
@@ -126,12 +128,20 @@ class StreamPage:
         with formats_of(self._registry), suppress(OSError):
             self._send(self._update("ended", message, with_counts=True))
 
+    def _listen(self) -> None:
+        """Read which outputs browsers show now."""
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self._watched = json.loads(line)
+
     def _follow(self) -> None:
         with formats_of(self._registry):
             ticks = 0
             while not self._ended.wait(EVERY):
                 try:
-                    self._send(self._update(self._state, with_counts=ticks % FIGURES == 0))
+                    update = self._update(self._state, with_counts=ticks % FIGURES == 0)
+                    if update.frames or update.counts:
+                        self._send(update)
                 except OSError:
                     self._announce("the page of the stream is no longer served")
                     return
@@ -154,6 +164,8 @@ class StreamPage:
         begun: dict[str, Any] = {}
         frames: dict[str, list[bytes]] = {}
         for shown in [*self._shown]:
+            if shown.is_begun and shown.name not in self._watched and state != "ended":
+                continue
             newest = [frame for frame in map(self._newest.get, shown.panels.values()) if frame]
             if len(newest) < len(shown.panels) or [*map(id, newest)] == [*map(id, shown.sent)]:
                 continue
@@ -180,38 +192,48 @@ class StreamPage:
 
 
 def _shown(plan: LivePlan, views: Sequence[LiveView]) -> Iterator[_Shown]:
-    """Yield each output on the stream that a view shows, the source's before others beside it."""
+    """Yield each output that a view shows, beside that of the source if that has the same view."""
     outputs = [plan.source]
     outputs += [
         Output(step.step.index, position)
         for step in plan.steps
         for position in range(len(step.step.method.node.outputs))
     ]
-    panels: dict[str, dict[str, Output]] = {}
-    of_name: dict[str, LiveView] = {}
+    names: dict[str, LiveView] = {}
     for output in outputs:
         step = plan.plan.steps[output.step]
-        ports = step.method.node.outputs
-        port = ports[output.position]
+        port = step.method.node.outputs[output.position]
         view = next((view for view in views if issubclass(port.type, view.type)), None)
-        if view is None or not_given(plan.plan, output):
-            continue
-        name = step.node if output.position == 0 else f"{step.node}.{port.name}"
-        of_name[name] = view
-        panels.setdefault(name, {})[_label(plan, name, output)] = output
-    first = next(iter(panels)) if plan.source in next(iter(panels.values()), {}).values() else ""
-    for name, own in panels.items():
-        is_beside = first and name != first and of_name[name] is of_name[first]
-        before = panels[first] if is_beside else {}
-        yield _Shown(name, of_name[name], {**before, **own})
+        if view is not None and not not_given(plan.plan, output):
+            names[f"{step.node}.{port.name}" if output.position else step.node] = view
+    first: tuple[LiveView | None, Mapping[str, Output]] = (None, {})
+    for name, view in names.items():
+        panels = _by_label(plan, name)
+        if plan.source in panels.values():
+            first = (view, panels)
+        yield _Shown(name, view, {**first[1], **panels} if view is first[0] else panels)
 
 
-def _label(plan: LivePlan, name: str, output: Output) -> str:
-    labels: Mapping[str, Label] = plan.outputs(name)[output]
-    return ", ".join(map(str, labels.values())) or name
+def _by_label(plan: LivePlan, name: str) -> Mapping[str, Output]:
+    """Return the outputs side by side that a name means, in the order of the graph's labels."""
+    axes = plan.plan.graph.axes
+    outputs = sorted(
+        plan.outputs(name).items(),
+        key=lambda pair: [axes[axis].labels.index(label) for axis, label in pair[1].items()],
+    )
+    return {", ".join(map(str, labels.values())) or name: output for output, labels in outputs}
 
 
-def _content(shown: Sequence[_Shown], title: str, facts: Sequence[str]) -> str:
+def _running(plan: LivePlan) -> Iterator[Mapping[str, Any]]:
+    """Yield each node in whose place numbers are kept current, with its steps by their labels."""
+    nodes = {plan.plan.steps[output.step].node: form for output, form in plan.running.items()}
+    for node, form in nodes.items():
+        outputs = _by_label(plan, node)
+        steps = {label: plan.plan.steps[output.step].name for label, output in outputs.items()}
+        yield {"name": node, "units": dict(form.numbers), "steps": steps}
+
+
+def _content(plan: LivePlan, shown: Sequence[_Shown], title: str, facts: Sequence[str]) -> str:
     """Return the page, which gets everything else from the stream of events."""
     views = list({id(each.view): each.view for each in shown}.values())
     groups = [
@@ -224,12 +246,13 @@ def _content(shown: Sequence[_Shown], title: str, facts: Sequence[str]) -> str:
         for each in shown
     ]
     modules = json_in_script(list(dict.fromkeys(view.module for view in views)))
-    scripts = [source(f"{name}.js") for name in SCRIPTS]
+    scripts = [*(source(f"{name}.js") for name in SCRIPTS), own_source("lines.js")]
     scripts += dict.fromkeys(script for view in views for script in view.scripts)
     scripts.append(
         own_source("stream.js")
         .replace("__MODULES__", modules)
         .replace("__GROUPS__", json_in_script(groups))
+        .replace("__RUNNING__", json_in_script(list(_running(plan))))
     )
     styles = dict.fromkeys(style for view in views for style in view.styles)
     response = page_response(

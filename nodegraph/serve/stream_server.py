@@ -8,8 +8,8 @@ import json
 import pickle
 import sys
 import threading
-from collections import deque
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections import Counter, deque
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from typing import Any, BinaryIO, Literal, NamedTuple
 
 from starlette.applications import Starlette
@@ -18,6 +18,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 
 from nodegraph.live.counts import NUMBERS, Counts
+from nodegraph.live.running import Latest
 from nodegraph.serve.pages import html_response
 from nodegraph.serve.server import LocalServer
 
@@ -30,6 +31,9 @@ FIGURES = 8
 
 LAST = 5.0
 """Seconds over which rates and latencies are those of the last frames."""
+
+_LONGEST = 300
+"""Moments of the numbers over time; of more, every second is left out."""
 
 _SILENT = 1.0
 """Seconds without a frame after which a source is waited for."""
@@ -107,6 +111,9 @@ class _Shown:
         self._is_over = False
         self._past: deque[tuple[float, Counts]] = deque()
         self._received_at = 0.0
+        self._began_at: float | None = None
+        self._history = _History()
+        self._watched: Counter[str] = Counter()
 
     def take(self, update: Update) -> None:
         """Take a message."""
@@ -114,6 +121,10 @@ class _Shown:
         for name, frames in update.frames.items():
             self._frames[name] = [base64.b64encode(frame).decode() for frame in frames]
         if update.counts is not None:
+            if self._began_at is None and update.counts.received:
+                self._began_at = update.seconds
+            if self._began_at is not None:
+                self._history.add(update.seconds - self._began_at, update.counts.running)
             self._figures = self._figures_of(update, update.counts)
             self._is_over = update.state == "ended"
 
@@ -136,7 +147,7 @@ class _Shown:
         return {
             "state": state,
             "message": update.message,
-            "seconds": round(update.seconds, 1),
+            "seconds": 0.0 if self._began_at is None else round(update.seconds - self._began_at, 1),
             "numbers": {name: getattr(counts, name) for name in NUMBERS},
             "rates": {
                 "in": rate(counts.received, earlier.received),
@@ -160,6 +171,19 @@ class _Shown:
 
     async def events(self, names: Sequence[str]) -> AsyncIterator[str]:
         """Yield what a page needs that shows some groups, until the stream ends."""
+        self._watch(Counter(names))
+        try:
+            async for event in self._events(names):
+                yield event
+        finally:
+            self._watch(Counter({name: -count for name, count in Counter(names).items()}))
+
+    def _watch(self, names: Counter[str]) -> None:
+        """Print which groups browsers show now: the others need no frames."""
+        self._watched.update(names)
+        print(json.dumps([name for name, count in self._watched.items() if count]), flush=True)
+
+    async def _events(self, names: Sequence[str]) -> AsyncIterator[str]:
         yield "retry: 1000\n\n"
         sent: dict[str, Any] = {}
         while True:
@@ -170,6 +194,7 @@ class _Shown:
             }
             if self._figures is not sent.get("figures"):
                 sent["figures"] = event["figures"] = self._figures
+                event["history"] = self._history.data
             if any(event.values()):
                 yield f"data: {json.dumps(event)}\n\n"
             if is_over:
@@ -187,3 +212,37 @@ class _Shown:
         }
         sent.update({f"{kind} {name}": value for name, value in new.items()})
         return new
+
+
+class _History:
+    """Numbers that are kept current, over the time of a stream, thinned out as they become many."""
+
+    def __init__(self) -> None:
+        self._seconds: list[float] = []
+        self._steps: dict[str, dict[str, list[float | None]]] = {}
+        self._apart = 0.0
+        """Seconds between two moments at least."""
+
+    @property
+    def data(self) -> Mapping[str, Any]:
+        return {"seconds": self._seconds, "steps": self._steps}
+
+    def add(self, seconds: float, running: Mapping[str, Latest]) -> None:
+        """Add what the numbers of each step are now, in place of the last if that was just now."""
+        is_new = not self._seconds or seconds >= self._seconds[-1] + self._apart
+        for moments, value in self._with_values(round(seconds, 2), running):
+            moments[len(moments) - (not is_new) :] = [value]
+        if len(self._seconds) > _LONGEST:
+            for moments, _ in self._with_values(0.0, running):
+                del moments[1:-1:2]
+            self._apart = 2.0 * (self._apart or FIGURES * EVERY)
+
+    def _with_values(
+        self, seconds: float, running: Mapping[str, Latest]
+    ) -> Iterator[tuple[list[Any], float | None]]:
+        yield self._seconds, seconds
+        for step, latest in running.items():
+            numbers = self._steps.setdefault(step, {})
+            for name, value in latest.as_json().items():
+                rounded = None if value is None else float(f"{value:.4g}")
+                yield numbers.setdefault(name, []), rounded

@@ -1,5 +1,5 @@
 // The page of a stream: its newest frames, and what is counted of it, as the server sends them.
-nodegraph.define("stream", ["page", ...__MODULES__], ({ element, number, reduced_motion }, ...made) => {
+nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number, reduced_motion }, lines, ...made) => {
   const GROUPS = __GROUPS__;
   const views = new Map(__MODULES__.map((name, place) => [name, made[place]]));
   const ODD = ["missing", "late", "repeated", "dropped", "undecodable"];
@@ -62,9 +62,45 @@ nodegraph.define("stream", ["page", ...__MODULES__], ({ element, number, reduced
     }
   }
 
+  // Numbers that are kept current: one of them over time, and all of them now.
+  class Running {
+    constructor({ name, units, steps }) {
+      Object.assign(this, { name, units, steps });
+      const with_unit = (key) => (units[key] ? `${key} (${units[key]})` : key);
+      const chosen = Object.keys(units).find((key) => units[key] && units[key] !== "share") ?? Object.keys(units)[0];
+      this.select = element("select", { "aria-label": "Number that is drawn" },
+        ...Object.keys(units).map((key) => element("option", { value: key, selected: key === chosen }, with_unit(key))));
+      this.select.addEventListener("change", () => this.draw());
+      this.chart = element("div", { class: "chart" });
+      this.body = element("tbody");
+      const head = ["", ...Object.keys(units)].map((key) => element("th", { scope: "col", class: key ? "number" : null }, key ? with_unit(key) : name));
+      this.element = element("section", { class: "running" },
+        element("h2", {}, `${name}, so far: `, this.select), this.chart,
+        element("div", { class: "wide" }, element("table", {}, element("thead", {}, element("tr", {}, ...head)), this.body)));
+      new ResizeObserver(() => this.draw()).observe(this.chart);
+    }
+
+    take(history) {
+      this.history = history;
+      this.draw();
+      const now = (step, key) => history.steps[step]?.[key]?.at(-1) ?? null;
+      this.body.replaceChildren(...Object.entries(this.steps).map(([label, step]) => row(label,
+        Object.entries(this.units).map(([key, unit]) => (unit ? number(now(step, key)) : String(now(step, key) ?? "\u2013"))), { "data-step": step })));
+    }
+
+    draw() {
+      const width = this.chart.clientWidth;
+      if (!this.history?.seconds.length || !width) return;
+      const key = this.select.value;
+      const drawn = Object.entries(this.steps).map(([label, step]) => ({ label, values: this.history.steps[step]?.[key] ?? [] }));
+      this.chart.replaceChildren(lines.draw(this.history.seconds, drawn, { title: `${key} of ${this.name}`, unit: this.units[key], width, height: 200 }));
+    }
+  }
+
   const by_view = Map.groupBy ? Map.groupBy(GROUPS, ({ view }) => view) : GROUPS.reduce((map, group) => map.set(group.view, [...(map.get(group.view) ?? []), group]), new Map());
   const pictures = [...by_view.values()].map((groups) => new Pictures(groups));
-  document.querySelector(".stream-pictures").append(...pictures.reverse().map((one) => one.element));
+  const running = __RUNNING__.map((one) => new Running(one));
+  document.querySelector(".stream-pictures").append(...[...pictures.reverse(), ...running].map((one) => one.element));
 
   const figure = (name, value, unit, below, odd = false) => {
     const holder = document.querySelector(`[data-figure="${name}"]`);
@@ -72,8 +108,8 @@ nodegraph.define("stream", ["page", ...__MODULES__], ({ element, number, reduced
     holder.replaceChildren(element("b", {}, value), element("span", { class: "unit" }, unit ? ` ${unit}` : ""), element("span", {}, below));
   };
   const milliseconds = (value) => (value === undefined ? "\u2013" : value.toFixed(value < 10 ? 2 : 1));
-  const latency = (name, of) => figure(name, milliseconds(of.p50), "ms, half within",
-    of.p99 === undefined ? "" : `99 % ${milliseconds(of.p99)} \u00b7 longest ${milliseconds(of.max)}`);
+  const latency = (name, of) => figure(name, milliseconds(of.p50), "ms p50",
+    of.p99 === undefined ? "" : `p99 ${milliseconds(of.p99)} \u00b7 max ${milliseconds(of.max)}`);
   const row = (name, cells, attributes = {}) => element("tr", attributes,
     element("th", { scope: "row" }, name), ...cells.map((cell) => element("td", { class: "number" }, String(cell))));
   const table = (name, rows) => {
@@ -85,8 +121,8 @@ nodegraph.define("stream", ["page", ...__MODULES__], ({ element, number, reduced
   const show = ({ numbers, rates, latency: latencies, sinks, refused, warnings }) => {
     latency("last", latencies.last);
     latency("all", latencies.all);
-    figure("in", rates.in.toFixed(1), "per second", `${numbers.received} received`);
-    figure("out", rates.out.toFixed(1), "per second", `${numbers.computed} computed`);
+    figure("in", rates.in.toFixed(1), "per s", `${numbers.received} received`);
+    figure("out", rates.out.toFixed(1), "per s", `${numbers.computed} computed`);
     const odd = ODD.filter((name) => numbers[name]);
     figure("odd", String(odd.reduce((sum, name) => sum + numbers[name], 0)), "",
       odd.map((name) => `${numbers[name]} ${name}`).join(" \u00b7 ") || "none missing, late or dropped", odd.length > 0);
@@ -110,7 +146,9 @@ nodegraph.define("stream", ["page", ...__MODULES__], ({ element, number, reduced
     else say(name, STATES[name]);
     state.querySelector(".stream-rate").textContent = over ? `after ${seconds} s` : name === "receiving" ? `${rates.in.toFixed(0)} frames per second` : "";
     if (over) pause.hidden = true;
-    if (!paused.figures || over) show(event.figures);
+    if (paused.figures && !over) return;
+    show(event.figures);
+    for (const one of running) one.take(event.history);
   };
 
   // Nothing comes while nobody sees the page; who comes back gets the present state.

@@ -19,7 +19,7 @@ from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.streaming import AnimationFrame, MarkerFrame
 
 _SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "live")
-_ROOM = 1.06
+_ROOM = 1.1
 """A head moves away from where it is in the first frame."""
 
 _ENOUGH = 0.5
