@@ -1,4 +1,4 @@
-"""Pages in Debian's Chromium, through Playwright: a browser for all tests, a new profile for each.
+"""Pages in Debian's Chromium, through Playwright: a browser for all tests, a new page for each.
 
 Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
 """
@@ -12,7 +12,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+from playwright.sync_api import BrowserContext, ConsoleMessage, Page, Request, sync_playwright
 
 AXE = os.environ.get("NODEGRAPH_AXE", "")
 needs_axe = pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
@@ -26,8 +26,8 @@ _PLAYBACKS_ARE_READY = """
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Browser]:
-    """The browser, which is started when a test first needs it."""
+def chromium() -> Iterator[BrowserContext]:
+    """A browser with one profile, which is started when a test first needs it."""
     # the first is the same without windows: it opens pages in a third of the time
     names = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
     path = next(filter(None, map(shutil.which, names)), None)
@@ -35,7 +35,7 @@ def chromium() -> Iterator[Browser]:
         pytest.skip("no Chromium is installed")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=_ARGUMENTS)
-        yield browser
+        yield browser.new_context()  # a page in a new one takes twice as long
         browser.close()
 
 
@@ -46,8 +46,8 @@ def complaints() -> list[str]:
 
 
 @pytest.fixture
-def tab(chromium: Browser, complaints: list[str]) -> Iterator[Page]:
-    """A page with a profile of its own, which must not complain nor leave this machine."""
+def tab(chromium: BrowserContext, complaints: list[str]) -> Iterator[Page]:
+    """A new page, which must not complain nor leave this machine; what it stores is forgotten."""
 
     def watch(request: Request) -> None:
         address = urlsplit(request.url)
@@ -58,12 +58,14 @@ def tab(chromium: Browser, complaints: list[str]) -> Iterator[Page]:
         if "GL Driver Message" not in message.text:  # of how fast the processor draws
             complaints.append(message.text)
 
-    with chromium.new_context() as context:
-        page = context.new_page()
-        context.on("request", watch)
-        page.on("console", listen)
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        yield page
+    page = chromium.new_page()
+    page.on("request", watch)
+    page.on("console", listen)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    yield page
+    page.evaluate("try { localStorage.clear() } catch { /* a page without storage */ }")
+    chromium.clear_permissions()
+    page.close()
     assert complaints == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +20,8 @@ hypothesis.settings.register_profile("tests", max_examples=30, deadline=None, de
 hypothesis.settings.load_profile("tests")
 
 
+gc.disable()  # until all tests are collected: nothing of theirs is garbage
+
 LONG = (
     *("test_style", "test_stored_studies", "test_fill_study", "test_third_party"),
     *("test_installation", "test_locked_studies", "test_tracking_study"),
@@ -30,6 +33,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the long tests, so that no process waits for one of them at the end."""
     order = {name: place for place, name in enumerate(LONG)}
     items.sort(key=lambda item: order.get(item.path.stem, len(LONG)))
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage from now on, among what tests make only."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)
