@@ -17,6 +17,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_smooth.dct import dct
     from nodegraph_smooth.gcv import gcv
     from nodegraph_smooth.kalman import kalman
+    from nodegraph_smooth.kalman_filter import kalman_filter
     from nodegraph_smooth.least_squares import least_squares
     from nodegraph_smooth.one_euro import one_euro
     from nodegraph_smooth.polynomial import polynomial
@@ -29,6 +30,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
         dct,
         gcv,
         kalman,
+        kalman_filter,
         least_squares,
         one_euro,
         polynomial,

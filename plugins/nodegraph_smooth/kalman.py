@@ -74,14 +74,36 @@ def kalman(
     ValueError
         If `motion` is none of its choices or `noise` not positive.
     """
-    if motion not in get_args(Motion):
-        raise ValueError(f"motion must be {' or '.join(get_args(Motion))}, got {motion!r}")
+    order = components(motion)
     if not noise > 0.0:
         raise ValueError(f"noise must be a positive number of mm, got {noise}")
-    order = 2 + get_args(Motion).index(motion)
-    density = 1.0 / _spectrum(angle(cutoff, recording.rate), order)
-    check_stiffness(1.0 / density, cutoff, recording.rate)
-    return _smoothed(recording, order, density, noise)
+    return _smoothed(recording, order, density_of(cutoff, recording.rate, order), noise)
+
+
+def components(motion: Motion) -> int:
+    """Return d, how many components the state has.
+
+    Raises
+    ------
+    ValueError
+        If `motion` is none of its choices.
+    """
+    if motion not in get_args(Motion):
+        raise ValueError(f"motion must be {' or '.join(get_args(Motion))}, got {motion!r}")
+    return 2 + get_args(Motion).index(motion)
+
+
+def density_of(cutoff: float, rate: float, order: int) -> float:
+    """Return q, time in frames and the variance of a sample 1, for half the amplitude at a cut-off.
+
+    Raises
+    ------
+    Refusal
+        If the cut-off is not below half the frame rate or too low to be computed.
+    """
+    density = 1.0 / _spectrum(angle(cutoff, rate), order)
+    check_stiffness(1.0 / density, cutoff, rate)
+    return density
 
 
 def _spectrum(width: float, order: int) -> float:

@@ -1,4 +1,4 @@
-"""The loops of the Kalman smoothing, compiled: import this module only when it runs.
+"""The loops of the Kalman smoother and filter, compiled: import this module only when it runs.
 
 Time is counted in frames and the variance of the measurement is 1. Nothing is known of the state
 before the first frame, which only information (the inverse of a covariance) can say exactly: the
@@ -21,6 +21,20 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 compiled = kernel()
+
+
+@compiled
+def transition(order: int, density: float) -> tuple[Floats, Floats]:
+    """Return F and Q, (d, d) each, time in frames."""
+    step, noise = np.eye(order), np.empty((order, order))
+    for i in range(order):
+        for j in range(order):
+            up, across = order - 1 - i, order - 1 - j
+            scale = math.gamma(up + 1.0) * math.gamma(across + 1.0) * (up + across + 1.0)
+            noise[i, j] = density / scale
+            if j > i:
+                step[i, j] = 1.0 / math.gamma(j - i + 1.0)
+    return step, noise
 
 
 @compiled
@@ -51,14 +65,7 @@ def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floa
     variance : (T,) array
         Of the position, all frames being known.
     """
-    step, noise = np.eye(order), np.empty((order, order))
-    for i in range(order):
-        for j in range(order):
-            up, across = order - 1 - i, order - 1 - j
-            scale = math.gamma(up + 1.0) * math.gamma(across + 1.0) * (up + across + 1.0)
-            noise[i, j] = density / scale
-            if j > i:
-                step[i, j] = 1.0 / math.gamma(j - i + 1.0)
+    step, noise = transition(order, density)
     back = np.linalg.inv(step)
     forth = np.ascontiguousarray(back.T)
     carry, inverse = np.zeros((frames, order, order)), np.zeros((frames, order, order))
@@ -117,3 +124,60 @@ def smooth(values: Floats, carry: Floats, inverse: Floats, gain: Floats) -> Floa
             last[:] = state
             smoothed[t, column] = state[0]
     return smoothed
+
+
+@compiled
+def follow(values: Floats, gains: Floats) -> Floats:
+    """Return the filtered positions of runs of one length; see `nodegraph_smooth.kalman_filter`.
+
+    Parameters
+    ----------
+    values : (T, R, 3) array of float64
+        Relative to each run's first sample.
+    gains : (G, d) array of float64
+        In each frame of a run; the last holds from there on.
+    """
+    filtered = np.empty_like(values)
+    state = np.zeros(gains.shape[1])
+    for run in range(values.shape[1]):
+        for axis in range(3):
+            state[:] = 0.0
+            for t in range(len(values)):
+                _update(state, values[t, run, axis], gains[min(t, len(gains) - 1)])
+                filtered[t, run, axis] = state[0]
+    return filtered
+
+
+@compiled
+def advance(state: Floats, values: Floats, age: NDArray[np.integer], gains: Floats) -> None:
+    """Filter the next frame of some runs, as `follow` does.
+
+    Parameters
+    ----------
+    state : (R, 3, d) array of float64
+        Of the frame before, zeros before the first of a run; that of this one is written there.
+    values : (R, 3) array of float64
+    age : (R,) array of int
+        Frames since the run's first.
+    gains
+        As for `follow`.
+    """
+    for run in range(len(values)):
+        gain = gains[min(age[run], len(gains) - 1)]
+        for axis in range(3):
+            _update(state[run, axis], values[run, axis], gain)
+
+
+@kernel(forceinline=True)
+def _update(state: Floats, value: float, gain: Floats) -> None:
+    """Predict the state of the next frame, and correct it by the sample."""
+    last = len(state) - 1
+    for i in range(last):
+        change, factor = 0.0, 1.0
+        for j in range(i + 1, last + 1):
+            factor /= j - i
+            change += factor * state[j]
+        state[i] += change
+    off = value - state[0]
+    for i in range(last + 1):
+        state[i] += gain[i] * off
