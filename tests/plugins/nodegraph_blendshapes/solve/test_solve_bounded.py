@@ -236,7 +236,7 @@ def test_exchanging_one_at_a_time_ends_too(monkeypatch: pytest.MonkeyPatch) -> N
     lengths = np.linalg.norm(columns, axis=1)
     squares_of = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, 1.0)
     for target in targets:
-        work = kernel._new_work(squares_of)
+        work = kernel.new_work(squares_of)
         compiled.py_func(squares_of, columns @ target, work, float(np.linalg.norm(target)), 500)
         expected = by_scipy(columns, target[None], 0.0, 1.0)[0]
         np.testing.assert_allclose(work.weights, expected, rtol=0, atol=1e-10)
