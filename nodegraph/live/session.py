@@ -1,6 +1,7 @@
 """A stream from its source through the live part of a graph to the sinks.
 
-One thread receives and decodes packets, another computes. Between them is a bounded queue.
+One thread receives packets, and computes what is in them: waking another thread would take longer
+than many a node. While it does not keep up, frames wait, up to a limit, for another thread.
 """
 
 from __future__ import annotations
@@ -10,20 +11,20 @@ import signal
 import threading
 import time
 import warnings
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from contextvars import copy_context
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import Any, Literal
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import execute
-from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.numeric_threads import one_thread_each, one_thread_here
 from nodegraph.graph import Graph
 from nodegraph.live.addresses import (
     RETRY_SECONDS,
@@ -60,14 +61,16 @@ _TIDY = 5_000
 
 
 class _Reconnection:
-    """In the queue: what follows comes from another connection."""
+    """Among what waits: what follows comes from another connection."""
 
 
 @dataclass
 class _End:
-    """In the queue: no frame follows; the error is why, if there is one."""
+    """Among what waits: no frame follows; the error is why, if there is one."""
 
     error: NodegraphError | None = None
+    is_of_node: bool = False
+    """Whether the error is one of computing, not of the source."""
 
 
 def session_of(
@@ -198,10 +201,11 @@ class Session:
         self._watchers: Mapping[Output, Receiver] = {}
         self.is_lost = False
         self.is_stopped = False
-        self._queue: SimpleQueue[Frame | _Reconnection | _End] = SimpleQueue()
+        self._waiting: deque[Frame | _Reconnection | _End] = deque()
+        self._is_wanted = threading.Event()
+        """Whether something waits that the receiving thread does not compute."""
+        self._computing = threading.Lock()
         self._stopped = threading.Event()
-        self._next: _Reconnection | _End | None = None
-        """What was taken from the queue, and comes next."""
         self._expected: int | None = None
         self._back = 0
         """Frames in a row whose numbers follow each other, but lie before the expected one."""
@@ -254,7 +258,6 @@ class Session:
             self._announce(f"{self._address}: running; an interruption (Ctrl-C) ends the stream")
             thread.start()
             self._compute()
-            self._engine.drain()
         return self.counts
 
     def _open_source(self) -> Any:
@@ -275,42 +278,61 @@ class Session:
         return Engine(self.plan, self._header, self._values, taps, self.counts.refused)
 
     def _receive(self) -> None:
-        """Put what arrives into the queue; the work of the receiving thread."""
+        """Receive packets until the stream ends; the work of the receiving thread."""
+        end = _End()
         try:
-            while not self._stopped.is_set():
-                try:
-                    self._receive_packets()
-                    break
-                except OSError as error:
-                    self._announce(f"{self._address}: {reason_of(error)}; waiting for it to return")
-                    self._source.close()
-                    self.is_lost = True
-                    self._open_again()
-                    self.is_lost = False
-            self._queue.put(_End())
+            with one_thread_here():
+                self._receive_until_end()
         except NodegraphError as error:
-            self._queue.put(_End(error))
+            end.error = error
         except Exception as error:
-            self._queue.put(_End(NodegraphError(f"{self._address}: failed: {error_text(error)}")))
+            end.error = NodegraphError(f"{self._address}: failed: {error_text(error)}")
+        self._leave(end)
+
+    def _leave(self, item: _Reconnection | _End) -> None:
+        """Let something wait for the computing thread."""
+        self._waiting.append(item)
+        self._is_wanted.set()
+
+    def _receive_until_end(self) -> None:
+        while not self._stopped.is_set():
+            try:
+                self._receive_packets()
+                break
+            except OSError as error:
+                self._announce(f"{self._address}: {reason_of(error)}; waiting for it to return")
+                self._source.close()
+                self.is_lost = True
+                self._open_again()
+                self.is_lost = False
 
     def _receive_packets(self) -> None:
-        counts, queue, frames_in = self.counts, self._queue, self._source.frames
+        counts, waiting, frames_in = self.counts, self._waiting, self._source.frames
         record, header, stopped = self._record, self._header, self._stopped
         for packet in self._source.packets():
             arrived = time.perf_counter_ns()
             if record is not None:
                 record.write(packet, arrived)
             try:
-                for frame in frames_in(packet, arrived, header):
-                    queue.put(frame)
+                waiting.extend(frames_in(packet, arrived, header))
             except ValueError as error:
                 if not counts.undecodable:
                     self._announce(f"{self._address}: a packet is left out: {error}")
                 counts.undecodable += 1
             if stopped.is_set():
                 return
-            while queue.qsize() >= _QUEUE and not stopped.is_set():
-                time.sleep(_FULL)
+            if self._is_behind or len(waiting) > _BACKLOG or not self._computing.acquire(False):
+                self._is_wanted.set()
+                while len(waiting) >= _QUEUE and not stopped.is_set():
+                    time.sleep(_FULL)
+                continue
+            try:
+                self._work_off()
+            except NodegraphError as error:
+                self._leave(_End(error, is_of_node=True))
+                return
+            finally:
+                self._computing.release()
 
     def _open_again(self) -> None:
         while not self._stopped.is_set():
@@ -326,7 +348,7 @@ class Session:
             self.counts.reconnected += 1
             if self._record is not None:
                 self._record.note_opening(header)
-            self._queue.put(_Reconnection())
+            self._leave(_Reconnection())
             return
 
     def _end_of(self, thread: threading.Thread) -> None:
@@ -338,37 +360,40 @@ class Session:
             self._record.close()
 
     def _compute(self) -> None:
-        newest = self._policy == "newest"
-        while (item := self._taken()) is not None:
+        """Compute what the receiving thread leaves, until the stream ends."""
+        while True:
+            is_wanted = self._is_wanted.wait(_POLL)
+            self._is_wanted.clear()
+            self._computing.acquire()  # at the end it is kept: no frame is computed any more
+            if self._work_off() or (self._stopped.is_set() and not is_wanted):
+                self._engine.drain()
+                return
+            self._computing.release()
+
+    def _work_off(self) -> bool:
+        """Compute what waits; return whether the stream has ended."""
+        waiting, newest = self._waiting, self._policy == "newest"
+        while waiting:
+            item = waiting.popleft()
             if isinstance(item, _End):
                 if item.error is not None:
-                    self._engine.drain()
+                    if not item.is_of_node:
+                        self._engine.drain()
                     raise item.error
-                return
+                return True
             if isinstance(item, _Reconnection):
                 self._begin_anew()
                 continue
-            if newest and self._queue.qsize() > _BACKLOG:
+            if newest and len(waiting) > _BACKLOG:
                 item = self._last(item)
             self.counts.received += 1
             self._take(item)
             self._tidy()
-
-    def _taken(self) -> Frame | _Reconnection | _End | None:
-        """Return what comes next, None if the stream was stopped and nothing waits."""
-        if self._next is not None:
-            item, self._next = self._next, None
-            return item
-        while True:
-            try:
-                return self._queue.get(timeout=_POLL)
-            except Empty:
-                if self._stopped.is_set():
-                    return None
+        return False
 
     def _tidy(self) -> None:
         """Collect garbage from time to time."""
-        idle = self._queue.empty()
+        idle = not self._waiting
         if idle:
             self._is_behind = False
         if self.counts.computed >= self._next_tidy + (0 if idle else 10 * _TIDY):
@@ -378,12 +403,8 @@ class Session:
     def _last(self, frame: Frame) -> Frame:
         """Return the last frame before an end or a new connection; those before it are dropped."""
         dropped = 0
-        while not self._queue.empty():
-            item = self._queue.get()
-            if not isinstance(item, Frame):
-                self._next = item
-                break
-            frame, dropped = item, dropped + 1
+        while self._waiting and isinstance(self._waiting[0], Frame):
+            frame, dropped = self._waiting.popleft(), dropped + 1
         self.counts.received += dropped
         self.counts.dropped += dropped
         self._begin_anew()
