@@ -7,6 +7,7 @@ import hashlib
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import groupby
@@ -163,6 +164,7 @@ def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
     return [_trusted(text) for text in texts]
 
 
+@cache  # a template takes longer to compile than to fill in
 def templates_of(package: str) -> Environment:
     """Return what fills in a package's templates; all that is not marked as trusted is escaped.
 

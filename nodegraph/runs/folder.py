@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from datetime import datetime
 from io import FileIO
+from itertools import chain
 from operator import itemgetter
 from pathlib import Path
 
@@ -242,4 +243,4 @@ def _busy(path: Path) -> NodegraphError:
 
 def _free(path: Path) -> Path:
     numbered = (path.with_name(f"{path.name}.{number}") for number in range(2, 10_000))
-    return next(free for free in (path, *numbered) if not free.exists())
+    return next(free for free in chain([path], numbered) if not free.exists())
