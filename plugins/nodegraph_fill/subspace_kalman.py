@@ -105,7 +105,7 @@ def subspace_kalman(
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
         nonlocal near
         matrix = TakeMatrix.of(recording)
-        # the take with held-out gaps is nearly the same
+        # the take with held-out gaps is nearly the same, and only sigma depends on it
         near = LowRank(matrix, _SHRINKAGE, near)
         space = _learnt(matrix, near, variance)
         if not space.noise.all():
