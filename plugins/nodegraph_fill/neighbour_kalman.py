@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Unit, node
+from nodegraph import StateForm, Unit, node
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end, to_limit
 from nodegraph_fill.meet_ends import Ends, are_met
-from nodegraph_fill.rigid_motion import carried
+from nodegraph_fill.rigid_motion import carried, moved
+from nodegraph_fill.streams import Limit
 from nodegraph_fill.whole_take import Estimate, fill_from
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,76 @@ def _lookahead(settings: Mapping[str, object]) -> int | None:
     return to_gap_end(settings) if are_met(settings) else to_limit(settings)
 
 
+def _live_lookahead(settings: Mapping[str, object]) -> int | None:
+    return None if are_met(settings) else to_limit(settings)
+
+
+class _Stream:
+    """The filter of every marker forward in time, frame by frame."""
+
+    def __init__(
+        self,
+        recording: Trajectories,
+        *,
+        neighbours: int,
+        acceleration: float,
+        noise: float,
+        neighbour_noise: float,
+        ends: Ends,
+        max_gap: int | None,
+    ) -> None:
+        markers = len(recording.markers)
+        self.header = recording
+        self._limit = Limit(markers, max_gap)
+        self._neighbours = neighbours
+        self._noises = neighbour_noise**2, noise**2
+        self._motion = 1.0 / recording.rate, acceleration
+        self._position = np.full((markers, 3), np.nan)
+        self._velocity, self._spread = np.zeros((2, markers, 3))
+        self._before = np.full((markers, 3), np.nan)
+        """The frame before."""
+        self._seen: list[NDArray[np.float64] | None] = [None] * markers
+        """Of a marker that is missing, the last frame in which it was present, if there is one."""
+
+    def push(self, frame: MarkerFrame) -> MarkerFrame | None:
+        known = self._limit.push(frame)
+        return None if known is None else self._filtered(*known)
+
+    def drain(self) -> Iterable[MarkerFrame]:
+        return [self._filtered(*known) for known in self._limit.drain()]
+
+    def _filtered(self, frame: MarkerFrame, wanted: NDArray[np.bool_]) -> MarkerFrame:
+        from nodegraph_fill import neighbour_kalman_kernel
+
+        present = frame.origin != Origin.MISSING
+        for marker in np.flatnonzero(~present & ~np.isnan(self._before[:, 0])):
+            self._seen[marker] = self._before
+        self._before = frame.positions
+        asked = [marker for marker in np.flatnonzero(wanted) if self._seen[marker] is not None]
+        observations, filled = frame.positions, wanted & False
+        if asked:
+            column = np.array(asked)
+            then = np.array([self._seen[marker] for marker in asked])
+            now = np.broadcast_to(frame.positions, then.shape)
+            observations = frame.positions.copy()
+            observations[column] = moved(then, now, column, self._neighbours)
+            filled[column] = ~np.isnan(observations[column, 0])
+        neighbours, own = self._noises
+        neighbour_kalman_kernel.advance(
+            self._position,
+            self._velocity,
+            self._spread,
+            observations,
+            np.where(present, own, neighbours),
+            *self._motion,
+        )
+        return MarkerFrame(
+            np.where(filled[:, None], self._position, frame.positions),
+            np.where(filled, np.uint8(Origin.FILLED), frame.origin),
+            frame.sigma,
+        )
+
+
 @node(
     "fill.neighbour_kalman",
     cite="aristidou2008",
@@ -34,6 +105,7 @@ def _lookahead(settings: Mapping[str, object]) -> int | None:
     ),
     lookahead=_lookahead,
     ends=are_met,
+    live=StateForm(_Stream, lookahead=_live_lookahead, leaves="gaps at the start of the take"),
 )
 def neighbour_kalman(
     recording: Trajectories,

@@ -40,31 +40,72 @@ def follow(observations: Floats, variance: Floats, seconds: float, acceleration:
         Millimetres; NaN before the first frame that has an observation.
     """
     path = np.full_like(observations, np.nan)
-    position, velocity = np.zeros(3), np.zeros(3)
-    jolt = (acceleration * seconds) ** 2
-    p, c, v, started = 0.0, 0.0, 0.0, False
+    position, velocity, spread = np.full(3, np.nan), np.zeros(3), np.zeros(3)
     for t in range(len(observations)):
-        here = not np.isnan(observations[t, 0])
-        if not started:
-            if here:
-                started = True
-                position[:] = observations[t]
-                # as if it had been speeding up for a second
-                p, v = variance[t], acceleration**2
-                path[t] = position
-            continue
-        position += velocity * seconds
-        p += seconds * (2.0 * c + seconds * (v + jolt / 4.0))
-        c += seconds * (v + jolt / 2.0)
-        v += jolt
-        if here:
-            total = p + variance[t]
-            for i in range(3):
-                off = (observations[t, i] - position[i]) / total
-                position[i] += p * off
-                velocity[i] += c * off
-            v -= c * c / total
-            c -= p * c / total
-            p -= p * p / total
+        _follow(position, velocity, spread, observations[t], variance[t], seconds, acceleration)
         path[t] = position
     return path
+
+
+@compiled
+def advance(
+    position: Floats,
+    velocity: Floats,
+    spread: Floats,
+    observations: Floats,
+    variance: Floats,
+    seconds: float,
+    acceleration: float,
+) -> None:
+    """Filter the next frame of several markers, as `follow` does.
+
+    Parameters
+    ----------
+    position, velocity, spread : (M, 3) arrays of float64
+        Of the frame before; those of this one are written there. The spread is p, c and v; the
+        position is NaN before the first observation.
+    observations : (M, 3) array of float64
+    variance : (M,) array of float64
+    seconds, acceleration
+        As for `follow`.
+    """
+    for m in range(len(position)):
+        _follow(
+            position[m], velocity[m], spread[m], observations[m], variance[m], seconds, acceleration
+        )
+
+
+@kernel(forceinline=True)
+def _follow(
+    position: Floats,
+    velocity: Floats,
+    spread: Floats,
+    observation: Floats,
+    variance: float,
+    seconds: float,
+    acceleration: float,
+) -> None:
+    here = not np.isnan(observation[0])
+    if np.isnan(position[0]):
+        if here:
+            position[:], velocity[:] = observation, 0.0
+            # as if it had been speeding up for a second
+            spread[0], spread[1], spread[2] = variance, 0.0, acceleration**2
+        return
+    p, c, v = spread
+    jolt = (acceleration * seconds) ** 2
+    for i in range(3):
+        position[i] += velocity[i] * seconds
+    p += seconds * (2.0 * c + seconds * (v + jolt / 4.0))
+    c += seconds * (v + jolt / 2.0)
+    v += jolt
+    if here:
+        total = p + variance
+        for i in range(3):
+            off = (observation[i] - position[i]) / total
+            position[i] += p * off
+            velocity[i] += c * off
+        v -= c * c / total
+        c -= p * c / total
+        p -= p * p / total
+    spread[0], spread[1], spread[2] = p, c, v

@@ -8,9 +8,9 @@ import numpy as np
 
 from nodegraph import node
 from nodegraph_fill.along_time import bridge
-from nodegraph_fill.closing import live_form
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
+from nodegraph_fill.streams import live_form
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_fill.closing import Between, live_form
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.rigid_motion import carried
+from nodegraph_fill.streams import Between, live_form
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
 

@@ -48,22 +48,36 @@ def carried(
     there = np.flatnonzero((end >= 0) & (end < recording.frames))
     for first in range(0, len(there), _AT_ONCE):
         some = there[first : first + _AT_ONCE]
-        places[some] = _moved(recording, end[some], frame[some], marker[some], neighbours)
+        then, now = recording.positions[end[some]], recording.positions[frame[some]]
+        places[some] = moved(then, now, marker[some], neighbours)
     return places
 
 
-def _moved(
-    recording: Trajectories,
-    end: NDArray[np.intp],
-    frame: NDArray[np.intp],
+def moved(
+    then: NDArray[np.float64],
+    now: NDArray[np.float64],
     marker: NDArray[np.intp],
     neighbours: int,
 ) -> NDArray[np.float64]:
-    then, now = recording.positions[end], recording.positions[frame]
-    place = recording.positions[end, marker]
+    """Return a marker as the motion of its neighbours carries it from one frame to another.
+
+    Parameters
+    ----------
+    then, now : (S, M, 3) arrays of float64
+        For each of S markers the frame in which it is present, and the one where it is asked.
+    marker : (S,) array of int
+    neighbours
+        As for `carried`.
+
+    Returns
+    -------
+    (S, 3) array of float64
+        As for `carried`.
+    """
+    place = then[np.arange(len(marker)), marker]
     squared = ((then - place[:, None]) ** 2).sum(axis=2)
     # the marker itself is missing in the frame
-    squared[~(recording.present[end] & recording.present[frame])] = np.inf
+    squared[np.isnan(then[..., 0]) | np.isnan(now[..., 0])] = np.inf
     nearest = squared.argsort(axis=1, kind="stable")[:, :neighbours, None]
     there = np.isfinite(np.take_along_axis(squared, nearest[..., 0], axis=1))[..., None]
     source = np.where(there, np.take_along_axis(then, nearest, axis=1), 0.0)

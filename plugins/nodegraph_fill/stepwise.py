@@ -25,6 +25,7 @@ import numpy as np
 from nodegraph import StateForm
 from nodegraph_fill.gaps import LONG, NEVER, Gaps, to_limit, warn_left
 from nodegraph_fill.meet_ends import Ends, are_met, check_ends, meet_ends
+from nodegraph_fill.streams import Limit
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -276,15 +277,12 @@ class _Stream:
         markers = len(recording.markers)
         self.header = recording
         self._arguments, self._ring = rule.arguments(markers), min(rule.ring, markers)
-        self._max_gap = max_gap
-        self._delay = max_gap or 0
+        self._limit = Limit(markers, max_gap)
+        self._delay = (max_gap or 0) * ramps
+        """For how many frames a predicted one waits for the ends of its gaps."""
         self._ramps = ramps
-        self._missing = np.zeros(markers, dtype=np.intp)
-        """Frames since each marker was last present, at the newest frame."""
         self._gap = np.zeros(markers, dtype=np.intp)
-        """The same at the newest predicted frame, in gaps that are to be filled."""
-        self._known: deque[tuple[MarkerFrame, NDArray[np.bool_]]] = deque()
-        """Frames yet to be predicted, and which of their samples are."""
+        """Frames since each marker was last present, in gaps that are to be filled."""
         self._predicted: deque[MarkerFrame] = deque()
         # the newest predicted frame and the one before it, which the kernel takes
         self._positions = np.full((2, markers, 3), np.nan)
@@ -293,36 +291,20 @@ class _Stream:
         self._frames = 0
 
     def push(self, frame: MarkerFrame) -> MarkerFrame | None:
-        missing = frame.origin == Origin.MISSING
-        self._missing = np.where(missing, self._missing + 1, 0)
-        wanted = missing.copy()
-        if self._max_gap is not None:
-            wanted &= self._missing <= self._max_gap
-            for marker in np.flatnonzero(self._missing == self._max_gap + 1):
-                for _, earlier in self._known:
-                    earlier[marker] = False
-        self._known.append((frame, wanted))
-        if len(self._known) <= self._delay:
-            return None
-        self._predict()
-        return self._next() if len(self._predicted) > self._delay * self._ramps else None
+        known = self._limit.push(frame)
+        return None if known is None else self._predict(*known)
 
     def drain(self) -> Iterable[MarkerFrame]:
-        while self._known:
-            self._predict()
-            if len(self._predicted) > self._delay * self._ramps:
-                yield self._next()
-        while self._predicted:
-            yield self._next()
+        for known in self._limit.drain():
+            predicted = self._predict(*known)
+            if predicted is not None:
+                yield predicted
+        yield from self._predicted
 
-    def _next(self) -> MarkerFrame:
-        return self._predicted.popleft()
-
-    def _predict(self) -> None:
-        """Predict a frame from the one before it."""
+    def _predict(self, frame: MarkerFrame, wanted: NDArray[np.bool_]) -> MarkerFrame | None:
+        """Predict a frame from the one before it; return the one whose gaps are closed."""
         from nodegraph_fill import stepwise_kernel
 
-        frame, wanted = self._known.popleft()
         positions, state = self._positions, self._state
         positions[0], state[0] = positions[1], state[1]
         positions[1], state[1], self._wanted[1] = frame.positions, _STATES[frame.origin], wanted
@@ -333,6 +315,7 @@ class _Stream:
         if self._ramps:
             self._close(wanted, np.flatnonzero((self._gap > 0) & ~wanted))
         self._frames += 1
+        return self._predicted.popleft() if len(self._predicted) > self._delay else None
 
     def _close(self, wanted: NDArray[np.bool_], returned: NDArray[np.intp]) -> None:
         """Spread the mismatch of the gaps that end here, all from what was predicted."""

@@ -1,9 +1,9 @@
-"""Gaps of a stream, each filled from its ends when the sample after it arrives."""
+"""Gaps of a stream: which are too long, and what fills each when the sample after it arrives."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,41 @@ if TYPE_CHECKING:
 Between = Callable[[Trajectories, Gaps], "NDArray[np.float64]"]
 """Returns the positions of the gaps' samples, (S, 3) mm, in the order of `Gaps.samples`; NaN where
 it has none. A gap's depend on nothing but the frames from the one before to the one after it."""
+
+
+class Limit:
+    """Holds frames until it is known which of their gaps are longer than `max_gap`.
+
+    Parameters
+    ----------
+    markers
+        How many there are.
+    max_gap
+        None: no gap is too long, and no frame is held.
+    """
+
+    def __init__(self, markers: int, max_gap: int | None) -> None:
+        self._max_gap = max_gap
+        self._missing = np.zeros(markers, dtype=np.intp)
+        """Frames since each marker was last present, at the newest frame."""
+        self._held: deque[tuple[MarkerFrame, NDArray[np.bool_]]] = deque()
+
+    def push(self, frame: MarkerFrame) -> tuple[MarkerFrame, NDArray[np.bool_]] | None:
+        """Take the next frame; return the one `max_gap` before it, and what is to be filled."""
+        missing = frame.origin == Origin.MISSING
+        if self._max_gap is None:
+            return frame, missing
+        self._missing = np.where(missing, self._missing + 1, 0)
+        for marker in np.flatnonzero(self._missing == self._max_gap + 1):
+            for _, earlier in self._held:
+                earlier[marker] = False
+        self._held.append((frame, missing & (self._missing <= self._max_gap)))
+        return self._held.popleft() if len(self._held) > self._max_gap else None
+
+    def drain(self) -> Iterator[tuple[MarkerFrame, NDArray[np.bool_]]]:
+        """Yield the frames that are left."""
+        while self._held:
+            yield self._held.popleft()
 
 
 def live_form(between: Callable[..., Between], *, one_end: bool = False) -> StateForm:
