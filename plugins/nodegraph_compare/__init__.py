@@ -17,7 +17,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
     from nodegraph_compare.agreement.node import agreement
     from nodegraph_compare.bayes.node import bayes
     from nodegraph_compare.curve.node import curve
-    from nodegraph_compare.importance.node import importance
+    from nodegraph_compare.importance import importance
     from nodegraph_compare.ranks.node import ranks
     from nodegraph_compare.table.node import table
 

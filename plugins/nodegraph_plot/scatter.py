@@ -8,14 +8,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Across, Label, listed, node
-from nodegraph_mocap import Figure, Table
+from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import info_of
+from nodegraph_tables.axes import plain
 from nodegraph_tables.style import looks
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
+
+    from nodegraph_tables.style import Look
+
+_MANY = 5000
+"""Points from which on they are drawn as one picture, so that the file stays small."""
+_WIDE = 100.0
+_LETTERS = 24
+"""In a line of the legend."""
 
 
 @node("plot.scatter")
@@ -50,8 +59,6 @@ def scatter(
         If there is no such column or axis, or it holds no numbers; the message says what there
         is.
     """
-    from nodegraph_plot.scatter_figure import draw
-
     if not len(scores):
         raise ValueError("there is no table to draw")
     across = scores.values()[0]
@@ -64,7 +71,7 @@ def scatter(
     units = {x: "", upwards: "", **info_of(across).units}
     finite = {name: values[np.isfinite(values).all(axis=1)] for name, values in points.items()}
     known = scores.labels(by) if by else ()
-    return draw(finite, looks([*finite, *known]), _named(x, units), _named(upwards, units))
+    return _draw(finite, looks([*finite, *known]), _named(x, units), _named(upwards, units))
 
 
 def _labels(scores: Across[Table], by: str) -> list[str]:
@@ -135,3 +142,38 @@ def _check_number(table: Table, name: str, scores: Across[Table]) -> None:
 def _axis_labels(scores: Across[Table]) -> str:
     """Return the gathered axes as text."""
     return ", ".join(scores.axes) or "none"
+
+
+def _draw(
+    points: dict[str, NDArray[np.float64]], look: dict[str, Look], right: str, up: str
+) -> Figure:
+    """Return the figure: the points of each label in its colour."""
+    from matplotlib.figure import Figure as Drawing
+
+    figure = Drawing(figsize=(7.0, 4.4), layout="constrained")
+    axis = figure.subplots()
+    many = sum(map(len, points.values())) > _MANY
+    for name, values in points.items():
+        axis.scatter(
+            values[:, 0],
+            values[:, 1],
+            s=12,
+            alpha=0.45 if many else 0.7,
+            color=look[name].colour,
+            marker=look[name].marker,
+            linewidths=0,
+            label=figure_text(name or up, across=_LETTERS, lines=2),
+            rasterized=many,
+        )
+    together = np.concatenate(list(points.values()))
+    axis.set(xlabel=figure_text(right), ylabel=figure_text(up))
+    axis.set(xscale=_scale(together[:, 0]), yscale=_scale(together[:, 1]))
+    plain(axis, grid="both")
+    if len(points) > 1:
+        figure.legend(loc="outside right upper", frameon=False)
+    return figure
+
+
+def _scale(values: NDArray[np.float64]) -> str:
+    positive = len(values) and values.min() > 0
+    return "log" if positive and values.max() > _WIDE * values.min() else "linear"

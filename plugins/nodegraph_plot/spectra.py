@@ -9,12 +9,22 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Across, Truth, Unit, node
-from nodegraph_mocap import Figure, Trajectories
+from nodegraph_mocap import Figure, Trajectories, figure_text
 from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_plot.recordings import check_all_markers, named, named_looks
+from nodegraph_tables.axes import SMALL, name_lines, plain
+from nodegraph_tables.style import BLACK, QUIET
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from nodegraph_tables.style import Look
+
+    Line = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+_WIDE, _TALL = 6.4, 4.0
+_LETTERS = 24
+"""In a name beside a line."""
 
 _SEGMENT = 256
 _SHORTEST = 8
@@ -62,8 +72,6 @@ def spectra(
     .. [1] P. D. Welch, The use of fast Fourier transform for the estimation of power spectra,
        IEEE Transactions on Audio and Electroacoustics 15(2), 1967, 70-73.
     """
-    from nodegraph_plot.spectra_figure import draw
-
     by_name = named(recordings)
     check_all_markers(by_name, markers)
     chosen = {
@@ -73,7 +81,7 @@ def spectra(
     frames = segment or _common_segment(chosen)
     lines = {name: _spectrum(name, recording, frames) for name, recording in chosen.items()}
     known = None if truth is None else _spectrum("the truth", truth, frames)
-    return draw(lines, known, named_looks(recordings))
+    return _draw(lines, known, named_looks(recordings))
 
 
 def _common_segment(recordings: dict[str, Trajectories]) -> int:
@@ -135,3 +143,37 @@ def _warn(name: str, recording: Trajectories, count: NDArray[np.float64], segmen
             f"left out: {', '.join(lacking[:8])}",
             stacklevel=4,
         )
+
+
+def _draw(lines: dict[str, Line], truth: Line | None, look: dict[str, Look]) -> Figure:
+    """Return the figure: density by frequency, both without the mean, which was taken off."""
+    from matplotlib.figure import Figure as Drawing
+
+    figure = Drawing(figsize=(_WIDE, _TALL))
+    axis = figure.add_axes((0.1, 0.12, 0.88, 0.86))
+    for name, (frequency, density) in lines.items():
+        style = look[name]
+        axis.plot(
+            frequency[1:],
+            density[1:],
+            style.line,
+            color=style.colour,
+            linewidth=1.2,
+            label=figure_text(name, across=_LETTERS) or "recording",
+        )
+    if truth is not None:
+        axis.plot(truth[0][1:], truth[1][1:], color=BLACK, linewidth=0.8, label="truth", zorder=5)
+    axis.set(yscale="log")
+    axis.set_xlabel("frequency (Hz)", fontsize=SMALL, color=QUIET)
+    axis.set_ylabel("power (mm\N{SUPERSCRIPT TWO}/Hz)", fontsize=SMALL, color=QUIET)
+    axis.margins(x=0.0)
+    plain(axis)
+    drawn = axis.get_lines()
+    name_lines(
+        axis,
+        [str(line.get_label()) for line in drawn],
+        [float(np.asarray(line.get_ydata())[-1]) for line in drawn],
+        [str(line.get_color()) for line in drawn],
+        _TALL * axis.get_position().height,
+    )
+    return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -12,9 +13,14 @@ from nodegraph_mocap import Figure, Mask, Table, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_score.hidden_errors import columns, hidden_errors
 from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables.axes import SMALL, name_lines, plain
+from nodegraph_tables.style import BEST, QUIET, REST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+_SIDE = 3.6
 
 # of a standard normal distribution: how far from 0 such a share of it lies
 _REACH = {
@@ -130,12 +136,6 @@ def _table(
     return with_info(table, info)
 
 
-def _draw(table: Table) -> Figure:
-    from nodegraph_score.calibration_figure import draw
-
-    return draw(table, {level: float(level.removesuffix(" %")) / 100.0 for level in _REACH})
-
-
 def _lengths(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Return the length of the gap that each hidden sample lies in, (M, T); elsewhere 0."""
     lengths = np.zeros(mask.shape, np.intp)
@@ -155,3 +155,33 @@ def _notes(judged: NDArray[np.bool_], mask: NDArray[np.bool_]) -> tuple[str, ...
     note = f"{left} of {hidden} hidden samples are missing or have no sigma; they are left out"
     warnings.warn(note, stacklevel=3)
     return (f"{note}.",)
+
+
+def _draw(table: Table) -> Figure:
+    """Return the figure: a line per row of the table, the last of all gaps, and the diagonal."""
+    from matplotlib.figure import Figure as Drawing
+
+    levels = {level: float(level.removesuffix(" %")) / 100.0 for level in _REACH}
+    figure = Drawing(figsize=(_SIDE, _SIDE))
+    axis = figure.add_axes((0.14, 0.13, 0.84, 0.84))
+    axis.set(xlim=(0.4, max(levels.values())), ylim=(0.0, 1.0))
+    axis.plot([0.0, 1.0], [0.0, 1.0], color=REST, linewidth=0.9, linestyle=":")
+    *_, whole = table["frames"]
+    names, ends, colours = ["as stated"], [max(levels.values())], [REST]
+    for _, row in table.iterrows():
+        name = row["frames"]
+        colour = BEST if name == whole else REST
+        shares = [row[level] for level in levels]
+        label = "all gaps" if name == whole else f"{name} frames"
+        axis.plot(list(levels.values()), shares, ".-", color=colour, label=label, clip_on=False)
+        if math.isfinite(shares[-1]):
+            names.append(label)
+            ends.append(shares[-1])
+            colours.append(colour)
+    axis.text(0.42, 0.97, "conservative", fontsize=SMALL, color=QUIET, va="top")
+    axis.text(axis.get_xlim()[1] - 0.02, 0.4, "too narrow", fontsize=SMALL, color=QUIET, ha="right")
+    axis.set_xlabel("level of the normal interval", fontsize=SMALL, color=QUIET)
+    axis.set_ylabel("share of errors within it", fontsize=SMALL, color=QUIET)
+    plain(axis, grid="both")
+    name_lines(axis, names, ends, colours, _SIDE * axis.get_position().height)
+    return figure

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from nodegraph import Across, node
 from nodegraph_compare.agreement.limits import Pair, pairs_of
 from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
+from nodegraph_compare.pictures import without_drawing
 from nodegraph_compare.question import (
     Clusters,
     Names,
@@ -17,13 +21,20 @@ from nodegraph_compare.question import (
     OneName,
     Question,
 )
-from nodegraph_mocap import Figure, Table
+from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables.axes import plain
+from nodegraph_tables.style import BEST, BLACK, REST, STANDS_OUT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from matplotlib.axes import Axes
 
+    from nodegraph_compare.agreement.limits import Interval
+
+_MOST_PANELS = 12
+_PER_ROW = 3
 _MOST_LISTED = 12
 
 
@@ -96,8 +107,6 @@ def agreement(
         If a name is neither axis nor column or is used twice, the metric holds no numbers, or
         the baseline is not among the compared labels.
     """
-    from nodegraph_compare.agreement.figure import draw
-
     comparison = prepare(
         scores, metric=metric, compare=compare, within=within, blocks=blocks, clusters=clusters
     )
@@ -110,7 +119,7 @@ def agreement(
         f"low, high: {CONFIDENCE:.0%} intervals, exact for normal differences.",
         *left_out(scores, question, gathered, pairwise=True),
     )
-    return Agreed(_table(pairs, question, unit, notes), draw(question, pairs, unit))
+    return Agreed(_table(pairs, question, unit, notes), _draw(question, pairs, unit))
 
 
 def _table(pairs: Sequence[Pair], question: Question, unit: str, notes: tuple[str, ...]) -> Table:
@@ -168,3 +177,66 @@ def _answer(pair: Pair, question: Question, unit: str) -> str:
         f"interval {low:.3g} to {high:.3g}); 95 % of differences are expected between "
         f"{limits.lower:.3g} and {limits.upper:.3g}{in_unit} ({count} blocks){slope}."
     )
+
+
+def _draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
+    """Return a panel per pair that shares a block, at most 12 of them.
+
+    Parameters
+    ----------
+    question, pairs
+        Of the comparison.
+    unit
+        Of the metric.
+    """
+    from matplotlib.figure import Figure as Drawing
+
+    known = [pair for pair in pairs if len(pair.limits.difference)]
+    drawn = known[:_MOST_PANELS]
+    if not drawn:
+        return without_drawing("no two labels share a block")
+    columns = min(len(drawn), _PER_ROW)
+    rows = math.ceil(len(drawn) / columns)
+    size = (max(3.4 * columns, 5.2), 2.9 * rows + 0.3)
+    figure = Drawing(figsize=size, layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axis in axes[len(drawn) :]:
+        axis.remove()
+    for axis, pair in zip(axes, drawn, strict=False):
+        _panel(axis, pair)
+        place = group_text(pair.group, question)
+        name = f"{figure_text(pair.first)} \N{MINUS SIGN} {figure_text(pair.second)}"
+        axis.set_title(f"{figure_text(place)}\n{name}" if place else name, fontsize=9)
+    in_unit = f" ({unit})" if unit else ""
+    figure.supxlabel(figure_text(f"mean {question.metric} of the two{in_unit}"), fontsize=10)
+    figure.supylabel(figure_text(f"difference{in_unit}"), fontsize=10)
+    if len(known) > len(drawn):
+        figure.suptitle(f"{len(known) - len(drawn)} more pairs are not drawn", fontsize=8)
+    return figure
+
+
+def _panel(axis: Axes, pair: Pair) -> None:
+    limits = pair.limits
+    axis.axhline(0.0, color=REST, linewidth=0.8)
+    axis.scatter(limits.middle, limits.difference, s=14, color=REST, linewidths=0, alpha=0.8)
+    _line(axis, limits.bias, limits.of_bias, BEST, "-", "bias")
+    _line(axis, limits.lower, limits.of_lower, STANDS_OUT, "--", "lower limit")
+    _line(axis, limits.upper, limits.of_upper, STANDS_OUT, "--", "upper limit")
+    if limits.of_slope[0] > 0.0 or limits.of_slope[1] < 0.0:
+        ends = np.array([limits.middle.min(), limits.middle.max()])
+        heights = limits.bias + limits.slope * (ends - limits.middle.mean())
+        axis.plot(ends, heights, color=BLACK, linewidth=1)
+    plain(axis)
+
+
+def _line(axis: Axes, height: float, interval: Interval, colour: str, line: str, name: str) -> None:
+    if not math.isfinite(height):
+        return
+    axis.axhline(height, color=colour, linestyle=line, linewidth=1.2)
+    if math.isfinite(interval[0]):
+        axis.axhspan(*interval, color=colour, alpha=0.15, linewidth=0)
+    axis.annotate(
+        f"{name} {height:.3g}", (1.0, height), xycoords=axis.get_yaxis_transform(),
+        xytext=(0, 2), textcoords="offset points", ha="right", va="bottom", fontsize=8,
+        color=colour,
+    )  # fmt: skip

@@ -13,7 +13,7 @@ from pandas.testing import assert_frame_equal
 from nodegraph import Across
 from nodegraph_compare.agreement.node import agreement
 from nodegraph_compare.curve.node import curve
-from nodegraph_compare.importance.node import importance
+from nodegraph_compare.importance import importance
 from nodegraph_compare.ranks.node import ranks
 from nodegraph_compare.table.node import table
 from nodegraph_compare.ties import ROUNDING, apart, at_most, differ, settled, tied

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from nodegraph import Absent, Across
-from nodegraph_compare.importance.node import REST, importance
+from nodegraph_compare.importance import HIGHER, importance
 from nodegraph_tables import info_of
 
 NAN = np.nan
@@ -38,7 +38,7 @@ def test_an_axis_that_does_everything_explains_everything() -> None:
     assert sources.loc["length", "variance"] == pytest.approx(400.0)
     assert sources.drop("length")["eta squared"].to_numpy() == pytest.approx(0.0)
     assert sources.index.tolist() == [
-        "trial", "length", "fill", "trial x length", "trial x fill", "length x fill", REST,
+        "trial", "length", "fill", "trial x length", "trial x fill", "length x fill", HIGHER,
     ]  # fmt: skip
 
 
@@ -47,8 +47,8 @@ def test_shares_add_up_and_the_rest_has_no_partial_share() -> None:
     result = importance(study(lambda trial, length, fill: random.gamma(2)))
     sources = by_source(result)
     assert sources["eta squared"].sum() == pytest.approx(1.0)
-    assert np.isnan(sources.loc[REST, "partial eta squared"])
-    rest = sources.loc[REST, "variance"]
+    assert np.isnan(sources.loc[HIGHER, "partial eta squared"])
+    rest = sources.loc[HIGHER, "variance"]
     alone = sources.loc["fill", "variance"]
     assert sources.loc["fill", "partial eta squared"] == pytest.approx(alone / (alone + rest))
     assert info_of(result.table).answer[0].startswith("Share of the variance of rmse: ")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pandas import DataFrame
 
-from nodegraph_compare.importance.node import effects, whole, winner_changes
+from nodegraph_compare.importance import effects, whole, winner_changes
 
 NAN = np.nan
 

@@ -13,6 +13,7 @@ import numpy as np
 from nodegraph import Across, Label, listed, node
 from nodegraph_compare.blocks import Columns, columns_of, unsuccessful, values_of
 from nodegraph_compare.left_out import absences, end_text, shortened
+from nodegraph_compare.pictures import without_drawing
 from nodegraph_compare.question import (
     Better,
     Names,
@@ -25,130 +26,23 @@ from nodegraph_compare.question import (
 )
 from nodegraph_compare.ties import ROUNDING, tied
 from nodegraph_compare.unused_axes import unused_axes
-from nodegraph_mocap import Figure, Table
+from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables.axes import plain
+from nodegraph_tables.style import BEST, BLACK, LINE, REST
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-
+_MOST_BARS = 20
 _LEAST = 0.005
 _MOST = 6
-
-
-def answers(table: Table, question: Question) -> list[str]:
-    """Return how much the largest sources explain, and with what the best changes."""
-    if not table["variance"].notna().any():
-        return ["no full table of combinations is left; nothing can be said."]
-    if not table["variance"].sum() > 0.0:
-        return [f"{question.metric} is the same in all combinations; nothing is to be explained."]
-    ordered = table.sort_values("eta squared", ascending=False, kind="stable").head(_MOST)
-    shares = [
-        f"{source} {share:.0%}"
-        for source, share in zip(ordered["source"], ordered["eta squared"], strict=True)
-        if share >= _LEAST
-    ]
-    sentences = [f"Share of the variance of {question.metric}: {', '.join(shares)}."]
-    changes = [
-        f"{share:.0%} of the time with {source}"
-        for source, share in zip(table["source"], table["winner changes"], strict=True)
-        if np.isfinite(share)
-    ]
-    if changes:
-        sentences.append(
-            f"From one label to another, the best {question.compare} changes {listed(changes)}."
-        )
-    return sentences
-
+_MOST_CELLS = 20_000_000
+HIGHER = "higher interactions"
 
 Sources = tuple[int, ...]
-
-
-def whole(values: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
-    """Return the places along each axis that make a table without missing values.
-
-    As long as something is missing, the place with the largest share missing goes; of equals,
-    one of the axis with the most places, the last of them.
-    """
-    places: list[NDArray[np.intp]] = [np.arange(size) for size in values.shape]
-    missing = np.isnan(values)
-    while missing.any():
-        shares = [_mean(missing, (axis,)) for axis in range(missing.ndim)]
-        largest = max(share.max() for share in shares)
-        axis = max(
-            (axis for axis, share in enumerate(shares) if share.max() == largest),
-            key=lambda axis: missing.shape[axis],
-        )
-        # what is missing altogether goes at once
-        gone = np.flatnonzero(shares[axis] == largest)
-        gone = gone if largest == 1.0 else gone[-1:]
-        places[axis] = np.delete(places[axis], gone)
-        missing = np.delete(missing, gone, axis=axis)
-    return tuple(places)
-
-
-def effects(values: NDArray[np.float64]) -> Mapping[Sources, float]:
-    """Return the variance that each axis, and each pair of axes, explains.
-
-    The functional analysis of variance of a full table y (Hoeffding 1948; Hutter et al. 2014 for
-    settings of algorithms), population variances: with m the mean over all cells, ``m_a`` the
-    means along axis a and ``m_ab`` those along two, ``V_a = mean((m_a - m)^2)`` and
-    ``V_ab = mean((m_ab - m_a - m_b + m)^2)``. The key ``()`` has what is left of
-    ``V = mean((y - m)^2)``; of one or two axes, nothing is. A variance that rounding alone would
-    make, at most ``mean(y^2)`` times the square of 1e-9, is 0.
-    """
-    left = values - values.mean()
-    least = ROUNDING**2 * float(np.square(values).mean())
-    axes = range(values.ndim)
-    main = {axis: _mean(left, (axis,)) for axis in axes}
-    parts: dict[Sources, NDArray[np.float64]] = {(axis,): part for axis, part in main.items()}
-    for first, other in combinations(axes, 2):
-        both = _mean(left, (first, other)) - main[first][:, np.newaxis] - main[other]
-        parts[first, other] = both
-    for sources, part in parts.items():
-        left -= np.expand_dims(part, tuple(axis for axis in axes if axis not in sources))
-    variances = {sources: float(np.square(part).mean()) for sources, part in parts.items()}
-    variances[()] = float(np.square(left).mean()) if values.ndim > 2 else 0.0
-    return {sources: size if size > least else 0.0 for sources, size in variances.items()}
-
-
-def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> float:
-    """Return how often two places along an axis, all else equal, have another lowest place.
-
-    The share of all pairs of places along `axis`, over all places along the others, for which
-    the first of the lowest values along `compared` stands elsewhere; NaN for a single place.
-
-    Parameters
-    ----------
-    values
-        A full table, an array with an axis per factor.
-    compared
-        The axis along which the lowest wins.
-    axis
-        The axis whose places are taken in pairs.
-    """
-    if values.shape[axis] < 2:
-        return np.nan
-    winners = np.moveaxis(values, compared, -1).argmin(axis=-1)
-    along = np.moveaxis(winners, axis - (axis > compared), -1)
-    count = along.shape[-1]
-    wins = np.stack([(along == place).sum(axis=-1) for place in range(values.shape[compared])])
-    same = (wins * (wins - 1)).sum(axis=0) / (count * (count - 1))
-    return float(1.0 - same.mean())
-
-
-def _mean(
-    values: NDArray[np.float64] | NDArray[np.bool_], axes: tuple[int, ...]
-) -> NDArray[np.float64]:
-    """Return the means over all axes but these."""
-    rest = tuple(axis for axis in range(values.ndim) if axis not in axes)
-    return np.asarray(np.mean(values, axis=rest, dtype=np.float64))
-
-
-_MOST_CELLS = 20_000_000
-REST = "higher interactions"
 
 
 class Explained(NamedTuple):
@@ -251,6 +145,112 @@ def importance(
     return Explained(with_info(table, info), _draw(table, question))
 
 
+def answers(table: Table, question: Question) -> list[str]:
+    """Return how much the largest sources explain, and with what the best changes."""
+    if not table["variance"].notna().any():
+        return ["no full table of combinations is left; nothing can be said."]
+    if not table["variance"].sum() > 0.0:
+        return [f"{question.metric} is the same in all combinations; nothing is to be explained."]
+    ordered = table.sort_values("eta squared", ascending=False, kind="stable").head(_MOST)
+    shares = [
+        f"{source} {share:.0%}"
+        for source, share in zip(ordered["source"], ordered["eta squared"], strict=True)
+        if share >= _LEAST
+    ]
+    sentences = [f"Share of the variance of {question.metric}: {', '.join(shares)}."]
+    changes = [
+        f"{share:.0%} of the time with {source}"
+        for source, share in zip(table["source"], table["winner changes"], strict=True)
+        if np.isfinite(share)
+    ]
+    if changes:
+        sentences.append(
+            f"From one label to another, the best {question.compare} changes {listed(changes)}."
+        )
+    return sentences
+
+
+def whole(values: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+    """Return the places along each axis that make a table without missing values.
+
+    As long as something is missing, the place with the largest share missing goes; of equals,
+    one of the axis with the most places, the last of them.
+    """
+    places: list[NDArray[np.intp]] = [np.arange(size) for size in values.shape]
+    missing = np.isnan(values)
+    while missing.any():
+        shares = [_mean(missing, (axis,)) for axis in range(missing.ndim)]
+        largest = max(share.max() for share in shares)
+        axis = max(
+            (axis for axis, share in enumerate(shares) if share.max() == largest),
+            key=lambda axis: missing.shape[axis],
+        )
+        # what is missing altogether goes at once
+        gone = np.flatnonzero(shares[axis] == largest)
+        gone = gone if largest == 1.0 else gone[-1:]
+        places[axis] = np.delete(places[axis], gone)
+        missing = np.delete(missing, gone, axis=axis)
+    return tuple(places)
+
+
+def effects(values: NDArray[np.float64]) -> Mapping[Sources, float]:
+    """Return the variance that each axis, and each pair of axes, explains.
+
+    The functional analysis of variance of a full table y (Hoeffding 1948; Hutter et al. 2014 for
+    settings of algorithms), population variances: with m the mean over all cells, ``m_a`` the
+    means along axis a and ``m_ab`` those along two, ``V_a = mean((m_a - m)^2)`` and
+    ``V_ab = mean((m_ab - m_a - m_b + m)^2)``. The key ``()`` has what is left of
+    ``V = mean((y - m)^2)``; of one or two axes, nothing is. A variance that rounding alone would
+    make, at most ``mean(y^2)`` times the square of 1e-9, is 0.
+    """
+    left = values - values.mean()
+    least = ROUNDING**2 * float(np.square(values).mean())
+    axes = range(values.ndim)
+    main = {axis: _mean(left, (axis,)) for axis in axes}
+    parts: dict[Sources, NDArray[np.float64]] = {(axis,): part for axis, part in main.items()}
+    for first, other in combinations(axes, 2):
+        both = _mean(left, (first, other)) - main[first][:, np.newaxis] - main[other]
+        parts[first, other] = both
+    for sources, part in parts.items():
+        left -= np.expand_dims(part, tuple(axis for axis in axes if axis not in sources))
+    variances = {sources: float(np.square(part).mean()) for sources, part in parts.items()}
+    variances[()] = float(np.square(left).mean()) if values.ndim > 2 else 0.0
+    return {sources: size if size > least else 0.0 for sources, size in variances.items()}
+
+
+def winner_changes(values: NDArray[np.float64], compared: int, axis: int) -> float:
+    """Return how often two places along an axis, all else equal, have another lowest place.
+
+    The share of all pairs of places along `axis`, over all places along the others, for which
+    the first of the lowest values along `compared` stands elsewhere; NaN for a single place.
+
+    Parameters
+    ----------
+    values
+        A full table, an array with an axis per factor.
+    compared
+        The axis along which the lowest wins.
+    axis
+        The axis whose places are taken in pairs.
+    """
+    if values.shape[axis] < 2:
+        return np.nan
+    winners = np.moveaxis(values, compared, -1).argmin(axis=-1)
+    along = np.moveaxis(winners, axis - (axis > compared), -1)
+    count = along.shape[-1]
+    wins = np.stack([(along == place).sum(axis=-1) for place in range(values.shape[compared])])
+    same = (wins * (wins - 1)).sum(axis=0) / (count * (count - 1))
+    return float(1.0 - same.mean())
+
+
+def _mean(
+    values: NDArray[np.float64] | NDArray[np.bool_], axes: tuple[int, ...]
+) -> NDArray[np.float64]:
+    """Return the means over all axes but these."""
+    rest = tuple(axis for axis in range(values.ndim) if axis not in axes)
+    return np.asarray(np.mean(values, axis=rest, dtype=np.float64))
+
+
 def _ask(
     scores: Across[Table],
     metric: str | None,
@@ -335,7 +335,7 @@ def _row(
     variance, beside = variances[sources], variances[sources] + variances[rest]
     alone = len(sources) == 1
     return {
-        "source": " x ".join(names[axis] for axis in sources) or REST,
+        "source": " x ".join(names[axis] for axis in sources) or HIGHER,
         "labels": len(grid.labels[sources[0]]) if alone else np.nan,
         "variance": variance,
         "eta squared": _share(variance, sum(variances.values())),
@@ -362,6 +362,33 @@ def _changes(grid: _Grid, question: Question, axis: int) -> float:
 
 
 def _draw(table: Table, question: Question) -> Figure:
-    from nodegraph_compare.importance.figure import draw
+    """Return the figure: a bar per source, the largest on top, at most 20."""
+    from matplotlib.figure import Figure as Drawing
 
-    return draw(table, question)
+    ordered = table.dropna(subset="eta squared")
+    ordered = ordered.sort_values("eta squared", ascending=False, kind="stable").head(_MOST_BARS)
+    if not len(ordered):
+        return without_drawing("nothing to explain")
+    places = range(len(ordered))
+    factors = ordered["labels"].notna()
+    pairs = ordered["source"].str.contains(" x ", regex=False)
+    colours = [
+        BEST if factor else REST if pair else LINE
+        for factor, pair in zip(factors, pairs, strict=True)
+    ]
+    figure = Drawing(figsize=(6.0, 0.9 + 0.3 * len(ordered)), layout="constrained")
+    axis = figure.subplots()
+    axis.barh(places, ordered["eta squared"], color=colours, height=0.7)
+    for place, share in zip(places, ordered["eta squared"], strict=True):
+        axis.annotate(
+            f"{share:.1%}", (share, place), xytext=(3, 0), textcoords="offset points",
+            va="center", fontsize=9,
+        )  # fmt: skip
+    axis.set_yticks(places, [figure_text(source) for source in ordered["source"]])
+    axis.invert_yaxis()
+    axis.set_xlim(0, min(1.0, 1.15 * ordered["eta squared"].max()) + 0.05)
+    axis.xaxis.set_major_formatter(lambda share, _: f"{share:.0%}")
+    axis.set_xlabel(figure_text(f"share of the variance of {question.metric}"))
+    plain(axis, grid="x")
+    axis.tick_params(axis="y", labelcolor=BLACK)
+    return figure

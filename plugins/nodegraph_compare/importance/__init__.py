@@ -1,1 +1,0 @@
-"""How much each axis explains of a metric."""
