@@ -13,7 +13,6 @@ import numpy as np
 from nodegraph import Across, Label, listed, node
 from nodegraph_compare.blocks import Columns, columns_of, unsuccessful, values_of
 from nodegraph_compare.left_out import absences, end_text, shortened
-from nodegraph_compare.pictures import without_drawing
 from nodegraph_compare.question import (
     Better,
     Names,
@@ -364,6 +363,8 @@ def _changes(grid: _Grid, question: Question, axis: int) -> float:
 def _draw(table: Table, question: Question) -> Figure:
     """Return the figure: a bar per source, the largest on top, at most 20."""
     from matplotlib.figure import Figure as Drawing
+
+    from nodegraph_compare.pictures import without_drawing
 
     ordered = table.dropna(subset="eta squared")
     ordered = ordered.sort_values("eta squared", ascending=False, kind="stable").head(_MOST_BARS)

@@ -10,8 +10,7 @@ from pydantic import Field
 
 from nodegraph import Across, Refusal, Truth, node
 from nodegraph_mocap import Figure, HeadMotion, Table, Trajectories
-from nodegraph_score.alignment_lead import lead_of
-from nodegraph_score.alignment_text import FACE, HEAD, answer, left_out
+from nodegraph_score.alignment_answer import FACE, HEAD, answer, lead_of, left_out
 from nodegraph_score.components import (
     Components,
     Movement,

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_mocap import figure_text
-from nodegraph_score.alignment_text import named
+from nodegraph_score.alignment_answer import named
 from nodegraph_tables.axes import SMALL, plain
 from nodegraph_tables.style import LINE, QUIET, REST, STANDS_OUT
 

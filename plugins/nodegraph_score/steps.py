@@ -12,8 +12,7 @@ import numpy as np
 from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import chunks
-from nodegraph_score.steps_lead import lead_of
-from nodegraph_score.steps_text import BETTER, WORSE, absences, left_out, sentence, worse
+from nodegraph_score.steps_answer import BETTER, WORSE, absences, lead_of, left_out, sentence, worse
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:

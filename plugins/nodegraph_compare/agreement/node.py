@@ -12,7 +12,6 @@ from nodegraph_compare.agreement.limits import Pair, pairs_of
 from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.left_out import block_text, group_text, left_out, start_text
-from nodegraph_compare.pictures import without_drawing
 from nodegraph_compare.question import (
     Clusters,
     Names,
@@ -190,6 +189,8 @@ def _draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
         Of the metric.
     """
     from matplotlib.figure import Figure as Drawing
+
+    from nodegraph_compare.pictures import without_drawing
 
     known = [pair for pair in pairs if len(pair.limits.difference)]
     drawn = known[:_MOST_PANELS]

@@ -9,7 +9,7 @@ from pandas import DataFrame
 
 from nodegraph import Across
 from nodegraph_mocap import Trajectories
-from nodegraph_score.alignment_lead import lead_of
+from nodegraph_score.alignment_answer import lead_of
 from nodegraph_score.steps import steps
 from nodegraph_tables import Lead, info_of
 from nodegraph_tables.lead import lead_html
