@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import json
+import os
 import pickle
 import sys
 import threading
@@ -34,6 +35,9 @@ LAST = 5.0
 
 _LONGEST = 300
 """Moments of the numbers over time; of more, every second is left out."""
+
+_BEHIND = 10
+"""How far its priority is below that of the process that computes the stream."""
 
 _SILENT = 1.0
 """Seconds without a frame after which a source is waited for."""
@@ -66,6 +70,8 @@ class Update(NamedTuple):
 
 def main() -> None:
     """Answer until standard input, on which messages come, is closed."""
+    if sys.platform != "win32":
+        os.nice(_BEHIND)
     messages = sys.stdin.buffer
     content: str = pickle.load(messages)
     shown = _Shown()

@@ -42,6 +42,7 @@ nodegraph.define("mocap/live", [
         buttonFor("Front", "From the front", () => this.look(frontal)));
       const figure = element("figure", { class: "playback live" },
         element("div", { class: "options" }, this.legend, view), this.stage);
+      figure.playback = this;
       keyedInSpace(this, this.stage);
       host.replaceChildren(figure);
       this.sight = new IntersectionObserver((entries) => {
@@ -100,12 +101,23 @@ nodegraph.define("mocap/live", [
       this.legend = legend;
     }
 
+    // The stream may be computed by the same machine: drawing takes a third of one core at most.
     redraw() {
+      this.is_stale = true;
       this.waiting ??= requestAnimationFrame(() => {
-        this.waiting = undefined;
-        const radius = Math.max(...this.study.panels.map((panel) => panel.radius));
-        for (const one of this.panels) if (one.inSight) this.drawPanel(one, radius);
+        const start = performance.now();
+        this.is_stale = false;
+        this.draw_now((one) => one.inSight);
+        setTimeout(() => {
+          this.waiting = undefined;
+          if (this.is_stale) this.redraw();
+        }, 2 * (performance.now() - start));
       });
+    }
+
+    draw_now(chosen = () => true) {
+      const radius = Math.max(...this.study.panels.map((panel) => panel.radius));
+      for (const one of this.panels.filter(chosen)) this.drawPanel(one, radius);
     }
 
     drawPanel(one, radius) {
@@ -121,6 +133,12 @@ nodegraph.define("mocap/live", [
       const is_mesh = panel.kind === "mesh";
       one.dots = (is_mesh ? drawMesh : drawMarkers)(pen, panel, by, 0, look);
       told.textContent = !is_mesh ? toldMarkers(panel, null, 0) : one.dots ? "" : "weights are missing";
+    }
+
+    // What is seen now, as that of a player: `figure.playback.state`.
+    get state() {
+      this.draw_now();
+      return { panels: this.panels.map(({ panel, canvas, dots }) => ({ label: panel.label, kind: panel.kind, size: canvas.width, dots: dots && Array.from(dots) })) };
     }
 
     close() {
