@@ -39,7 +39,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NODE=ADDRESS",
-        help="Where the frames of a node go: --sink weights=file:weights.csv. Of alternatives side "
+        help="Where the frames of a node go: --sink fill=file:filled.npz. Of alternatives side "
         "by side, the address has the label: --sink 'fill=file:{fill}.npz'.",
     )
     add_hold(parser)

@@ -179,9 +179,11 @@ class FileSink:
         """Check that the value can be written in that format."""
         formats = exporters_of(header, current_registry())
         if self._path.suffix.lower() not in formats:
+            instead = (
+                f"as {self._path.suffix}, but {listed(sorted(formats))}" if formats else "to a file"
+            )
             raise NodegraphError(
-                f"{self._path}: a value of type {type(header).__name__} can be written as "
-                f"{listed(sorted(formats))}"
+                f"{self._path}: a value of type {type(header).__name__} cannot be written {instead}"
             )
         self._header = header
         self._missing = streamable_of(type(header)).missing(header)

@@ -403,8 +403,9 @@ class Session:
     def _last(self, frame: Frame) -> Frame:
         """Return the last frame before an end or a new connection; those before it are dropped."""
         dropped = 0
-        while self._waiting and isinstance(self._waiting[0], Frame):
-            frame, dropped = self._waiting.popleft(), dropped + 1
+        while self._waiting and isinstance(item := self._waiting[0], Frame):
+            self._waiting.popleft()
+            frame, dropped = item, dropped + 1
         self.counts.received += dropped
         self.counts.dropped += dropped
         self._begin_anew()

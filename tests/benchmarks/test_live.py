@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,8 +22,10 @@ from nodegraph.live.session import session_of
 from nodegraph_mocap import MarkerFrame, Trajectories
 from tests.benchmarks.conftest import Clock
 from tests.benchmarks.tables import Tables
+from tests.live_peers import free_port
 
 CASE = "stream of 60 markers through a chain of 10 nodes that do nothing"
+COLUMN = "us/node and frame"
 FRAMES, NODES = 20_000, 10
 PLUGIN = '''
 from nodegraph import StateForm, node
@@ -46,16 +50,40 @@ def same(recording: Trajectories) -> Trajectories:
 '''
 PIPELINE = """
 nodegraph: 1
-title: A face, cleaned frame by frame
+title: A face, from points without names to weights
 inputs: {recording: take.npz}
 nodes:
-  face: {use: synthesize.face, with: {seconds: 1}}
   capture: {use: read.recording, with: {path: $recording}}
-  despike: {use: despike.hampel, in: capture}
-  fill: {use: fill.muscle, in: despike}
-  smooth: {use: smooth.bspline, in: fill}
-  still: {use: align.procrustes, in: {recording: smooth, reference: face.neutral}}
-  weights: {use: solve.weights, in: {recording: still, model: face.model}}
+  model:   {use: read.model, with: {path: sample:face}}
+  points:  {use: points.unnamed, in: capture}
+  tracks:
+    use: track.neighbours
+    in: {detections: points, reference: model.neutral}
+    with: {gate: 8, shortest: 1}
+  despike: {use: despike.impulse, in: tracks, with: {calibration: 120}}
+  fill:    {use: fill.muscle, in: despike}
+  smooth:  {use: smooth.bspline, in: fill}
+  still:   {use: align.procrustes, in: {recording: smooth, reference: model.neutral}}
+  weights: {use: solve.weights, in: {recording: still, model: model}}
+"""
+SENDER = """
+import sys, time
+from dataclasses import replace
+from nodegraph import Frame
+from nodegraph_files import read_npz
+from nodegraph_live import nodegraph_sinks
+from nodegraph_mocap import MarkerFrame
+
+file, port, rate = sys.argv[1], sys.argv[2], float(sys.argv[3])
+take = read_npz(file)
+sink = nodegraph_sinks()["udp"](f"127.0.0.1:{port}")
+sink.open(replace(take, positions=take.positions[:0], origin=take.origin[:0]))
+start = time.perf_counter()
+for number in range(2 * take.frames):
+    time.sleep(max(number / rate - (time.perf_counter() - start), 0.0))
+    frame = min(number, 2 * take.frames - 1 - number)  # there and back
+    sink.write(Frame(number, 0, 1, MarkerFrame(take.positions[frame], take.origin[frame])))
+sink.close()
 """
 
 
@@ -124,32 +152,60 @@ def csp(folder: Path) -> Callable[[], int]:
     return run
 
 
+def timeflux(folder: Path) -> Callable[[], int]:
+    chain = pytest.importorskip("tests.benchmarks.engines.timeflux_stream").timeflux_chain
+    run: Callable[[], int] = chain(NODES, FRAMES)
+    return run
+
+
 ENGINES: dict[str, Callable[[Path], Callable[[], int]]] = {
     "nodegraph": ours,
     "bare calls": bare,
     "csp": csp,
+    "Timeflux": timeflux,
 }
 
 
 @pytest.mark.parametrize("name", ENGINES)
 def test_chain(name: str, clock: Clock, tmp_path: Path) -> None:
     run = ENGINES[name](tmp_path)
-    column = "us/node and frame"
-    assert clock(CASE, name, column, run, per=FRAMES * NODES, rounds=5) == FRAMES
+    assert clock(CASE, name, COLUMN, run, per=FRAMES * NODES, rounds=5) == FRAMES
+
+
+def test_chain_of_ezmsg(tables: Tables) -> None:
+    chain = pytest.importorskip("tests.benchmarks.engines.ezmsg_stream").ezmsg_chain
+    frames = FRAMES // 10
+    rounds = [chain(NODES, frames)() for _ in range(3)]
+    assert {count for count, _ in rounds} == {frames}
+    fastest = min(seconds for _, seconds in rounds)
+    tables.put(CASE, "ezmsg", COLUMN, fastest / (frames * NODES) * 1e6)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("stream")
+    take = ng.get_node("synthesize.face")(seconds=10.0, rate=240.0, missing=0.05).captured
+    (folder / "take.npz").write_bytes(ng.get_node("write.npz")(take).content["recording.npz"])
+    (folder / "graph.yaml").write_text(PIPELINE)
+    return folder
 
 
 @pytest.mark.parametrize("rate", [240, 1000])
-def test_latency(rate: int, tables: Tables, tmp_path: Path) -> None:
-    take: Trajectories = ng.get_node("synthesize.face")(
-        seconds=2400 / 240, rate=240.0, missing=0.05
-    ).captured
-    content = ng.get_node("write.npz")(take).content["recording.npz"]
-    (tmp_path / "take.npz").write_bytes(content)
-    (tmp_path / "graph.yaml").write_text(PIPELINE)
-    graph = ng.load(tmp_path / "graph.yaml")
-    source = ("recording", f"replay:{tmp_path / 'take.npz'}@{rate}")
-    counts = session_of(graph, source, [("weights", Nowhere())]).run()
-    assert counts.computed == counts.written["weights"] == take.frames
-    case = f"{len(take.markers)} markers through despike, fill, smooth, align and solve"
+@pytest.mark.parametrize("way", ["a file", "loopback"])
+def test_latency(way: str, rate: int, tables: Tables, folder: Path) -> None:
+    graph, take, port = ng.load(folder / "graph.yaml"), folder / "take.npz", free_port()
+    address = f"replay:{take}@{rate}" if way == "a file" else f"udp:{port}?timeout=60"
+    session = session_of(graph, ("recording", address), [("weights", Nowhere())])
+    command = [sys.executable, "-c", SENDER, str(take), str(port), str(rate)]
+    frames = 2400
+    if way == "a file":
+        counts = session.run()
+    else:
+        frames *= 2
+        with subprocess.Popen(command):
+            counts = session.run()
+    assert counts.computed == counts.received == frames
+    assert counts.written["weights"] > 0
+    case = "60 markers through track, despike, fill, smooth, align and solve"
     for quantile, milliseconds in counts.latencies.milliseconds().items():
-        tables.put(case, f"nodegraph, {rate} Hz", f"{quantile} ms", milliseconds)
+        tables.put(case, f"from {way}, {rate} Hz", f"{quantile} ms", milliseconds)

@@ -448,6 +448,11 @@ def test_two_sinks_have_two_addresses(folder: Path, tmp_path: Path) -> None:
     source = ("take", f"replay:{folder / 'take.npz'}@0")
     session_of(narrow, source, [("held", f"file:{tmp_path / '{avg}.npz'}")]).run()
     assert (tmp_path / "narrow.npz").is_file()
+    text = session_of(narrow, source, [("held", f"file:{tmp_path / 'held.txt'}")])
+    with pytest.raises(
+        NodegraphError, match=r"held\.txt: .*Trajectories cannot be written as \.txt, "
+    ):
+        text.run()
     other = f"file:{tmp_path / 'other.npz'}"
     with pytest.raises(NodegraphError, match=r"held.*near.*several sinks"):
         session_of(narrow, source, [("held", other), ("near", other)])
