@@ -18,7 +18,7 @@ from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _KEPT = 32
-"""Values at hand: the truth of a take, and what each method made of it."""
+"""Values kept in memory: the truth of a take, and what each method made of it."""
 
 
 def render_in_run(value: Any, title: str, origin: RunOrigin) -> Rendered | None:

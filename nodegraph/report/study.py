@@ -152,7 +152,7 @@ class MethodRow:
     citation : str
         The sources to cite, as they are printed, a line each.
     plugin : str
-        Which package brought the method.
+        Package that provides the method.
     keys : tuple of str
         The BibTeX entries that it cites.
     """

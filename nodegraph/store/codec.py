@@ -825,7 +825,7 @@ class Packer:
         How values of further types are kept; the first that fits a type is used, before all that
         is known here.
     packages
-        Tells of a top-level package whether a stored value may make the program import it. What
+        Returns for a top-level package whether a stored value may make the program import it. What
         is imported already needs no leave.
     """
 

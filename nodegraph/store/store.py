@@ -243,7 +243,7 @@ _LONGEST = 500
 """Characters of a reason, which may quote what an entry holds."""
 _README = """\
 Results that nodegraph has stored. Any of it may be removed: it is computed again when it is needed.
-`nodegraph cache` tells how much there is, `nodegraph cache prune` removes what was long unused.
+`nodegraph cache` shows how much there is, `nodegraph cache prune` removes what was long unused.
 """
 
 

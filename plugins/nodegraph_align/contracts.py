@@ -36,7 +36,7 @@ def keeps_gaps_and_origin(tried: Tried) -> Iterator[str]:
         changed = before.origin != after.origin
         if changed.any():
             yield (
-                f"{promises.spots(before, changed)} with another origin: return "
+                f"{promises.places(before, changed)} with another origin: return "
                 "dataclasses.replace(recording, positions=aligned)"
             )
 
@@ -115,5 +115,5 @@ def _apart(
     shift = differences[known].mean(axis=0) if alone else 0.0
     apart = np.where(known, np.linalg.norm(differences - shift, axis=2), 0.0)
     if np.any(apart > promises.TOLERANCE):
-        spots = promises.spots(recording, apart > promises.TOLERANCE)
-        yield f"{spots} differ, by up to {apart.max():.3g} mm"
+        samples = promises.places(recording, apart > promises.TOLERANCE)
+        yield f"{samples} differ, by up to {apart.max():.3g} mm"

@@ -101,7 +101,7 @@ def procrustes(
     restore: bool = True,
     reflection: bool = False,
 ) -> Aligned:
-    """Align each frame to a reference by landmarks, and tell the head motion that this undoes.
+    """Align each frame to a reference by landmarks, and return the head motion that this undoes.
 
     A frame's landmarks ``x_i`` and the reference's ``y_i``, those of the n landmarks that the
     frame has, give what all of the frame's points go through, in up to three steps:

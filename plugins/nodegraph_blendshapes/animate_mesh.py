@@ -41,7 +41,7 @@ def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) ->
     the same name means the same expression, so the weights found on one face drive another [1]_.
     Names match across conventions (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``). Weights
     that the head has no morph target for are left out, and morph targets without weight stay at 0;
-    warnings count and name both. Missing weights (NaN) stay missing; ``write.glb`` tells what it
+    warnings count and name both. Missing weights (NaN) stay missing; ``write.glb`` says what it
     does with them.
 
     Parameters

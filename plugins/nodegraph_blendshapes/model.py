@@ -80,7 +80,7 @@ def _warn_alike(model: BlendshapeModel) -> None:
     if alike:
         warnings.warn(
             f"{len(alike)} pairs of shapes are the same, so that only the sum of their weights "
-            f"can be told: {listed(alike)}",
+            f"can be determined: {listed(alike)}",
             stacklevel=4,
         )
 

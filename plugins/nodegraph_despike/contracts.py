@@ -18,7 +18,7 @@ def missing_stays_missing(tried: Tried) -> Iterator[str]:
             ("removed", before.present & ~after.present),
         ):
             if where.any():
-                yield f"{promises.spots(before, where)} {what}"
+                yield f"{promises.places(before, where)} {what}"
 
 
 def repaired_samples_are_marked(tried: Tried) -> Iterator[str]:
@@ -28,10 +28,10 @@ def repaired_samples_are_marked(tried: Tried) -> Iterator[str]:
         changed = both & np.any(before.positions != after.positions, axis=2)
         unmarked = changed & (after.origin != Origin.REPAIRED)
         if unmarked.any():
-            yield f"{promises.spots(before, unmarked)} changed but not marked: {_HOW_TO_MARK}"
+            yield f"{promises.places(before, unmarked)} changed but not marked: {_HOW_TO_MARK}"
         renamed = both & ~changed & (after.origin != before.origin)
         if renamed.any():
-            yield f"{promises.spots(before, renamed)} not changed but marked anew: {_HOW_TO_MARK}"
+            yield f"{promises.places(before, renamed)} not changed but marked anew: {_HOW_TO_MARK}"
 
 
 def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
@@ -46,11 +46,11 @@ def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
         other = (before.sigma != after.sigma) & ~(np.isnan(before.sigma) & np.isnan(after.sigma))
         lost = before.present & ~changed & other
         if lost.any():
-            yield f"{promises.spots(before, lost)} not changed but with another sigma"
+            yield f"{promises.places(before, lost)} not changed but with another sigma"
         kept = changed & ~other & ~np.isnan(before.sigma)
         if kept.any():
-            spots = promises.spots(before, kept)
-            yield f"{spots} changed but with the sigma of what it was: make it NaN"
+            samples = promises.places(before, kept)
+            yield f"{samples} changed but with the sigma of what it was: make it NaN"
 
 
 CONTRACTS = (

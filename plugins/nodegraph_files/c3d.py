@@ -138,7 +138,7 @@ _SMALLEST, _LARGEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float3
 def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
     """Read the points of a C3D file; analog channels and events are left out.
 
-    Warnings tell how many samples were partly missing or infinite, which markers lacked a name
+    Warnings say how many samples were partly missing or infinite, which markers lacked a name
     or shared one, and that the unit of length is unknown. Where header and parameters give two
     scales of integers, that of the parameters counts, unless only the other makes the markers as
     large as a face or a body.

@@ -255,7 +255,7 @@ class _Header:
 
 
 def read_description(path: Path) -> Description:
-    """Read header and parameters, and settle what they tell differently.
+    """Read header and parameters, and decide where they disagree.
 
     Raises
     ------

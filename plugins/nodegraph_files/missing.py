@@ -51,7 +51,7 @@ def mark_missing(
             zero.add(zeros, piece.start)
             some[zeros] = np.nan
     for counted in (infinite, partly, zero):
-        counted.tell()
+        counted.warn()
     return positions
 
 
@@ -89,7 +89,7 @@ class _Counted:
             self.first = f"in frame {frame + before}, marker number {marker + 1}"
         self.count += count
 
-    def tell(self) -> None:
+    def warn(self) -> None:
         """Warn, if there are any."""
         if self.count:
             warnings.warn(

@@ -22,8 +22,8 @@ def present_samples_stay(tried: Tried) -> Iterator[str]:
     for before, after in promises.before_and_after(tried):
         changed = before.present & np.any(before.positions != after.positions, axis=2)
         if changed.any():
-            spots = promises.spots(before, changed)
-            yield f"{spots} changed: write where ~recording.present only"
+            samples = promises.places(before, changed)
+            yield f"{samples} changed: write where ~recording.present only"
 
 
 def written_samples_are_marked(tried: Tried) -> Iterator[str]:
@@ -32,10 +32,10 @@ def written_samples_are_marked(tried: Tried) -> Iterator[str]:
         written = ~before.present & after.present
         unmarked = written & (after.origin != Origin.FILLED)
         if unmarked.any():
-            yield f"{promises.spots(before, unmarked)} written but not marked: {_HOW_TO_MARK}"
+            yield f"{promises.places(before, unmarked)} written but not marked: {_HOW_TO_MARK}"
         renamed = before.present & (after.origin != before.origin)
         if renamed.any():
-            yield f"{promises.spots(before, renamed)} not written but marked anew: {_HOW_TO_MARK}"
+            yield f"{promises.places(before, renamed)} not written but marked anew: {_HOW_TO_MARK}"
 
 
 def meets_the_ends_as_declared(tried: Tried) -> Iterator[str]:

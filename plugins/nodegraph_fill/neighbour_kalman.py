@@ -71,11 +71,11 @@ class _Stream:
         for marker in np.flatnonzero(~present & ~np.isnan(self._before[:, 0])):
             self._seen[marker] = self._before
         self._before = frame.positions
-        asked = [marker for marker in np.flatnonzero(wanted) if self._seen[marker] is not None]
+        seen = [marker for marker in np.flatnonzero(wanted) if self._seen[marker] is not None]
         observations, filled = frame.positions, wanted & False
-        if asked:
-            column = np.array(asked)
-            then = np.array([self._seen[marker] for marker in asked])
+        if seen:
+            column = np.array(seen)
+            then = np.array([self._seen[marker] for marker in seen])
             now = np.broadcast_to(frame.positions, then.shape)
             observations = frame.positions.copy()
             observations[column] = moved(then, now, column, self._neighbours)
@@ -127,14 +127,14 @@ def neighbour_kalman(
     filter then has: a prediction from the marker's own motion at first, from its neighbours'
     the longer the gap lasts.
 
-    The neighbours tell the position of a rigid body: those nearest to the marker in frame a,
+    The neighbours predict the position of a rigid body: those nearest to the marker in frame a,
     the last in which it was present, among all that are present both there and at frame t, are
-    fitted by the rigid motion that minimizes ``sum |R P[a, i] + c - P[t, i]|^2``, and tell
+    fitted by the rigid motion that minimizes ``sum |R P[a, i] + c - P[t, i]|^2``, and predict
     ``R P[a, m] + c``.
 
     Of the original only the idea is taken, a Kalman filter combined with what the neighbouring
-    markers tell. There the neighbours are the markers of the same limb, which keep their
-    distances; here, where there are no limbs, they are the nearest ones. Its way to tell the
+    markers predict. There the neighbours are the markers of the same limb, which keep their
+    distances; here, where there are no limbs, they are the nearest ones. Its way to predict the
     position from fewer than three neighbours is left out: there the sample stays missing, and
     so it does where they lie on a line (their second principal extent is under a twentieth of
     the first). That is counted in a warning, as is a marker that is never measured.
@@ -160,7 +160,7 @@ def neighbour_kalman(
     noise
         Standard deviation of a present sample, per coordinate.
     neighbour_noise
-        Standard deviation of what the neighbours tell, per coordinate: the larger, the longer
+        Standard deviation of what the neighbours predict, per coordinate: the larger, the longer
         the marker's own motion counts.
     ends
         as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus

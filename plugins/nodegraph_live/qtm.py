@@ -115,7 +115,7 @@ class QtmSource:
                 self._messages = self._receive(self._endpoint)
                 lacking = "it does not speak QTM's protocol"
                 self._ask("version 1.25", COMMAND)
-                lacking = "it does not tell its markers"
+                lacking = "it does not name its markers"
                 header = decode_parameters(self._ask("getparameters general 3d", XML)[_HEAD.size :])
                 lacking = "it sends no frames; start a measurement"
                 self._first = self._ask("streamframes allframes 3d", DATA)

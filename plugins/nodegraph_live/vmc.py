@@ -1,7 +1,7 @@
 """Virtual Motion Capture Protocol: weights of blendshapes by OSC over UDP.
 
 ``/VMC/Ext/Blend/Val name value`` says a weight, ``/VMC/Ext/Blend/Apply`` ends a frame, and
-``/VMC/Ext/T seconds`` tells the sender's time. Other messages, such as bones, are left out.
+``/VMC/Ext/T seconds`` is the sender's time. Other messages, such as bones, are left out.
 Source: protocol.vmc.info.
 
 Tested against python-osc as sender and receiver, not against an avatar program.

@@ -130,7 +130,7 @@ def looks_ahead_as_declared(tried: Tried) -> Iterator[str]:
         apart = begun & ~np.all((known == other) | (np.isnan(known) & np.isnan(other)), axis=2)
         if apart.any():
             yield (
-                f"{spots(recording, apart)} changed with frames from {later} on: declare a "
+                f"{places(recording, apart)} changed with frames from {later} on: declare a "
                 f"look-ahead of more than {tried.lookahead}, or None"
             )
 
@@ -147,7 +147,7 @@ def gives_millimetres(tried: Tried) -> Iterator[str]:
         ratio = _usual_distance(output, written) / _usual_distance(recording, recording.present)
         if not 1.0 / MISPLACED < ratio < MISPLACED:
             yield (
-                f"{spots(output, written)} come out {ratio:.2g} times as far from the origin as "
+                f"{places(output, written)} come out {ratio:.2g} times as far from the origin as "
                 "what went in: are they in metres? positions are in millimetres"
             )
 
@@ -192,13 +192,13 @@ def differences(
     """Yield where a result differs from one that was moved back."""
     fickle = output.present != again.present
     if fickle.any():
-        yield f"{spots(output, fickle)} present in one and missing in the other"
+        yield f"{places(output, fickle)} present in one and missing in the other"
     apart = np.nan_to_num(np.linalg.norm(back - output.positions, axis=2))
     if np.any(apart > TOLERANCE):
-        yield f"{spots(output, apart > TOLERANCE)} differ, by up to {apart.max():.3g} mm"
+        yield f"{places(output, apart > TOLERANCE)} differ, by up to {apart.max():.3g} mm"
 
 
-def spots(recording: Trajectories, where: NDArray[np.bool_]) -> str:
+def places(recording: Trajectories, where: NDArray[np.bool_]) -> str:
     """Return the first of some samples, and how many more there are."""
     frame, marker = np.argwhere(where)[0]
     count = int(np.count_nonzero(where))

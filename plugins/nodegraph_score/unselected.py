@@ -1,4 +1,4 @@
-"""How well some markers tell where the others are, a row per marker that was not selected."""
+"""How well the selected markers predict the others, a row per marker that was not selected."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def unselected(
 
     Markers are matched by name, never by column; those that only one of the two recordings has
     are left out, counted and named in a warning and in the table's notes. Where nothing can be
-    compared the errors are NaN. Where every marker is selected there is no row, which a warning
-    tells. In a curve over `markers`, a selection is a point, and its rows are repeats:
+    compared the errors are NaN. Where every marker is selected there is no row, and a warning.
+    In a curve over `markers`, a selection is a point, and its rows are repeats:
     `compare.curve` with ``x: markers, blocks: [marker]``.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Choose the markers that tell the most."""
+"""Choose the most informative markers."""
 
 from __future__ import annotations
 

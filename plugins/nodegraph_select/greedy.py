@@ -37,7 +37,7 @@ def greedy(
     is, from which a linear regression predicts most of what is not yet predicted; the first by
     name of equals. Its partner is chosen with it, until there are k. Farahat et al. add a column
     at a time; here a marker has its three at once. Once nothing is left to predict, the rest
-    follow by their variance, which a warning tells.
+    follow by their variance, with a warning.
 
     Head motion must have been removed. Does not depend on the axes.
 
@@ -45,7 +45,7 @@ def greedy(
     ----------
     recording
         Trajectories with every sample, head motion removed; pairs are those of its marker set,
-        a marker that is in none is alone, which a warning tells unless it is on the midline.
+        a marker that is in none is alone, with a warning unless it is on the midline.
     like
         Another selection: as many markers are chosen as it has, a pair that would exceed them
         being passed over; one fewer where only pairs are left. In place of `k`.

@@ -25,7 +25,7 @@ def pairs_of(recording: Trajectories, *, stacklevel: int = 3) -> Pairs:
     """Return the recording's markers as pairs, left and right, and singletons.
 
     Pairs are those of its marker set, in that order; then come the markers of the midline, then
-    any others, each alone. A warning tells which markers are alone without being on the midline.
+    any others, each alone. A warning lists which markers are alone without being on the midline.
 
     Raises
     ------

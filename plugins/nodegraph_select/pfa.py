@@ -112,7 +112,7 @@ def pfa(
     standardize
         Whether each feature is divided by its standard deviation first, so that those that move
         little count as much as others; one that does not move by more than rounding (a standard
-        deviation of 1e-6 mm, or 1e-9 of the largest) stays 0, which a warning tells.
+        deviation of 1e-6 mm, or 1e-9 of the largest) stays 0, with a warning.
     absolute
         Whether the rows' absolute values are clustered, so that features that move oppositely
         are alike, too.

@@ -31,8 +31,8 @@ def qr(
     ``|R_ii|``, from the space that the earlier ones span. A feature chooses its marker, and the
     marker its partner, until there are k. Manohar et al. pivot the leading principal components,
     which gives as many features as components; X gives an order of all that move by themselves.
-    Once what is chosen determines all the others, the rest follow by their variance, which a
-    warning tells.
+    Once what is chosen determines all the others, the rest follow by their variance, with a
+    warning.
 
     Head motion must have been removed. It depends on the axes, because features are coordinates.
 
@@ -40,7 +40,7 @@ def qr(
     ----------
     recording
         Trajectories with every sample, head motion removed; pairs are those of its marker set,
-        a marker that is in none is alone, which a warning tells unless it is on the midline.
+        a marker that is in none is alone, with a warning unless it is on the midline.
     like
         Another selection: as many markers are chosen as it has, a pair that would exceed them
         being passed over; one fewer where only pairs are left. In place of `k`.

@@ -31,8 +31,8 @@ def random(
     Parameters
     ----------
     recording
-        Whose markers, and whose marker set's pairs; a marker that is in no pair is alone, which
-        a warning tells unless it is on the midline.
+        Whose markers, and whose marker set's pairs; a marker that is in no pair is alone, with
+        a warning unless it is on the midline.
     like
         Another selection: as many markers are chosen as it has, a pair that would exceed them
         being passed over; one fewer where only pairs are left. In place of `k`.

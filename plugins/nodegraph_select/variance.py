@@ -27,7 +27,7 @@ def variance(
     A marker's variance is the mean squared distance from its mean position. From the largest
     down, each marker is chosen, and the other one of its pair with it, until there are k. What
     moves alike is chosen again and again: this is what methods that avoid it are compared with.
-    Once all that move are chosen, the rest follow by name, which a warning tells.
+    Once all that move are chosen, the rest follow by name, with a warning.
 
     Head motion must have been removed. Does not depend on the axes.
 
@@ -35,7 +35,7 @@ def variance(
     ----------
     recording
         Trajectories with every sample, head motion removed; pairs are those of its marker set,
-        a marker that is in none is alone, which a warning tells unless it is on the midline.
+        a marker that is in none is alone, with a warning unless it is on the midline.
     like
         Another selection: as many markers are chosen as it has, a pair that would exceed them
         being passed over; one fewer where only pairs are left. In place of `k`.

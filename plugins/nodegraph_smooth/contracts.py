@@ -20,13 +20,13 @@ def adds_no_gap_and_fills_none(tried: Tried) -> Iterator[str]:
         lost, filled = before.present & ~after.present, ~before.present & after.present
         renamed = before.present & after.present & (before.origin != after.origin)
         if lost.any():
-            spots = promises.spots(before, lost)
-            yield f"{spots} lost: smooth each run of present samples by itself"
+            samples = promises.places(before, lost)
+            yield f"{samples} lost: smooth each run of present samples by itself"
         if filled.any():
-            yield f"{promises.spots(before, filled)} filled: leave that to a fill"
+            yield f"{promises.places(before, filled)} filled: leave that to a fill"
         if renamed.any():
             yield (
-                f"{promises.spots(before, renamed)} called otherwise: return "
+                f"{promises.places(before, renamed)} called otherwise: return "
                 "dataclasses.replace(recording, positions=smoothed)"
             )
 
@@ -52,7 +52,7 @@ def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
             continue
         kept = np.any(before.positions != after.positions, axis=2) & (before.sigma == after.sigma)
         if kept.any():
-            yield f"{promises.spots(before, kept)} changed but with its old sigma: make it NaN"
+            yield f"{promises.places(before, kept)} changed but with its old sigma: make it NaN"
 
 
 CONTRACTS = (

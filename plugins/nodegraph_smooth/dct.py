@@ -27,7 +27,7 @@ def dct(recording: Trajectories, *, cutoff: Cutoff = 10.0) -> Trajectories:
 
     A run of L samples is a sum of L cosines ``cos(pi k (t + 1/2) / L)`` of frequencies
     ``k rate / (2 L)`` (DCT-II, by `scipy.fft`). Those up to the cut-off are kept as they are,
-    those above it dropped. Edge et al., as Zhang et al. tell of it, used the transform to
+    those above it dropped. Edge et al., as Zhang et al. describe it, used the transform to
     reconstruct missing segments after a Kalman filter had reduced the noise; here it reduces
     the noise and nothing is filled. The cosines are level at both ends of a run: there a
     trajectory that is not is bent, over about ``rate / cutoff`` frames.

@@ -30,7 +30,7 @@ def polynomial(
 ) -> Trajectories:
     """Smooth by least-squares polynomials of low degree, one per segment of a run (Liu et al.).
 
-    Zhang et al. tell of that method that a polynomial of higher degree over the whole curve fits
+    Zhang et al. report of that method that a polynomial of higher degree over the whole curve fits
     no better, and that segments were added to keep the degree low and the fit smooth; the
     original could not be checked. Here a run is cut into segments of equal length, and the
     polynomials ``p[s](t)`` of all of them together minimize ``sum(|P[t] - p(t)|^2)`` such that

@@ -134,7 +134,7 @@ def svg(name: str, height: float, parts: Iterable[str]) -> str:
     Parameters
     ----------
     name
-        What a reader who does not see it is told.
+        Description for a reader who does not see it.
     height
         In pixels.
     parts

@@ -107,7 +107,7 @@ def _unshared(solved: Solved) -> Iterator[str]:
     if solved.unshared.any():
         yield (
             f"in {np.count_nonzero(solved.unshared)} of {len(solved.values)} frames several "
-            "weights are as good, and the least of them could not be told within rounding; they "
+            "weights are as good, and rounding hides which is least; they "
             f"have one of the others; the first is frame {solved.unshared.argmax()}"
         )
 

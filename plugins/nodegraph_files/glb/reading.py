@@ -74,7 +74,7 @@ def _of_the_head(document: Document, placed: list[Placed]) -> list[Placed]:
 
 
 def _tell_raised(document: Document, parts: list[Placed]) -> None:
-    """Tell of morph targets that the file shows from the start."""
+    """Warn of morph targets that the file shows from the start."""
     raised = 0
     for part in parts:
         node = document.nodes[part.node].weights if document.nodes else []

@@ -122,7 +122,7 @@ def seconds_in(name: str) -> float | None:
 def read_columns(columns: Columns, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read the recording whose columns are known.
 
-    Warnings tell which columns were left out, and how many steps of frame numbers or times are
+    Warnings say which columns were left out, and how many steps of frame numbers or times are
     irregular.
 
     Raises
@@ -473,7 +473,7 @@ _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
 
 
 def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
-    """Read a recording from a table of text; its first rows tell the form.
+    """Read a recording from a table of text; its first rows decide the form.
 
     Exports of Qualisys Track Manager (TSV), OptiTrack Motive and Vicon Nexus; long tables of
     columns frame or time, marker, x, y, z; tables with a row of markers above a row of axes, as
@@ -481,11 +481,11 @@ def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     semicolons or tabs separate cells. Empty cells and ``NaN`` are missing. The text is in UTF-8,
     or in UTF-16 with a byte order mark.
 
-    Where the form itself does not tell them, the rate comes from a line ``# rate: 60`` or from
+    Where the form itself does not hold them, the rate comes from a line ``# rate: 60`` or from
     a column ``time`` in seconds (``time (ms)`` in milliseconds), the unit of length from the names
     of columns (``x [cm]``, ``nose.X (m)``) or from a line ``# unit: mm``.
 
-    Warnings tell whatever was left out, assumed, or counts as missing; the readers of the single
+    Warnings say whatever was left out, assumed, or counts as missing; the readers of the single
     forms say which.
 
     Parameters

@@ -50,7 +50,7 @@ def read_live_link(path: Path) -> Weights:
     from one second to the next says. The usual step between rows is the rate: 60 Hz if it is 1
     count, 30 Hz if it is 2. A step of several frames stands for frames that were dropped: they
     become rows of NaN. Warnings count these, the frames in which no face was found, other missing
-    weights, and steps shorter than half a frame, which count as one; and tell where
+    weights, and steps shorter than half a frame, which count as one; and say where
     BlendShapeCount is not the number of columns.
 
     Parameters
@@ -207,7 +207,7 @@ def _steps(seconds: NDArray[np.float64], around: float) -> NDArray[np.float64]:
 def _counts_per_second(times: _Times) -> int:
     """Return how many counts make a second, by the steps from one second into the next.
 
-    Where these tell none of the known numbers, as no second ends within the take or frames were
+    Where these give none of the known numbers, as no second ends within the take or frames were
     dropped there, it is 60, the app's own.
     """
     passing = _steps(times.seconds, _DAY)

@@ -49,7 +49,7 @@ def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
     """Read the measured markers, labelled and unlabelled.
 
     Rigid bodies, bones and the places where these expect their markers are left out, which a
-    warning counts. Others tell which markers lack a name or share one, how many rows end early,
+    warning counts. Others say which markers lack a name or share one, how many rows end early,
     where the header's number of frames is wrong, and whether frame numbers or times contradict
     the rate. A file without a unit of length is taken to be in metres, Motive's own, unless its
     size is then no face's or body's.
@@ -127,7 +127,7 @@ def _header(table: Table) -> _Header:
 
 
 def _header_below(table: Table, above: Sequence[Row], axes: Row) -> _Header:
-    """Tell the rows apart by the word that begins them, or by what they hold."""
+    """Distinguish the rows by the word that begins them, or by what they hold."""
     rows: dict[str, Row] = {}
     for row in above:
         small = {cell.lower() for cell in row.cells[2:] if cell}

@@ -38,7 +38,7 @@ def is_qtm(table: Table) -> bool:
 def read_qtm(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording of three-dimensional data.
 
-    What stands in the rows counts, not the numbers of the header. Warnings tell where the two
+    What stands in the rows counts, not the numbers of the header. Warnings say where the two
     differ, which markers lack a name or share one, which trajectories are not wholly measured,
     how many rows end early, and whether frame numbers or times contradict the frequency.
 

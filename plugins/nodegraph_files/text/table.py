@@ -158,7 +158,7 @@ class Rows:
 def read_rows(rows: Rows) -> NDArray[np.float64]:
     """Return the numbers of the wanted columns, a row per line; missing ones are NaN.
 
-    Warnings tell how many rows end early, and that commas count as decimal points.
+    Warnings say how many rows end early, and that commas count as decimal points.
 
     Raises
     ------

@@ -57,7 +57,7 @@ def whole_steps(values: NDArray[np.float64]) -> NDArray[np.float64] | None:
 
 
 def rate_of_times(times: NDArray[np.float64]) -> float | None:
-    """Return the rate of frames taken at these times in seconds, or None if they tell none.
+    """Return the rate of frames taken at these times in seconds, or None if they give none.
 
     It is the number of steps over the time they last, so that times written with few digits do
     no harm, to as few digits as fit the times. Where steps are irregular, it is one over the

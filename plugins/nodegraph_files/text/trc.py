@@ -35,7 +35,7 @@ _HEADER_LINES = 5
 def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
     """Read a recording from a TRC file, whose cells tabs or commas separate.
 
-    The columns and rows that are there count, not the numbers of the header. Warnings tell where
+    The columns and rows that are there count, not the numbers of the header. Warnings say where
     the two differ, that names stand over other columns, that the row of X1, Y1, Z1, ... lacks or
     is shorter than the others, which markers lacked a name or shared one, how many samples were
     partly

@@ -81,7 +81,7 @@ def is_vicon(table: Table) -> bool:
 def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read the section Trajectories; the others are left out.
 
-    Warnings tell which markers lacked a name or shared one, how many rows end early, and how many
+    Warnings say which markers lacked a name or shared one, how many rows end early, and how many
     steps of frame numbers are not 1.
 
     Raises

@@ -136,10 +136,10 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       this.slider.setAttribute("aria-valuetext", text);
       this.clock.textContent = text;
       const truth = this.drawn.find(({ role }) => role === "truth");
-      const told = truth ? this.drawn.filter(({ role }) => role !== "rest" && role !== "truth").reverse() : [];
-      this.errors.replaceChildren(...told.map((line) => element("span", { class: line.role },
+      const lines = truth ? this.drawn.filter(({ role }) => role !== "rest" && role !== "truth").reverse() : [];
+      this.errors.replaceChildren(...lines.map((line) => element("span", { class: line.role },
         `${line.name} ${page.number(distance(line, truth, this.at))} ${block.unit}`)));
-      if (told.length) this.errors.prepend("Off the truth here: ");
+      if (lines.length) this.errors.prepend("Off the truth here: ");
     }
 
     hover(name) {

@@ -12,22 +12,22 @@ nodegraph.define("mocap/gap/packed", [], () => {
 
   // Positions are (frame, xyz) one after the other, from the centre of the view; so are `points`
   // of the face, (pose, marker, right and up).
-  const unpacked = (told) => {
-    const common = numbers(told.common);
-    const apart = told.apart.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => first + at));
-    const methods = told.estimates.map(({ method, ...packed }) => {
+  const unpacked = (data) => {
+    const common = numbers(data.common);
+    const apart = data.apart.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => first + at));
+    const methods = data.estimates.map(({ method, ...packed }) => {
       const own = numbers(packed);
       const positions = common.slice();
       apart.forEach((frame, at) => positions.set(own.subarray(3 * at, 3 * at + 3), 3 * frame));
       return { name: method, positions };
     });
-    const rest = numbers(told.face.rest);
-    const points = numbers(told.face.moved, Int8Array).map((moved, at) => moved + rest[at % rest.length]);
+    const rest = numbers(data.face.rest);
+    const points = numbers(data.face.moved, Int8Array).map((moved, at) => moved + rest[at % rest.length]);
     return {
-      ...told, common, methods, truth: told.truth && numbers(told.truth),
-      axesOfView: [told.right, told.up, cross(told.right, told.up)],
-      face: { ...told.face, points, poses: rest.length ? points.length / rest.length : 0 },
-      frameAt: (at) => told.start + at * told.every,
+      ...data, common, methods, truth: data.truth && numbers(data.truth),
+      axesOfView: [data.right, data.up, cross(data.right, data.up)],
+      face: { ...data.face, points, poses: rest.length ? points.length / rest.length : 0 },
+      frameAt: (at) => data.start + at * data.every,
     };
   };
 

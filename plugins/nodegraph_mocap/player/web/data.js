@@ -13,7 +13,7 @@ nodegraph.define("mocap/player/data", [], () => {
     return { head, buffer, start: 4 + length };
   };
 
-  // Whole steps of (rows, length), told as differences along each row, their four bytes apart.
+  // Whole steps of (rows, length), packed as differences along each row, their four bytes apart.
   const stepsOf = ({ buffer, start }, { at, rows, length }, like) => {
     const count = rows * length;
     const planes = new Uint8Array(buffer, start + at, 4 * count);
@@ -28,19 +28,19 @@ nodegraph.define("mocap/player/data", [], () => {
 
   const scaledBy = (steps, step) => Float32Array.from(steps, (one) => one * step);
 
-  const recordingOf = (blob, told, panels) => {
-    const steps = stepsOf(blob, told.positions, told.like === null ? null : panels[told.like].steps);
-    const count = told.markers.length * told.frames;
-    const origin = new Uint8Array(blob.buffer, blob.start + told.origin, count);
+  const recordingOf = (blob, packed, panels) => {
+    const steps = stepsOf(blob, packed.positions, packed.like === null ? null : panels[packed.like].steps);
+    const count = packed.markers.length * packed.frames;
+    const origin = new Uint8Array(blob.buffer, blob.start + packed.origin, count);
     const made = origin.some((one) => one > 1);
-    return { ...told, steps, origin, made, places: scaledBy(steps, told.positions.step) };
+    return { ...packed, steps, origin, made, places: scaledBy(steps, packed.positions.step) };
   };
 
-  const animationOf = (blob, told) => {
-    const weights = scaledBy(stepsOf(blob, told.weights), told.weights.step);
-    const known = new Uint8Array(blob.buffer, blob.start + told.known, told.frames);
-    const motion = told.motion && new Float32Array(blob.buffer, blob.start + told.motion.at, told.motion.length);
-    return { ...told, weights, known, motion };
+  const animationOf = (blob, packed) => {
+    const weights = scaledBy(stepsOf(blob, packed.weights), packed.weights.step);
+    const known = new Uint8Array(blob.buffer, blob.start + packed.known, packed.frames);
+    const motion = packed.motion && new Float32Array(blob.buffer, blob.start + packed.motion.at, packed.motion.length);
+    return { ...packed, weights, known, motion };
   };
 
   // Of a morph only what it moves is kept: most morphs of a face leave most of a head alone.
@@ -50,23 +50,23 @@ nodegraph.define("mocap/player/data", [], () => {
     return { places: Uint32Array.from(moved), offsets: Float32Array.from(moved, (place) => offsets[place]) };
   };
 
-  const headOf = (blob, told) => {
-    const vertices = scaledBy(stepsOf(blob, told.vertices), told.vertices.step);
-    const all = scaledBy(stepsOf(blob, told.morphs), told.morphs.step);
+  const headOf = (blob, packed) => {
+    const vertices = scaledBy(stepsOf(blob, packed.vertices), packed.vertices.step);
+    const all = scaledBy(stepsOf(blob, packed.morphs), packed.morphs.step);
     const size = vertices.length;
     const morphs = Array.from({ length: size ? all.length / size : 0 }, (_, k) => morphOf(all.subarray(k * size, (k + 1) * size)));
-    return { vertices, morphs, faces: stepsOf(blob, told.faces), count: told.count };
+    return { vertices, morphs, faces: stepsOf(blob, packed.faces), count: packed.count };
   };
 
   // One playback: its panels with their arrays, and what they have in common.
   const playbackOf = async (text) => {
     const blob = await unpacked(text);
-    const heads = blob.head.heads.map((told) => headOf(blob, told));
+    const heads = blob.head.heads.map((packed) => headOf(blob, packed));
     const panels = [];
-    for (const told of blob.head.panels) {
-      panels.push(told.kind === "mesh"
-        ? { ...animationOf(blob, told), head: heads[told.head] }
-        : recordingOf(blob, told, panels));
+    for (const packed of blob.head.panels) {
+      panels.push(packed.kind === "mesh"
+        ? { ...animationOf(blob, packed), head: heads[packed.head] }
+        : recordingOf(blob, packed, panels));
     }
     const truth = blob.head.truth === null ? null : panels[blob.head.truth];
     const rate = Math.max(...panels.map((one) => one.rate));

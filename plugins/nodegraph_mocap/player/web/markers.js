@@ -185,12 +185,12 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     const counts = [0, 0, 0, 0];
     panel.markers.forEach((_, marker) => { counts[panel.origin[marker * panel.frames + frame]] += 1; });
     const shown = [1, RECOVERED, REPAIRED, MISSING].filter((origin) => counts[origin]);
-    const told = shown.map((origin) => `${counts[origin]} ${ORIGINS[origin]}`).join(", ");
+    const counted = shown.map((origin) => `${counts[origin]} ${ORIGINS[origin]}`).join(", ");
     const made = (_, marker) => panel.origin[marker * panel.frames + frame] >= RECOVERED;
     const errors = truth && panel.truth ? errorsOf(panel, truth, frame).filter(made).filter(Number.isFinite) : [];
-    if (!errors.length) return told;
+    if (!errors.length) return counted;
     const mean = errors.reduce((sum, one) => sum + one, 0) / errors.length;
-    return `${told}; ${errors.length} compared: mean error ${mean.toFixed(2)} mm, largest ${Math.max(...errors).toFixed(2)} mm`;
+    return `${counted}; ${errors.length} compared: mean error ${mean.toFixed(2)} mm, largest ${Math.max(...errors).toFixed(2)} mm`;
   };
 
   // One sample in words.
