@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 
 import hypothesis
@@ -20,11 +21,13 @@ hypothesis.settings.register_profile("tests", max_examples=30, deadline=None, de
 hypothesis.settings.load_profile("tests")
 
 
+_NUMBERS = count()
+
 gc.disable()  # until all tests are collected: nothing of theirs is garbage
 
 LONG = (
-    *("test_style", "test_stored_studies", "test_fill_study", "test_third_party"),
-    *("test_installation", "test_locked_studies", "test_tracking_study"),
+    *("test_stored_studies", "test_fill_study", "test_third_party", "test_installation"),
+    *("test_locked_studies", "test_tracking_study"),
 )
 """Modules that take longest."""
 
@@ -50,11 +53,12 @@ def _not_the_users_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[N
 
 
 @pytest.fixture(autouse=True)
-def store_folder(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Give every test a store of its own."""
-    folder = tmp_path_factory.mktemp("store")
+def _a_store_of_its_own(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Give every test a store of its own, in a folder that most never make."""
+    folder = tmp_path_factory.getbasetemp() / "stores" / str(next(_NUMBERS))
     monkeypatch.setenv("NODEGRAPH_STORE", str(folder))
-    return folder
 
 
 @pytest.fixture(scope="session")

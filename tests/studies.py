@@ -21,9 +21,11 @@ ONE = (
     *("--axis", "length=45"),
 )
 """One combination of the graph of fills for each method."""
+FILLS = "fill=muscle,lin_ouhyoung,guenter,linear,cubic,ridge,pca,rigid,bilinear,waters"
+"""Those of the shipped lock, which finds their results in the store, and one more."""
 FEW = {
     "alignment": ("--axis", "actor=0,1", "--only", "data=take,scans"),
-    "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual"),
+    "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual", "--only", FILLS),
     "impulses": TWO,
     "marker_selection": (
         *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),

@@ -107,26 +107,31 @@ def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) 
     tools.mkdir()
     for name in ("chromium", "npm", "tar", "apt-get"):
         (tools / name).write_text("#!/bin/sh\n")
+    python = tmp_path / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.write_text('#!/bin/sh\necho "$2" >>ran; exit $tools\n')
     page, ran = README, tmp_path / "ran"
     for name, mark in (("first", "the first run"), ("tests", "the tests")):
         command = README.partition(f"<!-- {mark} -->\n```sh\n")[2].partition("\n```")[0]
         page = page.replace(command, name)
         (tools / name).write_text(f'#!/bin/sh\necho {name} "$@" >>ran; exit ${name}\n')
-    for tool in tools.iterdir():
+    for tool in (*tools.iterdir(), python):
         tool.chmod(0o755)
     (tmp_path / "README.md").write_text(page)
     environment = {**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
-    for first, tests, expected in (
-        (0, 0, ["first", "tests"]),
-        (0, 7, ["first", "tests"]),
-        (7, 0, ["first"]),
+    every = ["first", "tests", "ruff", "ruff", "mypy"]
+    for first, tests, checks, expected in (
+        (0, 0, 0, every),
+        (0, 0, 7, every[:3]),
+        (0, 7, 0, every[:2]),
+        (7, 0, 0, every[:1]),
     ):
         ran.write_text("")
-        statuses = {"first": str(first), "tests": str(tests)}
+        statuses = {"first": str(first), "tests": str(tests), "tools": str(checks)}
         result = subprocess.run(
             ["bash", ".ci/run"], cwd=tmp_path, env=environment | statuses, check=False
         )
-        assert result.returncode == max(first, tests)
+        assert result.returncode == max(first, tests, checks)
         assert [line.split()[0] for line in ran.read_text().splitlines()] == expected
 
 
