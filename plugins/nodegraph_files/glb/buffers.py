@@ -1,6 +1,7 @@
-"""Numbers of a glTF file, out of its binary data.
+"""The bytes of a GLB file: its two chunks, and arrays in and out of the binary one.
 
-Source: glTF 2.0 Specification, section 3.6 (Binary Data Storage), The Khronos Group.
+Source: glTF 2.0 Specification, sections 3.6 (Binary Data Storage) and 4 (GLB File Format
+Specification), The Khronos Group.
 """
 
 from __future__ import annotations
@@ -16,7 +17,23 @@ from nodegraph_files.glb.document import Accessor, Document, Sparse, entry_at
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+MAGIC = b"glTF"
+_HEADER, _CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")
+_VERSION = 2
+_JSON, _BINARY = b"JSON", b"BIN\0"
 
+TARGET_NAMES = "targetNames"
+"""In the extras of a mesh: the names of its morph targets, as most programs write them."""
+
+MARKER_VERTICES = "markerVertices"
+"""In the extras of a mesh, our own: the vertex of each marker."""
+
+UNIT = "m"
+"""That of glTF. Ours have it in the extras of the asset, as ``unit``: not all files keep to it."""
+
+_FLOAT, _UNSIGNED = 5126, 5125
+_KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
+_VERTICES, _CORNERS = 34962, 34963
 _COMPONENTS = {
     code: np.dtype(kind)
     for code, kind in {
@@ -153,11 +170,6 @@ class Accessors:
             raise ValueError(f"{at}: ends at byte {stop} of data that has {len(self._binary)}")
 
 
-_FLOAT, _UNSIGNED = 5126, 5125
-_KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
-_VERTICES, _CORNERS = 34962, 34963
-
-
 class GlbBuffer:
     """Gathers arrays, each in a buffer view and an accessor of its own."""
 
@@ -217,12 +229,6 @@ class GlbBuffer:
         return len(self.accessors) - 1
 
 
-MAGIC = b"glTF"
-_HEADER, _CHUNK = struct.Struct("<4sII"), struct.Struct("<I4s")
-_VERSION = 2
-_JSON, _BINARY = b"JSON", b"BIN\0"
-
-
 def split_glb(data: bytes) -> tuple[bytes, bytes]:
     """Return the JSON and the binary data of a GLB file, the latter perhaps empty.
 
@@ -270,13 +276,3 @@ def _chunk(data: bytes, place: int, stop: int, kind: bytes) -> tuple[bytes, int]
 def _written(kind: bytes, content: bytes, padding: bytes) -> bytes:
     padded = content + padding * (-len(content) % 4)
     return _CHUNK.pack(len(padded), kind) + padded
-
-
-TARGET_NAMES = "targetNames"
-"""In the extras of a mesh: the names of its morph targets, as most programs write them."""
-
-MARKER_VERTICES = "markerVertices"
-"""In the extras of a mesh, our own: the vertex of each marker."""
-
-UNIT = "m"
-"""That of glTF. Ours have it in the extras of the asset, as ``unit``: not all files keep to it."""

@@ -1,15 +1,57 @@
-"""Heads as GLB files."""
+"""Heads out of GLB files: the meshes that the scene shows, with their morph targets.
+
+Source: glTF 2.0 Specification, sections 3.5 (Scenes) and 3.7 (Meshes), The Khronos Group.
+"""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from nodegraph import Format
-from nodegraph_files.glb.buffers import MAGIC, UNIT, Accessors, split_glb
-from nodegraph_files.glb.document import Document, entry_at, read_document
-from nodegraph_files.glb.mesh import Placed, check_sizes, joined_parts, placed_meshes, read_mesh
+from nodegraph_files.glb.buffers import (
+    MAGIC,
+    MARKER_VERTICES,
+    TARGET_NAMES,
+    UNIT,
+    Accessors,
+    split_glb,
+)
+from nodegraph_files.glb.document import Document, Mesh, Node, Primitive, entry_at, read_document
 from nodegraph_files.head import RawHead
+from nodegraph_mocap.checks import distinct
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_MOST_VERTICES = 10**8
+"""Of all meshes and their morph targets; 2.4 GB."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A mesh in the scene: of which node, and the (4, 4) matrix of each joint or of the node."""
+
+    mesh: int
+    node: int
+    matrices: NDArray[np.float64]
+    skinned: bool = False
+
+
+@dataclass(frozen=True)
+class Part:
+    """Vertices that belong together, in the unit of the file."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    morphs: Mapping[str, NDArray[np.float64]]
+    marker_vertices: Mapping[str, int] = field(default_factory=dict)
 
 
 def read_glb(path: Path) -> RawHead:
@@ -69,11 +111,11 @@ def _of_the_head(document: Document, placed: list[Placed]) -> list[Placed]:
             f"{len(rest)} meshes without morph targets are left out: {', '.join(rest)}",
             stacklevel=4,
         )
-    _tell_raised(document, parts)
+    _warn_raised(document, parts)
     return parts
 
 
-def _tell_raised(document: Document, parts: list[Placed]) -> None:
+def _warn_raised(document: Document, parts: list[Placed]) -> None:
     """Warn of morph targets that the file shows from the start."""
     raised = 0
     for part in parts:
@@ -84,6 +126,263 @@ def _tell_raised(document: Document, parts: list[Placed]) -> None:
             f"{raised} morph targets have a weight from the start; the head at rest is without",
             stacklevel=5,
         )
+
+
+def placed_meshes(document: Document, accessors: Accessors) -> list[Placed]:
+    """Return the meshes that the scene shows, in the order of its tree.
+
+    A file without nodes shows each mesh as it is.
+
+    Raises
+    ------
+    ValueError
+        If nodes form no tree, or name what is not there.
+    """
+    if not document.nodes:
+        return [Placed(index, 0, np.eye(4)) for index in range(len(document.meshes))]
+    places = dict(_tree(document))
+    return [
+        _placed(document, accessors, index, node.mesh, places)
+        for index, node in ((index, document.nodes[index]) for index in places)
+        if node.mesh is not None
+    ]
+
+
+def vertex_matrices(
+    placed: Placed, primitive: Primitive, accessors: Accessors, where: str, count: int
+) -> NDArray[np.float64]:
+    """Return what takes a primitive's vertices to the scene: (4, 4), or (V, 4, 4) by its skin."""
+    if not placed.skinned:
+        return placed.matrices
+    held, total = np.zeros((count, 4, 4)), np.zeros(count)
+    for name in primitive.attributes:
+        if not name.startswith("JOINTS_"):
+            continue
+        pulls = name.replace("JOINTS", "WEIGHTS")
+        if pulls not in primitive.attributes:
+            raise ValueError(f"{where}: has {name}, but no {pulls}")
+        at = f"{where}.{name}"
+        joints = accessors.integers(primitive.attributes[name], at, kind="VEC4", count=count)
+        weights = accessors.numbers(primitive.attributes[pulls], at, kind="VEC4", count=count)
+        if joints.max() >= len(placed.matrices):
+            raise ValueError(f"{at}: names joint {joints.max()} of {len(placed.matrices)}")
+        for column in range(4):
+            held += weights[:, column, None, None] * placed.matrices[joints[:, column]]
+        total += weights.sum(axis=1)
+    if not total.all():
+        raise ValueError(f"{where}: the skin does not hold vertex {int(np.argmin(total))}")
+    return np.asarray(held / total[:, None, None])
+
+
+def _tree(document: Document) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Yield each node of the scene and its place."""
+    todo = [(index, np.eye(4)) for index in reversed(_roots(document))]
+    seen: set[int] = set()
+    while todo:
+        index, parent = todo.pop()
+        node = entry_at(document.nodes, index, "node", "the scene")
+        if index in seen:
+            raise ValueError(f"node {index} is in the scene twice")
+        seen.add(index)
+        place = parent @ _own_place(node, index)
+        yield index, place
+        todo.extend((child, place) for child in reversed(node.children))
+
+
+def _roots(document: Document) -> list[int]:
+    if document.scenes:
+        return entry_at(document.scenes, document.scene, "scene", "the file").nodes
+    below = {child for node in document.nodes for child in node.children}
+    return [index for index in range(len(document.nodes)) if index not in below]
+
+
+def _own_place(node: Node, index: int) -> NDArray[np.float64]:
+    if node.matrix is not None:
+        return np.array(node.matrix).reshape(4, 4).T
+    place = np.eye(4)
+    place[:3, :3] = _scene_turned(node.rotation, index) * np.array(node.scale)
+    place[:3, 3] = node.translation
+    return place
+
+
+def _scene_turned(quaternion: tuple[float, float, float, float], index: int) -> NDArray[np.float64]:
+    """Return the rotation matrix of a quaternion x, y, z, w."""
+    length = float(np.linalg.norm(quaternion))
+    if not length:
+        raise ValueError(f"node {index}: its rotation is zero")
+    x, y, z, w = np.array(quaternion) / length
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + 2 * w * across + 2 * across @ across)
+
+
+def _placed(
+    document: Document,
+    accessors: Accessors,
+    index: int,
+    mesh: int,
+    places: Mapping[int, NDArray[np.float64]],
+) -> Placed:
+    node = document.nodes[index]
+    if node.skin is None:
+        return Placed(mesh, index, places[index])
+    where = f"skin {node.skin}"
+    skin = entry_at(document.skins, node.skin, "skin", f"node {index}")
+    absent = [joint for joint in skin.joints if joint not in places]
+    if absent:
+        raise ValueError(f"{where}: its joint, node {absent[0]}, is not in the scene")
+    # by the specification the joints alone hold a skinned mesh, and not its own node
+    joints = np.array([places[joint] for joint in skin.joints])
+    if skin.inverse_bind_matrices is not None:
+        stored = accessors.numbers(skin.inverse_bind_matrices, where, kind="MAT4")
+        if len(stored) < len(joints):
+            raise ValueError(f"{where}: {len(stored)} matrices for {len(joints)} joints")
+        joints = joints @ stored[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
+    return Placed(mesh, index, joints, skinned=True)
+
+
+def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
+    """Return a mesh as it stands in the scene.
+
+    Primitives that name the same vertices share them; others follow one another. Points and lines
+    are left out, with a warning.
+
+    Raises
+    ------
+    ValueError
+        If something that the mesh names is not there, or of another size or type.
+    """
+    where = f"mesh {placed.mesh}" + (f" ({mesh.name})" if mesh.name else "")
+    names = _target_names(mesh, where)
+    parts: dict[Any, Part] = {}
+    for number, primitive in enumerate(mesh.primitives):
+        at = f"{where}, primitive {number}"
+        if primitive.mode < _TRIANGLES:
+            warnings.warn(f"{at}: points or lines, which are left out", stacklevel=2)
+            continue
+        key = (*primitive.attributes.items(), *map(str, primitive.targets))
+        part = parts.get(key) or _vertices(primitive, names, placed, accessors, at)
+        faces = _faces(primitive, accessors, at, len(part.vertices))
+        faces = faces[:, ::-1] if _mirrored(placed) else faces
+        parts[key] = Part(part.vertices, np.concatenate([part.faces, faces]), part.morphs)
+    joined = joined_parts(list(parts.values()))
+    return Part(
+        joined.vertices, joined.faces, joined.morphs, _markers(mesh, where, len(joined.vertices))
+    )
+
+
+def joined_parts(parts: list[Part]) -> Part:
+    """Return parts as one; a morph target that a part lacks leaves its vertices where they are."""
+    vertices = np.concatenate([np.zeros((0, 3)), *(part.vertices for part in parts)])
+    firsts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    names = list(dict.fromkeys(name for part in parts for name in part.morphs))
+    _check_size(len(names) * len(vertices))
+    morphs = {name: np.zeros_like(vertices) for name in names}
+    markers: dict[str, int] = {}
+    for part, first in zip(parts, firsts, strict=False):
+        for name, offsets in part.morphs.items():
+            morphs[name][first : first + len(offsets)] = offsets
+        for marker, vertex in part.marker_vertices.items():
+            markers[marker] = int(vertex + first)
+    faces = [part.faces + first for part, first in zip(parts, firsts, strict=False)]
+    return Part(vertices, np.concatenate([np.zeros((0, 3), np.int64), *faces]), morphs, markers)
+
+
+def check_sizes(meshes: list[Mesh], accessors: Accessors) -> None:
+    """Refuse, before they are read, meshes that do not fit into memory.
+
+    A file of any size can name its vertices over and over, and morph targets of nothing but zeros.
+    """
+    primitives = [primitive for mesh in meshes for primitive in mesh.primitives]
+    _check_size(
+        sum(
+            (1 + len(primitive.targets))
+            * accessors.count(primitive.attributes["POSITION"], "a primitive")
+            for primitive in primitives
+            if "POSITION" in primitive.attributes
+        )
+    )
+
+
+def _check_size(vertices: int) -> None:
+    if vertices > _MOST_VERTICES:
+        raise ValueError(f"its meshes and their morph targets have {vertices} vertices: too many")
+
+
+def _vertices(
+    primitive: Primitive, names: tuple[str, ...], placed: Placed, accessors: Accessors, where: str
+) -> Part:
+    if "POSITION" not in primitive.attributes:
+        raise ValueError(f"{where}: its vertices have no POSITION")
+    if len(primitive.targets) != len(names):
+        raise ValueError(
+            f"{where}: {len(primitive.targets)} morph targets where the mesh has {len(names)}"
+        )
+    rest = accessors.numbers(primitive.attributes["POSITION"], where, kind="VEC3")
+    count = len(rest)
+    matrices = vertex_matrices(placed, primitive, accessors, where, count)
+    linear, shift = matrices[..., :3, :3], matrices[..., :3, 3]
+    morphs = {}
+    for name, target in zip(names, primitive.targets, strict=True):
+        offsets = np.zeros_like(rest)
+        if "POSITION" in target:
+            at = f"{where}, morph target {name!r}"
+            offsets = accessors.numbers(target["POSITION"], at, kind="VEC3", count=count)
+        morphs[name] = _turned(linear, offsets)
+    return Part(_turned(linear, rest) + shift, np.zeros((0, 3), np.int64), morphs)
+
+
+def _turned(linear: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.einsum("...ij,...j->...i", linear, vectors))
+
+
+def _mirrored(placed: Placed) -> bool:
+    linear = placed.matrices[..., :3, :3].reshape(-1, 3, 3)
+    return bool(np.linalg.det(linear).mean() < 0)
+
+
+def _faces(
+    primitive: Primitive, accessors: Accessors, where: str, vertices: int
+) -> NDArray[np.int64]:
+    order = np.arange(vertices)
+    if primitive.indices is not None:
+        order = accessors.integers(primitive.indices, where)[:, 0]
+        if order.max() >= vertices:
+            raise ValueError(f"{where}: a face names vertex {order.max()} of {vertices}")
+    if primitive.mode == _STRIP:
+        windows = np.stack([order[:-2], order[1:-1], order[2:]], axis=1)
+        windows[1::2] = windows[1::2, [0, 2, 1]]
+        return windows
+    if primitive.mode == _FAN:
+        return np.stack([order[1:-1], order[2:], np.full(len(order[2:]), order[0])], axis=1)
+    if len(order) % 3:
+        raise ValueError(f"{where}: {len(order)} corners make no triangles")
+    return order.reshape(-1, 3)
+
+
+def _target_names(mesh: Mesh, where: str) -> tuple[str, ...]:
+    count = len(mesh.primitives[0].targets)
+    names = mesh.extras.get(TARGET_NAMES) if isinstance(mesh.extras, dict) else None
+    if names is None:
+        if count:
+            warnings.warn(f"{where}: its {count} morph targets have no names", stacklevel=3)
+        return tuple(f"morph_{number}" for number in range(1, count + 1))
+    if not isinstance(names, list) or not all(isinstance(name, str) and name for name in names):
+        raise ValueError(f"{where}: extras.{TARGET_NAMES} must be a list of names")
+    if len(names) != count:
+        raise ValueError(f"{where}: {len(names)} names for {count} morph targets")
+    return distinct(f"{where}, morph targets", names)
+
+
+def _markers(mesh: Mesh, where: str, vertices: int) -> Mapping[str, int]:
+    markers = mesh.extras.get(MARKER_VERTICES, {}) if isinstance(mesh.extras, dict) else {}
+    good = isinstance(markers, dict) and all(
+        type(vertex) is int and 0 <= vertex < vertices for vertex in markers.values()
+    )
+    if not good:
+        raise ValueError(
+            f"{where}: extras.{MARKER_VERTICES} must give each marker one of {vertices} vertices"
+        )
+    return dict(markers)
 
 
 FORMAT = Format(

@@ -11,12 +11,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph_files.glb.buffers import MARKER_VERTICES, TARGET_NAMES, UNIT, GlbBuffer, joined_glb
-from nodegraph_files.glb.mesh import vertex_normals
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.head import Head
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+_AHEAD = np.array([0.0, 0.0, 1.0])
+_METRES = 0.001
+_MATERIAL = {
+    "name": "skin",
+    "pbrMetallicRoughness": {
+        "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
+        "metallicFactor": 0.0,
+        "roughnessFactor": 0.8,
+    },
+}
+"""glTF's own is bare metal, which is black where nothing is around to be reflected."""
 
 
 def held_weights(animation: Animation) -> NDArray[np.float64]:
@@ -34,7 +45,7 @@ def held_weights(animation: Animation) -> NDArray[np.float64]:
     source = np.where(last < 0, known.argmax(axis=0), last)
     held = np.nan_to_num(np.take_along_axis(weights, source, axis=0))
     never = np.asarray(~known.any(axis=0))
-    _tell(animation, known, never)
+    _warn(animation, known, never)
     return held
 
 
@@ -63,7 +74,7 @@ def quaternions(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(rotated * np.cumprod([1.0, *nearer])[:, None])
 
 
-def _tell(animation: Animation, known: NDArray[np.bool_], never: NDArray[np.bool_]) -> None:
+def _warn(animation: Animation, known: NDArray[np.bool_], never: NDArray[np.bool_]) -> None:
     frame, shape = (int(index) for index in np.argwhere(~known)[0])
     names = [name for name, absent in zip(animation.head.names, never, strict=True) if absent]
     nowhere = f"; {', '.join(names)} have none at all and stay 0" if names else ""
@@ -73,18 +84,6 @@ def _tell(animation: Animation, known: NDArray[np.bool_], never: NDArray[np.bool
         f"{animation.head.names[shape]!r} in frame {frame}{nowhere}",
         stacklevel=4,
     )
-
-
-_METRES = 0.001
-_MATERIAL = {
-    "name": "skin",
-    "pbrMetallicRoughness": {
-        "baseColorFactor": [0.8, 0.8, 0.8, 1.0],
-        "metallicFactor": 0.0,
-        "roughnessFactor": 0.8,
-    },
-}
-"""glTF's own is bare metal, which is black where nothing is around to be reflected."""
 
 
 def head_bytes(head: Head) -> bytes:
@@ -196,3 +195,33 @@ def _add_normals(primitive: dict[str, Any], head: Head, buffer: GlbBuffer) -> No
 def _stored(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return millimetres as the metres that a reader finds."""
     return (lengths * _METRES).astype(np.float32).astype(np.float64)
+
+
+def vertex_normals(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    otherwise: NDArray[np.float64] = _AHEAD,
+) -> NDArray[np.float64]:
+    """Return (V, 3) unit normals: the mean of those of a vertex's triangles, by their area.
+
+    Vertices at one place keep their own normals, as the lips of a closed mouth must.
+
+    Parameters
+    ----------
+    vertices
+        (V, 3).
+    faces
+        (F, 3), counter-clockwise as seen from outside.
+    otherwise
+        What a vertex gets that has no triangle with an area.
+    """
+    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
+    # a cross product is as long as twice the triangle's area
+    across = np.repeat(np.cross(second - first, third - first), 3, axis=0)
+    corners = faces.ravel()
+    sums = np.stack(
+        [np.bincount(corners, across[:, axis], len(vertices)) for axis in range(3)], axis=1
+    )
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    known = lengths > 0
+    return np.where(known, sums / np.where(known, lengths, 1.0), otherwise)

@@ -7,7 +7,7 @@ import pytest
 
 from nodegraph_files.glb.buffers import Accessors, GlbBuffer
 from nodegraph_files.glb.document import Document
-from nodegraph_files.glb.mesh import Part, Placed, check_sizes, joined_parts, read_mesh
+from nodegraph_files.glb.reading import Part, Placed, check_sizes, joined_parts, read_mesh
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 FACES = np.array([[0, 1, 2], [0, 2, 3]])

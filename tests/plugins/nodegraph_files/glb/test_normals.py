@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph_files.glb.mesh import vertex_normals
+from nodegraph_files.glb.writing import vertex_normals
 from nodegraph_mocap import Head
 from nodegraph_mocap.specimens import specimens
 

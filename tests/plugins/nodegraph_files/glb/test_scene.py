@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from nodegraph_files.glb.buffers import Accessors, GlbBuffer
 from nodegraph_files.glb.document import Document, Primitive
-from nodegraph_files.glb.mesh import Placed, placed_meshes, vertex_matrices
+from nodegraph_files.glb.reading import Placed, placed_meshes, vertex_matrices
 
 MESH: dict[str, Any] = {"primitives": [{"attributes": {}}]}
 

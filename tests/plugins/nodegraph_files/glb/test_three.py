@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_files import animation_bytes
-from nodegraph_files.glb.mesh import vertex_normals
+from nodegraph_files.glb.writing import vertex_normals
 from nodegraph_mocap import Animation, HeadMotion
 from nodegraph_mocap.specimens import animations
 

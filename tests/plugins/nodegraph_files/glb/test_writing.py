@@ -12,7 +12,7 @@ import pytest
 from nodegraph_files import animation_bytes, head_bytes
 from nodegraph_files.glb.buffers import Accessors, split_glb
 from nodegraph_files.glb.document import read_document
-from nodegraph_files.glb.mesh import vertex_normals
+from nodegraph_files.glb.writing import vertex_normals
 from nodegraph_files.readers import read_head
 from nodegraph_mocap import Animation, Head, HeadMotion
 from nodegraph_mocap.specimens import animations, specimens
