@@ -33,7 +33,7 @@ _PATIENCE = 3.0
 """Seconds for the process to end."""
 
 
-@dataclass
+@dataclass(eq=False)
 class _Shown:
     """One output on the page, with its alternatives side by side.
 
@@ -48,7 +48,7 @@ class _Shown:
     name: str
     view: LiveView
     panels: Mapping[str, Output]
-    is_begun: bool = False
+    is_broken: bool = False
     sent: list[Frame] = field(default_factory=list)
 
 
@@ -82,24 +82,28 @@ class StreamPage:
         self._session = session
         self._announce = announce
         self._registry = session.plan.plan.graph.registry
-        self._shown = list(_shown(session.plan, self._registry.hooks.live_views))
+        self._source = session.plan.source
+        shown = list(_shown(session.plan, self._registry.hooks.live_views))
+        self._to_begin = dict.fromkeys(shown)
+        self._begun: list[tuple[_Shown, Any]] = []
+        """What is shown, each with what scripts need of it."""
+        self._sent_begun = 0
         self._newest: dict[Output, Frame] = {}
         self._watched: Collection[str] = ()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._follow, daemon=True)
         self._start = time.monotonic()
         self._process = start("nodegraph.serve.stream_server", pipe_output=True)
-        self._send(_content(session.plan, self._shown, title, facts))
+        self._send(_content(session.plan, shown, title, facts))
         assert self._process.stdout is not None
         self.address = self._process.stdout.readline().decode().strip()
         if not self.address:
             raise NodegraphError("the page of the stream cannot be served")
 
     def __enter__(self) -> StreamPage:
-        outputs = {output for shown in self._shown for output in shown.panels.values()}
-        self._session.watch(
-            {output: partial(self._newest.__setitem__, output) for output in outputs}
-        )
+        outputs = {output for shown in self._to_begin for output in shown.panels.values()}
+        receivers = {output: partial(self._newest.__setitem__, output) for output in outputs}
+        self._session.watch({**receivers, self._source: self._take})
         self._thread.start()
         threading.Thread(target=self._listen, daemon=True).start()
         return self
@@ -128,6 +132,27 @@ class StreamPage:
         with formats_of(self._registry), suppress(OSError):
             self._send(self._update("ended", message, with_counts=True))
 
+    def _take(self, frame: Frame) -> None:
+        """Take a frame of the source, in the thread that computes.
+
+        What takes longer is done here before the stream is under way: beside it, it would delay
+        frames for some time.
+        """
+        self._newest[self._source] = frame
+        for shown in [*self._to_begin]:
+            frames = self._frames(shown)
+            if not frames:
+                continue
+            try:
+                data = shown.view.begin(dict(self._values(shown, frames)))
+            except NodegraphError as error:
+                self._announce(f"{shown.name} is not shown: {error}")
+                del self._to_begin[shown]
+                continue
+            if data is not None:
+                self._begun.append((shown, data))
+                del self._to_begin[shown]
+
     def _listen(self) -> None:
         """Read which outputs browsers show now."""
         assert self._process.stdout is not None
@@ -140,7 +165,7 @@ class StreamPage:
             while not self._ended.wait(EVERY):
                 try:
                     update = self._update(self._state, with_counts=ticks % FIGURES == 0)
-                    if update.frames or update.counts:
+                    if update.begun or update.frames or update.counts:
                         self._send(update)
                 except OSError:
                     self._announce("the page of the stream is no longer served")
@@ -160,33 +185,33 @@ class StreamPage:
         self._process.stdin.flush()
 
     def _update(self, state: State, message: str = "", *, with_counts: bool) -> Update:
-        """Return what is new of each output that all its alternatives have."""
-        begun: dict[str, Any] = {}
+        """Return what is new of the outputs that browsers show; in the end, of all."""
         frames: dict[str, list[bytes]] = {}
-        for shown in [*self._shown]:
-            if shown.is_begun and shown.name not in self._watched and state != "ended":
-                continue
-            newest = [frame for frame in map(self._newest.get, shown.panels.values()) if frame]
-            if len(newest) < len(shown.panels) or [*map(id, newest)] == [*map(id, shown.sent)]:
-                continue
-            shown.sent = newest
-            try:
-                if not shown.is_begun:
-                    data = shown.view.begin(dict(self._values(shown)))
-                    if data is None:
-                        continue
-                    begun[shown.name], shown.is_begun = data, True
-                frames[shown.name] = [shown.view.pack(frame.payload) for frame in shown.sent]
-            except NodegraphError as error:
-                self._announce(f"{shown.name} is not shown: {error}")
-                self._shown.remove(shown)
+        begun = {shown.name: data for shown, data in self._begun[self._sent_begun :]}
+        self._sent_begun += len(begun)
+        for shown, _ in self._begun:
+            newest = self._frames(shown)
+            is_new = [*map(id, newest)] != [*map(id, shown.sent)]
+            is_watched = shown.name in self._watched or state == "ended"
+            if is_new and is_watched and not shown.is_broken:
+                shown.sent = newest
+                try:
+                    frames[shown.name] = [shown.view.pack(frame.payload) for frame in newest]
+                except NodegraphError as error:
+                    shown.is_broken = True
+                    self._announce(f"{shown.name} is not shown: {error}")
         seconds = time.monotonic() - self._start
         counts = self._session.counts if with_counts else None
         return Update(seconds, begun, frames, state, message, counts)
 
-    def _values(self, shown: _Shown) -> Iterator[tuple[str, Any]]:
-        """Yield the newest frame of each panel as a value."""
-        for (label, output), frame in zip(shown.panels.items(), shown.sent, strict=True):
+    def _frames(self, shown: _Shown) -> list[Frame]:
+        """Return the newest frame of each panel; none if one has none."""
+        frames = [self._newest.get(output) for output in shown.panels.values()]
+        return [] if None in frames else [frame for frame in frames if frame]
+
+    def _values(self, shown: _Shown, frames: Sequence[Frame]) -> Iterator[tuple[str, Any]]:
+        """Yield a frame of each panel as a value."""
+        for (label, output), frame in zip(shown.panels.items(), frames, strict=True):
             header = self._session.headers[output]
             yield label, streamable_of(type(header)).join(header, [frame.payload])
 

@@ -114,6 +114,7 @@ class _Shown:
         self._begun: dict[str, Any] = {}
         self._frames: dict[str, list[str]] = {}
         self._figures: Mapping[str, Any] = {}
+        """What an event has of the counts: made anew each time, so that no thread changes it."""
         self._is_over = False
         self._past: deque[tuple[float, Counts]] = deque()
         self._received_at = 0.0
@@ -131,7 +132,10 @@ class _Shown:
                 self._began_at = update.seconds
             if self._began_at is not None:
                 self._history.add(update.seconds - self._began_at, update.counts.running)
-            self._figures = self._figures_of(update, update.counts)
+            self._figures = {
+                "figures": self._figures_of(update, update.counts),
+                "history": self._history.data,
+            }
             self._is_over = update.state == "ended"
 
     def _figures_of(self, update: Update, counts: Counts) -> Mapping[str, Any]:
@@ -199,8 +203,8 @@ class _Shown:
                 "frames": self._unsent(sent, "frames", self._frames, names),
             }
             if self._figures is not sent.get("figures"):
-                sent["figures"] = event["figures"] = self._figures
-                event["history"] = self._history.data
+                sent["figures"] = self._figures
+                event |= self._figures
             if any(event.values()):
                 yield f"data: {json.dumps(event)}\n\n"
             if is_over:
@@ -231,13 +235,18 @@ class _History:
 
     @property
     def data(self) -> Mapping[str, Any]:
-        return {"seconds": self._seconds, "steps": self._steps}
+        """A copy: the moments, and at each the numbers of each step by their names."""
+        steps = {
+            step: {name: [*values] for name, values in numbers.items()}
+            for step, numbers in self._steps.items()
+        }
+        return {"seconds": [*self._seconds], "steps": steps}
 
     def add(self, seconds: float, running: Mapping[str, Latest]) -> None:
-        """Add what the numbers of each step are now, in place of the last if that was just now."""
-        is_new = not self._seconds or seconds >= self._seconds[-1] + self._apart
+        """Add what the numbers of each step are now, in place of the last if that is too near."""
+        is_near = len(self._seconds) > 1 and self._seconds[-1] - self._seconds[-2] < self._apart
         for moments, value in self._with_values(round(seconds, 2), running):
-            moments[len(moments) - (not is_new) :] = [value]
+            moments[len(moments) - is_near :] = [value]
         if len(self._seconds) > _LONGEST:
             for moments, _ in self._with_values(0.0, running):
                 del moments[1:-1:2]
