@@ -86,7 +86,7 @@ class RunFolder:
             self._undo()
             raise _unwritable(path, error) from error
         self._size = 0
-        if not _locked(self._events):
+        if not files.locked(self._events):
             self._events.close()
             raise _busy(path)
         try:
@@ -217,20 +217,7 @@ def is_written(events: Path) -> bool:
     if not events.is_file():
         return False
     with events.open("rb", buffering=0) as file:
-        return not _locked(file)
-
-
-def _locked(file: FileIO) -> bool:
-    """Lock a file for as long as it is open; return False if another run holds it."""
-    try:
-        import fcntl
-
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except (ImportError, OSError):
-        pass  # this system or this disk has no locks
-    return True
+        return not files.locked(file)
 
 
 def _unwritable(path: Path, error: OSError) -> NodegraphError:

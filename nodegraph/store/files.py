@@ -10,7 +10,9 @@ import hashlib
 import itertools
 import os
 import secrets
+from collections.abc import Iterable
 from contextlib import suppress
+from io import IOBase
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.store.codec import Unreadable
@@ -50,6 +52,17 @@ def write(folder: str, name: str, content: Any) -> None:
     OSError
         If that is not possible; nothing of it is left then.
     """
+    write_parts(folder, name, (content,))
+
+
+def write_parts(folder: str, name: str, parts: Iterable[Any]) -> None:
+    """Write a file, part after part, as `write` does.
+
+    Raises
+    ------
+    OSError
+        If that is not possible; nothing of it is left then.
+    """
     unfinished = f"{folder}/{_own}-{os.getpid()}-{next(_numbers)}{UNFINISHED}"
     try:
         opened = os.open(unfinished, _WRITE, 0o666)
@@ -58,7 +71,8 @@ def write(folder: str, name: str, content: Any) -> None:
         opened = os.open(unfinished, _WRITE, 0o666)
     try:
         try:
-            _write_all(opened, content)
+            for part in parts:
+                _write_all(opened, part)
         finally:
             os.close(opened)
         os.replace(unfinished, f"{folder}/{name}")
@@ -107,6 +121,19 @@ def unseal(content: bytes) -> bytes | None:
     rest = content[65:]
     whole = hashlib.sha256(rest).hexdigest().encode("ascii") == content[:64]
     return rest if whole and content[64:65] == b"\n" else None
+
+
+def locked(file: IOBase) -> bool:
+    """Lock a file for as long as it is open; return False if another program holds it."""
+    try:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except (ImportError, OSError):
+        pass  # this system or this disk has no locks
+    return True
 
 
 def folders_in(folder: str) -> list[os.DirEntry[str]]:

@@ -1,7 +1,8 @@
 """Results on disk, found by the keys of the steps that made them.
 
-Each result is one small file, beside files of the arrays' bytes. Several programs may use a folder
-at once: every file is written under another name first, so that nobody ever sees half of one.
+Each result is one small file, or lies in a pack with many others, beside files of the arrays'
+bytes. Several programs may use a folder at once: every file is written under another name first, so
+that nobody ever sees half of one.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from nodegraph.store.codec import (
     digest_of,
 )
 from nodegraph.store.files import Blobs
+from nodegraph.store.packs import Packs
 
 if TYPE_CHECKING:
     from nodegraph.store.codec import Buffer
@@ -269,6 +271,9 @@ class Store:
         False once anything could not be written; nothing is tried any more then.
     unstorable : Counter of str
         Types whose values could not be kept, and how many results that has cost.
+    saved : int
+        How many results were stored.
+    say
     """
 
     def __init__(self, folder: Path, packer: Packer, say: Callable[[str], None]) -> None:
@@ -276,11 +281,13 @@ class Store:
         self.packer = packer
         self.writable = True
         self.unstorable: Counter[str] = Counter()
-        self._say = say
+        self.saved = 0
+        self.say = say
         self._lock = threading.Lock()
         self._reported: set[str] = set()
         self._root = str(self.folder / files.FORMAT)
         self._entries = f"{self._root}/entries"
+        self._packs = Packs(f"{self._root}/packs")
         self._blobs = Blobs(f"{self._root}/blobs")
         self._make()
 
@@ -295,21 +302,30 @@ class Store:
         outputs
             How many the node has; an entry with another number of values is damaged.
         """
-        path = f"{self._entries}/{key[:2]}/{key[2:]}.json"
+        path, packed = self._path(key), None
         try:
-            content, changed = files.read(path)
-            entry = read_entry(content, key, outputs)
-        except (FileNotFoundError, NotADirectoryError):
+            try:
+                content, changed = files.read(path)
+            except FileNotFoundError:
+                packed = self._packs.find(key)
+                if packed is None:
+                    return None
+                content, changed = packed.content(), packed.used
+        except NotADirectoryError:
             return None
         except OSError as error:
             self._tell(f"stored results cannot be read: {self.folder}: {error.strerror}")
             return None
+        entry = read_entry(content, key, outputs)
         if entry is None:
-            self._remove_damaged(path, "a stored result is damaged")
+            self._remove_damaged(key, "a stored result is damaged")
         elif time.time() - changed > _HOUR:
             # the time of its last use, by which pruning chooses; to the hour is enough
             with suppress(OSError):
-                os.utime(path)
+                if packed is not None:
+                    packed.touch()
+                else:
+                    os.utime(path)
         return entry
 
     def load(self, entry: Entry, types: Iterable[type] = ()) -> tuple[Any, ...]:
@@ -333,15 +349,15 @@ class Store:
                     raise Unreadable(f"it is {type(value).__name__}, not {kind.__name__}")
             return values
         except Unreadable as error:
-            path = f"{self._entries}/{entry.key[:2]}/{entry.key[2:]}.json"
             why = str(error)[:_LONGEST]
             text = f"the stored result of {entry.step} ({entry.node}) cannot be used: {why}"
             if isinstance(error, UnknownClass):
                 self._tell(
-                    f"{text}; it may need --plugin FILE, without which it is computed again: {path}"
+                    f"{text}; it may need --plugin FILE, without which it is computed again: "
+                    f"{self._path(entry.key)}"
                 )
             else:
-                self._remove_damaged(path, text)
+                self._remove_damaged(entry.key, text)
             raise DamagedEntry(f"{text}; entry {entry.key}") from error
 
     def save(self, key: str, about: About, values: tuple[Any, ...]) -> Entry | None:
@@ -368,6 +384,8 @@ class Store:
         except OSError as error:
             self._give_up(error)
             return None
+        with self._lock:
+            self.saved += 1
         return entry
 
     def remember(self, name: str, data: Mapping[str, Any]) -> None:
@@ -405,11 +423,20 @@ class Store:
             if not self.writable:
                 return
             self.writable = False
-        self._say(f"results are no longer kept: {self.folder}: {error.strerror or error}")
+        self.say(f"results are no longer kept: {self.folder}: {error.strerror or error}")
 
-    def _remove_damaged(self, path: str, text: str) -> None:
+    def _path(self, key: str) -> str:
+        return f"{self._entries}/{key[:2]}/{key[2:]}.json"
+
+    def _remove_damaged(self, key: str, text: str) -> None:
+        path = self._path(key)
         with suppress(OSError):
-            os.unlink(path)
+            try:
+                os.unlink(path)
+            except FileNotFoundError:
+                if (packed := self._packs.find(key)) is not None:
+                    packed.remove()
+                    path = packed.pack.path
         self._tell(f"{text}, and is computed again when it is needed: {path}")
 
     def _tell(self, text: str) -> None:
@@ -417,7 +444,7 @@ class Store:
             if text in self._reported:
                 return
             self._reported.add(text)
-        self._say(text)
+        self.say(text)
 
 
 VARIABLE = "NODEGRAPH_STORE"

@@ -1,19 +1,30 @@
-"""How much is stored, and how the longest unused of it goes."""
+"""How much is stored, how it is packed, and how the longest unused of it goes."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+from nodegraph.formatting import size_text
 from nodegraph.store import files
+from nodegraph.store.packs import Pack, Packed, Packs, Small
 from nodegraph.store.store import Entry, read_entry
 
 _HOUR = 3600.0
 _ENTRY = ".json"
+_FEW = 4096
+"""Entries that may lie in files of their own."""
+_MANY = 65536
+"""Entries that are read to be packed at a time."""
+_SHARE = 5
+"""All stored results have at most one part of the disk in so many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +34,6 @@ class Kept:
     Attributes
     ----------
     entry : Entry
-    path : str
     used : float
         When it was last written or found, to the hour, in seconds since 1970.
     length : int
@@ -31,9 +41,18 @@ class Kept:
     """
 
     entry: Entry
-    path: str
     used: float
     length: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Placed:
+    """What pruning has to know of an entry, and its place: a path, or within a pack."""
+
+    place: str | Packed
+    used: float
+    length: int
+    blobs: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,19 +80,26 @@ class Upkeep:
         self._root = str(self.folder / files.FORMAT)
         self._entries = f"{self._root}/entries"
         self._blobs = f"{self._root}/blobs"
+        self._packs = Packs(f"{self._root}/packs")
 
     def entries(self) -> Iterator[Kept]:
         """Yield every entry that is whole."""
         for item in self._entry_files():
-            entry = _kept(item.path)
+            kept = _kept(item.path)
+            if kept is not None:
+                yield kept
+        for packed in self._packed():
+            entry = read_entry(packed.content(), packed.key.hex())
             if entry is not None:
-                yield entry
+                yield Kept(entry, packed.used, packed.record.length)
 
     def size(self) -> Amount:
         """Return how much there is."""
         amount = _NONE
         for entry in self._entry_files():
             amount += Amount(1, 0, _size(entry))
+        for pack in self._packs.all():
+            amount += Amount(sum(1 for _ in pack), 0, pack.size)
         for blob in self._blob_files():
             amount += Amount(0, 1, _size(blob))
         return amount
@@ -82,6 +108,27 @@ class Upkeep:
         """Return names of folders of other versions of this program, which are left alone."""
         return sorted(
             path.name for path in self.folder.glob("format-*") if path.name != files.FORMAT
+        )
+
+    def tidy(self) -> str:
+        """Pack what lies in too many files; remove what is unused for longest beyond the bound.
+
+        Returns
+        -------
+        str
+            A line that says what was removed; empty if nothing was.
+        """
+        try:
+            self._pack()
+            most = shutil.disk_usage(self._root).total // _SHARE
+            removed = self.prune(keep=most) if self.size().size > most else _NONE
+        except OSError:  # a disk that is full, or not to be written to, is the run's to report
+            return ""
+        if removed == _NONE:
+            return ""
+        return (
+            f"stored results had more than a fifth of the disk, {size_text(most)}: the "
+            f"{removed.entries} that were unused for longest are removed from {self.folder}"
         )
 
     def prune(self, older_than: float | None = None, keep: int | None = None) -> Amount:
@@ -99,7 +146,7 @@ class Upkeep:
             Entries go until all that is needed has at most so many bytes.
         """
         now = time.time()
-        there = sorted(self.entries(), key=lambda entry: _past(entry.used, now))
+        there = sorted(self._placed(), key=lambda entry: _past(entry.used, now))
         aged = [
             entry
             for entry in there
@@ -107,24 +154,90 @@ class Upkeep:
         ]
         left = there[len(aged) :]
         more = _too_many(left, self._blob_sizes(), keep) if keep is not None else []
-        removed = sum(
-            (_removed(entry.path, Amount(1, 0, entry.length)) for entry in aged + more), _NONE
-        )
-        needed = {name for entry in left[len(more) :] for name in entry.entry.blobs()}
-        removed += self._without_damaged({entry.path for entry in there}, now)
-        return removed + self._without_unneeded(needed, now) + self._without_unfinished(now)
+        gone = aged + more
+        removed = sum(map(_without, gone), _NONE)
+        needed = {name for entry in left[len(more) :] for name in entry.blobs}
+        whole = {entry.place for entry in there if isinstance(entry.place, str)}
+        removed += self._without_damaged(whole, now)
+        removed += self._without_unneeded(needed, now) + self._without_unfinished(now)
+        with suppress(OSError):  # a disk that is full: what is removed goes with the next packing
+            self._pack({entry.place.pack for entry in gone if isinstance(entry.place, Packed)})
+        return removed
 
     def clear(self) -> Amount:
         """Remove all that is stored."""
         removed = _NONE
         for entry in self._entry_files():
             removed += _removed(entry.path, Amount(1, 0, _size(entry)))
+        counts = {pack.path: sum(1 for _ in pack) for pack in self._packs.all()}
+        for item in files.files_in(self._packs.folder):
+            removed += _removed(item.path, Amount(counts.get(item.path, 0), 0, _size(item)))
         for blob in self._blob_files():
             removed += _removed(blob.path, Amount(0, 1, _size(blob)))
         for item in files.files_in(self._root):
             if item.name.endswith(_ENTRY):  # what was remembered
                 removed += _removed(item.path, Amount(0, 0, _size(item)))
         return removed + self._without_unfinished(float("inf"))
+
+    def _pack(self, anew: Iterable[Pack] = ()) -> None:
+        """Put entries in files of their own together, once there are many.
+
+        Parameters
+        ----------
+        anew
+            Packs from which entries were removed, and which are written anew.
+        """
+        old, first = set(anew), True
+        while first or old:
+            paths = [item.path for item in islice(self._entry_files(), _MANY)]
+            if len(paths) < _FEW:
+                paths = []
+            if not old and not paths:
+                return
+            with self._packs.alone() as alone:
+                if not alone:
+                    return
+                self._pack_together(paths, old)
+            old, first = set(), len(paths) == _MANY
+
+    def _pack_together(self, paths: Sequence[str], old: Set[Pack]) -> None:
+        loose = {path: small for path in paths if (small := _small(path)) is not None}
+        packs = self._packs.all()
+        merged, count = set(old), len(loose)
+        # packs of like sizes, so that there are few, and each entry is written few times
+        for pack in sorted(packs, key=len):
+            if count >= len(pack):
+                merged.add(pack)
+                count += len(pack)
+        there = {
+            packed.key: Small(packed.key, packed.used, packed.record.blobs, packed)
+            for pack in merged
+            for packed in pack
+        }
+        newest = {small.key: small for small in loose.values()}
+        self._packs.add({**there, **newest}.values())
+        for key in newest:
+            for pack in packs:
+                if (former := pack.find(key)) is not None:
+                    former.remove()
+        for path in (*loose, *(pack.path for pack in merged)):
+            with suppress(FileNotFoundError):
+                os.unlink(path)
+
+    def _placed(self) -> Iterator[_Placed]:
+        for item in self._entry_files():
+            kept = _kept(item.path)
+            if kept is not None:
+                blobs = tuple(kept.entry.blobs())
+                yield _Placed(item.path, kept.used, kept.length, blobs)
+        for packed in self._packed():
+            has_blobs = packed.record.blobs > 0
+            entry = read_entry(packed.content(), packed.key.hex()) if has_blobs else None
+            blobs = tuple(entry.blobs()) if entry is not None else ()
+            yield _Placed(packed, packed.used, packed.record.length, blobs)
+
+    def _packed(self) -> Iterator[Packed]:
+        return (packed for pack in self._packs.all() for packed in pack)
 
     def _entry_files(self) -> Iterator[os.DirEntry[str]]:
         return (item for item in self._all(self._entries) if item.name.endswith(_ENTRY))
@@ -155,7 +268,8 @@ class Upkeep:
 
     def _without_unfinished(self, now: float) -> Amount:
         """Remove what a program that was killed has left half written."""
-        items = [*self._all(self._entries), *self._all(self._blobs), *files.files_in(self._root)]
+        items = [*self._all(self._entries), *self._all(self._blobs)]
+        items += [*files.files_in(self._packs.folder), *files.files_in(self._root)]
         removed = _NONE
         for item in items:
             if item.name.endswith(files.UNFINISHED) and now - _past(_changed(item), now) > _HOUR:
@@ -164,13 +278,28 @@ class Upkeep:
 
 
 def _kept(path: str) -> Kept | None:
-    folder, name = os.path.split(path)
     try:
         content, used = files.read(path)
     except OSError:
         return None
-    entry = read_entry(content, os.path.basename(folder) + name.removesuffix(_ENTRY))
-    return Kept(entry, path, used, len(content)) if entry is not None else None
+    entry = read_entry(content, _key(path))
+    return Kept(entry, used, len(content)) if entry is not None else None
+
+
+def _small(path: str) -> Small | None:
+    try:
+        content, used = files.read(path)
+    except OSError:
+        return None
+    entry = read_entry(content, _key(path))
+    if entry is None:
+        return None
+    return Small(bytes.fromhex(entry.key), used, len(entry.blobs()), content)
+
+
+def _key(path: str) -> str:
+    folder, name = os.path.split(path)
+    return os.path.basename(folder) + name.removesuffix(_ENTRY)
 
 
 def _past(changed: float, now: float) -> float:
@@ -178,19 +307,27 @@ def _past(changed: float, now: float) -> float:
     return changed if changed <= now + _HOUR else 0.0
 
 
-def _too_many(there: Sequence[Kept], sizes: Mapping[str, int], keep: int) -> list[Kept]:
+def _too_many(there: Sequence[_Placed], sizes: Mapping[str, int], keep: int) -> list[_Placed]:
     """Return which entries go, the first ones first, for the rest to have so few bytes."""
-    readers = Counter(name for entry in there for name in entry.entry.blobs())
+    readers = Counter(name for entry in there for name in entry.blobs)
     total = sum(entry.length for entry in there) + sum(sizes.get(name, 0) for name in readers)
-    gone: list[Kept] = []
+    gone: list[_Placed] = []
     for entry in there:
         if total <= keep:
             break
         gone.append(entry)
-        readers.subtract(entry.entry.blobs().keys())
-        freed = sum(sizes.get(name, 0) for name in entry.entry.blobs() if not readers[name])
+        readers.subtract(entry.blobs)
+        freed = sum(sizes.get(name, 0) for name in entry.blobs if not readers[name])
         total -= entry.length + freed
     return gone
+
+
+def _without(entry: _Placed) -> Amount:
+    amount = Amount(1, 0, entry.length)
+    if isinstance(entry.place, str):
+        return _removed(entry.place, amount)
+    entry.place.remove()
+    return amount
 
 
 def _removed(path: str, amount: Amount) -> Amount:

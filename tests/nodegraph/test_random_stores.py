@@ -25,7 +25,7 @@ from nodegraph.plugin.hook_types import Storage
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
-from nodegraph.store import Entry, Upkeep
+from nodegraph.store import Entry, Upkeep, upkeep
 
 AXES = {"i": (1, 2), "j": (3, 4, 5)}
 WAYS = [HowToRun("serial"), HowToRun("threads", 3)]
@@ -264,7 +264,7 @@ class Needed:
 
 def keys_in(folder: Path) -> set[str]:
     """Return the keys of all entries that a store's folder has."""
-    return {path.parent.name + path.stem for path in folder.glob("*/entries/*/*.json")}
+    return {listed.entry.key for listed in Upkeep(folder).entries()}
 
 
 def there(run: Run, keys: set[str]) -> set[int]:
@@ -273,7 +273,9 @@ def there(run: Run, keys: set[str]) -> set[int]:
 
 
 @pytest.fixture(params=SEEDS)
-def study(request: pytest.FixtureRequest, tmp_path: Path) -> Study:
+def study(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Study:
+    # every other store has its entries in packs
+    monkeypatch.setattr(upkeep, "_FEW", 2 if request.param % 2 else 4096)
     return Study(request.param, tmp_path)
 
 
@@ -371,7 +373,8 @@ def read(path: Path) -> bytes | None:
 
 def damage(study: Study) -> dict[Path, bytes | None]:
     """Damage some files of the store; return what they hold now, None where they are gone."""
-    files = sorted(study.folder.glob("*/entries/*/*")) + sorted(study.folder.glob("*/blobs/*/*"))
+    parts = ("entries/*/*", "blobs/*/*", "packs/*.pack")
+    files = [path for part in parts for path in sorted(study.folder.glob(f"*/{part}"))]
     before = {path: path.read_bytes() for path in files}
     damaged = study.chance.sample(files, min(len(files), study.chance.randint(1, 6)))
     for path in damaged:

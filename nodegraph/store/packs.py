@@ -1,0 +1,247 @@
+"""Small entries together: a pack holds thousands in one file that is written once.
+
+A disk gives every file a block or more, so that a small entry takes several times its length, and
+a folder of a million files takes minutes to go through. New entries are files of their own, which
+needs no lock; `Packs.add` puts them together later. A pack is a header, the sorted keys, a record
+for each key, and the entries. All that changes in it afterwards is the hour in a record. So readers
+need no lock either, on any disk: what is torn or forged is caught by the checksum of the entry.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import struct
+import time
+import weakref
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from nodegraph.store import files
+
+_SUFFIX = ".pack"
+_HEADER = struct.Struct("<16sQ")
+_MAGIC = b"nodegraph pack 1"
+_KEY = 32
+_RECORD = struct.Struct("<QIII")
+_HOUR_AT = 12
+"""Where in a record the hour stands."""
+_HOUR = 3600.0
+_LATELY = 2.0
+"""Seconds in which a folder may change again without another time of change."""
+
+
+class Record(NamedTuple):
+    """Where an entry lies in a pack, and what is known without reading it.
+
+    Attributes
+    ----------
+    offset, length : int
+        In bytes.
+    hour : int
+        When it was last used, since 1970; 0 once it is removed.
+    blobs : int
+        How many blobs it needs.
+    """
+
+    offset: int
+    length: int
+    hour: int
+    blobs: int
+
+
+@dataclass(frozen=True, slots=True)
+class Small:
+    """An entry to be packed: its content, or where it is already."""
+
+    key: bytes
+    used: float
+    blobs: int
+    content: bytes | Packed
+
+
+class Pack:
+    """An open pack.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    ValueError
+        If it is no pack.
+    """
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        try:
+            self._file = os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0))
+        except PermissionError:
+            self._file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        # not at the end of a block: a store may go on reading what another has replaced
+        weakref.finalize(self, os.close, self._file)
+        self.size = os.fstat(self._file).st_size
+        header = os.pread(self._file, _HEADER.size, 0)
+        magic, self._count = _HEADER.unpack(header) if len(header) == _HEADER.size else (b"", 0)
+        if magic != _MAGIC or _start(self._count) > self.size:
+            raise ValueError(f"{path} is no pack")
+        self._keys = os.pread(self._file, self._count * _KEY, _HEADER.size)
+        self._records = _HEADER.size + self._count * _KEY
+
+    def __len__(self) -> int:
+        return self._count
+
+    def find(self, key: bytes) -> Packed | None:
+        """Return an entry, unless it is not there or was removed."""
+        index = bisect_left(range(self._count), key, key=self.key)
+        if self.key(index) != key:
+            return None
+        data = os.pread(self._file, _RECORD.size, self._records + index * _RECORD.size)
+        if len(data) < _RECORD.size:
+            return None
+        record = Record(*_RECORD.unpack(data))
+        return Packed(self, index, record) if record.hour else None
+
+    def __iter__(self) -> Iterator[Packed]:
+        """Yield every entry that was not removed."""
+        records = os.pread(self._file, self._count * _RECORD.size, self._records)
+        whole = len(records) // _RECORD.size * _RECORD.size  # another program may have cut it
+        for index, parts in enumerate(_RECORD.iter_unpack(records[:whole])):
+            record = Record(*parts)
+            if record.hour:
+                yield Packed(self, index, record)
+
+    def key(self, index: int) -> bytes:
+        """Return the key of an entry."""
+        return self._keys[index * _KEY : index * _KEY + _KEY]
+
+    def read(self, record: Record) -> bytes:
+        """Return the content of an entry; less of it where the pack ends before."""
+        if record.offset + record.length > self.size:
+            return b""
+        return os.pread(self._file, record.length, record.offset)
+
+    def note(self, index: int, hour: int) -> None:
+        """Note when an entry was used last."""
+        at = self._records + index * _RECORD.size + _HOUR_AT
+        os.pwrite(self._file, struct.pack("<I", hour), at)
+
+
+@dataclass(frozen=True, slots=True)
+class Packed:
+    """An entry in a pack."""
+
+    pack: Pack
+    index: int
+    record: Record
+
+    @property
+    def key(self) -> bytes:
+        """Its key."""
+        return self.pack.key(self.index)
+
+    @property
+    def used(self) -> float:
+        """When it was last used, to the hour, in seconds since 1970."""
+        return self.record.hour * _HOUR
+
+    def content(self) -> bytes:
+        """Return its content."""
+        return self.pack.read(self.record)
+
+    def touch(self) -> None:
+        """Note that it is used now."""
+        with suppress(OSError):
+            self.pack.note(self.index, int(time.time() / _HOUR))
+
+    def remove(self) -> None:
+        """Remove it; its bytes go when the pack is written anew."""
+        with suppress(OSError):
+            self.pack.note(self.index, 0)
+
+
+class Packs:
+    """The packs in a folder, as other programs add and replace them."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        self._open: dict[str, Pack] = {}
+        self._changed = -1
+
+    def find(self, key: str) -> Packed | None:
+        """Return an entry, or None."""
+        wanted = bytes.fromhex(key)
+        for pack in self.all():
+            if (packed := pack.find(wanted)) is not None:
+                return packed
+        return None
+
+    def all(self) -> list[Pack]:
+        """Return the packs that are there now."""
+        try:
+            changed = os.stat(self.folder).st_mtime_ns
+        except FileNotFoundError:
+            changed = 0
+        if changed != self._changed or time.time() - changed / 1e9 < _LATELY:
+            self._changed = changed
+            paths = [each.path for each in files.files_in(self.folder)]
+            kept = {path: self._open.get(path) or _opened(path) for path in paths}
+            self._open = {path: pack for path, pack in kept.items() if pack is not None}
+        return list(self._open.values())
+
+    def add(self, entries: Iterable[Small]) -> None:
+        """Write entries as one pack.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; nothing of it is left then.
+        """
+        listed = sorted(entries, key=lambda entry: entry.key)
+        if listed:
+            name = f"{secrets.token_hex(8)}{_SUFFIX}"
+            files.write_parts(self.folder, name, _parts(listed))
+
+    @contextmanager
+    def alone(self) -> Iterator[bool]:
+        """Keep other programs from packing meanwhile; give whether nobody does so already."""
+        os.makedirs(self.folder, exist_ok=True)
+        with open(f"{self.folder}/lock", "ab") as lock:
+            yield hasattr(os, "pread") and files.locked(lock)
+
+
+def _opened(path: str) -> Pack | None:
+    if not path.endswith(_SUFFIX):
+        return None
+    try:
+        return Pack(path)
+    except (OSError, ValueError):
+        return None
+
+
+def _start(count: int) -> int:
+    """Return where the first entry of a pack begins."""
+    return _HEADER.size + count * (_KEY + _RECORD.size)
+
+
+def _parts(entries: list[Small]) -> Iterator[bytes]:
+    yield _HEADER.pack(_MAGIC, len(entries))
+    yield b"".join(entry.key for entry in entries)
+    offset = _start(len(entries))
+    records: list[bytes] = []
+    for entry in entries:
+        content = entry.content
+        length = content.record.length if isinstance(content, Packed) else len(content)
+        hour = max(1, int(entry.used / _HOUR))
+        records.append(_RECORD.pack(offset, length, hour, entry.blobs))
+        offset += length
+    yield b"".join(records)
+    for entry in entries:
+        content = entry.content
+        if isinstance(content, Packed):
+            # one that was cut off stays one that is damaged, and those after it stay whole
+            yield content.content().ljust(content.record.length, b"\0")
+        else:
+            yield content
