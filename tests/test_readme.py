@@ -16,6 +16,7 @@ import nodegraph as ng
 from nodegraph.cli.main import main
 from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry
+from nodegraph.testing import check_node
 from tests import readmes
 from tests.readmes import ROOT
 
@@ -65,6 +66,13 @@ def test_the_added_method_joins_the_comparison(tmp_path: Path) -> None:
     filled = run["fill"].at(fill="first")
     gappy = run["gaps"].at()
     assert filled.present.sum() > gappy.present.sum()
+
+
+def test_the_live_form_gives_what_the_take_gives(tmp_path: Path) -> None:
+    path = tmp_path / "my_hold.py"
+    path.write_text(next(code for code in blocks("python") if code.startswith("# my_hold.py")))
+    registry = Registry.installed([path])
+    check_node(registry.find("fill.hold").node.function, registry=registry)
 
 
 def test_the_python_code_runs(tmp_path: Path) -> None:
