@@ -23,8 +23,8 @@ import struct
 import sys
 from dataclasses import replace
 
-from nodegraph import Frame, get_node, hookimpl
-from nodegraph_mocap import MarkerFrame
+from nodegraph import Frame, LiveView, get_node, hookimpl
+from nodegraph_mocap import HeadMotion, MarkerFrame, Weights
 
 
 class Fed:
@@ -66,6 +66,28 @@ class Fed:
 
     def close(self):
         pass
+
+
+SCRIPT = """
+nodegraph.define("fed/weights", [], () => ({ show: async (element, begun, labels) => ({
+  draw: (frames) => { element.textContent = begun + labels + new Float64Array(frames[2]).length; },
+  close: () => {},
+}) }));
+"""
+
+
+@hookimpl
+def nodegraph_live_views():
+    return [
+        LiveView(
+            Weights,
+            lambda values: [type(value).__name__ for value in values.values()],
+            lambda weights: weights.tobytes(),
+            "fed/weights",
+            scripts=(SCRIPT,),
+        ),
+        LiveView(HeadMotion, lambda values: 1 / 0, lambda pose: b"", "fed/weights"),
+    ]
 
 
 @hookimpl
@@ -152,6 +174,8 @@ def test_a_page_shows_a_stream_until_it_ends(tab: Page, tmp_path: Path) -> None:
         stream.feed("0-119")
         until(tab, f"({COUNTS}).received === 120 && document.querySelectorAll('.stage').length > 1")
         heads, markers = tab.evaluate(PICTURES)
+        of_plugin = tab.locator(".stream-host", has_text="Weights,Weights")
+        assert of_plugin.text_content() == f"Weights,Weights,Weights{','.join(FILLS)}26"
         assert [panel["label"] for panel in heads["panels"]] == FILLS
         assert [panel["label"] for panel in markers["panels"]] == ["capture", *FILLS]
         assert all(len(panel["dots"]) == 180 for panel in markers["panels"])
@@ -227,4 +251,6 @@ def test_axe_finds_nothing_and_all_can_be_done_by_keys(tab: Page, tmp_path: Path
             assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
         stream.feed("?")
         until(tab, f"/failed: .*out of order/.test({STATE})")
-        assert stream.process.wait() == 2
+        _, errors = stream.process.communicate()
+        assert stream.process.returncode == 2
+        assert "still.head_motion is not shown: plugin 'fed'" in errors

@@ -167,9 +167,7 @@ def nodegraph_live_views() -> Iterable[LiveView]:  # type: ignore[empty-body]
     --------
     >>> @hookimpl
     ... def nodegraph_live_views():
-    ...     def begin(values):
-    ...         return [lips.outline for lips in values.values()]
-    ...     return [LiveView(Lips, begin, lambda frame: frame.tobytes(), "lips/live", (SCRIPT,))]
+    ...     return [LiveView(Lips, begin_lips, pack_lips, "lips/live")]
     """
 
 

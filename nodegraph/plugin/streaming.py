@@ -83,10 +83,11 @@ class LiveView:
         of what stands side by side to values of one frame.
     pack : callable
         ``pack(payload)`` returns the bytes of a frame. It is called at most 30 times per second,
-        beside the thread that computes the stream.
+        beside the thread that computes the stream, which waits meanwhile.
     module : str
         The module of a script whose ``show(element, begun, labels)`` returns a promise of an
-        object that draws into the element: ``draw(frames)`` takes an ArrayBuffer for each label.
+        object that draws into the element: ``draw(frames)`` takes an ArrayBuffer for each label,
+        ``close()`` is called when nothing more is drawn there.
     scripts, styles : tuple of str
         JavaScript and CSS that the view needs.
 

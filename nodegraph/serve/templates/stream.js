@@ -53,6 +53,7 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
       if (event.begun[name] !== undefined) {
         this.forget();
         this.stage = views.get(module).show(this.host, event.begun[name], labels);
+        this.stage.catch(({ message }) => this.host.replaceChildren(element("p", { class: "quiet" }, `This cannot be shown: ${message}`)));
       }
       const frames = event.frames[name];
       if (!frames || !this.stage || (paused.pictures && this.is_drawn)) return;
