@@ -41,7 +41,7 @@ def the_answer_scores_zero(tried: Tried) -> Iterator[str]:
             yield f"column {column!r} has {table[column].abs().max():.3g} {unit}"
 
 
-def tells_millimetres(tried: Tried) -> Iterator[str]:
+def marks_millimetres(tried: Tried) -> Iterator[str]:
     """Score an estimate that is off by a millimetre everywhere near 1, where the unit is mm."""
     truth = next((tried.inputs[name] for name in _ANSWERS if name in tried.inputs), None)
     if not isinstance(truth, Trajectories) or "estimate" not in tried.inputs:
@@ -57,4 +57,4 @@ def tells_millimetres(tried: Tried) -> Iterator[str]:
             yield f"column {column!r} has {largest:.3g} mm: is it in metres?"
 
 
-CONTRACTS = (gives_a_table, the_answer_scores_zero, tells_millimetres)
+CONTRACTS = (gives_a_table, the_answer_scores_zero, marks_millimetres)

@@ -30,8 +30,8 @@ from nodegraph_files.text.table_recording import (
     is_number,
     known_rate,
     recording_of,
-    tell_irregular,
     unit_of_table,
+    warn_irregular,
     whole_steps,
 )
 from nodegraph_files.text.vicon import is_vicon, read_vicon
@@ -47,6 +47,16 @@ _TIME = re.compile(r"times?[ _]*[\[(]?\s*([a-z]*)\s*[\])]?", re.IGNORECASE)
 _SECONDS = {"": 1.0, "ms": 0.001, "msec": 0.001, "millisecond": 0.001, "milliseconds": 0.001}
 _SECONDS |= dict.fromkeys(("s", "sec", "second", "seconds"), 1.0)
 _LISTED = 10
+_COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
+_AXIS = re.compile(r"([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
+_SHOWN = 8
+_MARKER = {"marker", "label", "name", "keypoint", "landmark", "bodypart", "marker_name"}
+_AXES = ("x", "y", "z")
+_EACH = "each marker"  # whose columns are the same
+_SPARSEST = 100  # samples per row, above which a table holds something else
+_FEW = 10_000_000  # samples for which there is room in any case
+_COORDINATES = {*_AXES, "likelihood", "score", "confidence", "visibility"}
+_LEADING = 2  # columns of an index at most
 
 
 @dataclass
@@ -131,7 +141,7 @@ def read_columns(columns: Columns, *, zeros_missing: bool, unit: str) -> Traject
         If a marker lacks a coordinate, there are no frames or no rate, or as `read_rows` does.
     """
     check_axes(columns)
-    tell_left_out(columns)
+    warn_left_out(columns)
     table = columns.table
     order = [axes[axis] for axes in columns.markers.values() for axis in "xyz"]
     wanted = sorted([*order, *columns.counters])
@@ -174,7 +184,7 @@ def check_axes(columns: Columns) -> None:
             )
 
 
-def tell_left_out(columns: Columns) -> None:
+def warn_left_out(columns: Columns) -> None:
     """Warn of columns that are neither coordinates nor frame numbers nor times."""
     if columns.left_out:
         shown = [columns.names[column] or f"column {column + 1}" for column in columns.left_out]
@@ -189,15 +199,10 @@ def _rate(columns: Columns, counters: dict[int, NDArray[np.float64]]) -> float:
     times = None
     for column, values in counters.items():
         name = columns.names[column]
-        tell_irregular(name, values)
+        warn_irregular(name, values)
         seconds = seconds_in(name)
         times = values * seconds if seconds is not None and times is None else times
     return known_rate(columns.table, times)
-
-
-_COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
-_AXIS = re.compile(r"([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
-_SHOWN = 8
 
 
 def is_wide(table: Table) -> bool:
@@ -226,13 +231,6 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
             f"{table.path}:{header.line}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}"
         )
     return read_columns(columns, zeros_missing=zeros_missing, unit=unit)
-
-
-_MARKER = {"marker", "label", "name", "keypoint", "landmark", "bodypart", "marker_name"}
-_AXES = ("x", "y", "z")
-_EACH = "each marker"  # whose columns are the same
-_SPARSEST = 100  # samples per row, above which a table holds something else
-_FEW = 10_000_000  # samples for which there is room in any case
 
 
 def is_long(table: Table) -> bool:
@@ -299,7 +297,7 @@ def _columns(table: Table) -> tuple[Columns, int]:
             f"{table.path}:{header.line}: no column {', '.join(lacking)}; a recording has three "
             f"dimensions; there is {', '.join(header.cells)}"
         )
-    tell_left_out(columns)
+    warn_left_out(columns)
     return columns, marker
 
 
@@ -374,11 +372,6 @@ def _line(rows: Rows, row: int) -> int:
     return next(line.number for place, line in enumerate(rows.lines()) if place == row)
 
 
-_levels_AXES = {"x", "y", "z"}
-_COORDINATES = _levels_AXES | {"likelihood", "score", "confidence", "visibility"}
-_LEADING = 2  # columns of an index at most
-
-
 def is_levels(table: Table) -> bool:
     """Return whether a row below another has nothing but axes, after the columns of an index."""
     return _levels(table) > 0
@@ -407,7 +400,7 @@ def read_levels(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
     for column in range(leading):
         columns.add_other(column)
     for column, label in enumerate(labels, leading):
-        if axes.cells[column].lower() in _levels_AXES:
+        if axes.cells[column].lower() in _AXES:
             columns.add_coordinate(label, axes.cells[column], column)
         else:
             columns.left_out.append(column)
@@ -426,7 +419,7 @@ def _levels(table: Table) -> int:
 
 def _leading(axes: Row) -> int:
     """Return how many columns stand before the first axis."""
-    coordinates = (place for place, cell in enumerate(axes.cells) if cell.lower() in _levels_AXES)
+    coordinates = (place for place, cell in enumerate(axes.cells) if cell.lower() in _AXES)
     return next(coordinates, len(axes.cells))
 
 

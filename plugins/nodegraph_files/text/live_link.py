@@ -136,12 +136,12 @@ def _values(
         if np.isinf(values[row]).any():
             name = list(columns)[int(np.argmax(np.isinf(values[row])))]
             raise ValueError(f"{path}:{line}:{columns[name] + 1}: the weight {name} is infinite")
-    _tell_count({cells[1] for _, cells in rows if any(cells[2:])}, width - len(_HEADER))
-    _tell_missing(values, faceless)
+    _warn_count({cells[1] for _, cells in rows if any(cells[2:])}, width - len(_HEADER))
+    _warn_missing(values, faceless)
     return values
 
 
-def _tell_count(counted: set[str], columns: int) -> None:
+def _warn_count(counted: set[str], columns: int) -> None:
     wrong = sorted(counted - {str(columns)})
     if wrong:
         warnings.warn(
@@ -151,7 +151,7 @@ def _tell_count(counted: set[str], columns: int) -> None:
         )
 
 
-def _tell_missing(values: NDArray[np.float64], faceless: list[int]) -> None:
+def _warn_missing(values: NDArray[np.float64], faceless: list[int]) -> None:
     if faceless:
         warnings.warn(
             f"{len(faceless)} frames have no weights, as no face was found; the first is line "
@@ -194,7 +194,7 @@ def _places(times: _Times) -> tuple[float, NDArray[np.int64]]:
     if not usual:
         raise ValueError(f"{times.path}: the timecode stands still and has no rate")
     frames = np.rint(steps / usual).astype(np.int64)
-    _tell_steps(times, frames, per_second / usual)
+    _warn_steps(times, frames, per_second / usual)
     places = np.concatenate([[0], np.cumsum(np.maximum(frames, 1))])
     return per_second / usual, places
 
@@ -225,7 +225,7 @@ def _counts_per_second(times: _Times) -> int:
     return _USUAL
 
 
-def _tell_steps(times: _Times, frames: NDArray[np.int64], rate: float) -> None:
+def _warn_steps(times: _Times, frames: NDArray[np.int64], rate: float) -> None:
     dropped = int(np.maximum(frames - 1, 0).sum())
     if dropped > max(len(times.lines), _LONGEST_GAPS * rate):
         before = int(np.argmax(frames))

@@ -17,9 +17,9 @@ from nodegraph_files.text.table_recording import (
     positive_number,
     recording_of,
     stated_rate,
-    tell_count,
-    tell_other_rate,
-    tell_skipped,
+    warn_count,
+    warn_other_rate,
+    warn_skipped,
 )
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
@@ -65,16 +65,16 @@ def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
     header = _header(table)
     triples = _triples(table, header)
     columns = [column for first in triples for column in range(first, first + 3)]
-    _tell_left_out(header, columns)
+    _warn_left_out(header, columns)
     names = [f"{name} {axis}" for name, axis in zip(header.names, header.axes.cells, strict=True)]
     width = len(header.axes.cells)
     below = table.below(header.axes, width, [0, 1, *columns], names=names, lenient=True)
     cells = filled(read_rows(below))
     if not len(cells):
         raise ValueError(f"{table.path}: no frames follow line {header.axes.line}")
-    tell_count("frames", _fact(table, "Total Exported Frames")[0] or str(len(cells)), len(cells))
-    tell_skipped("the frame number", cells[:, 0])
-    tell_other_rate(cells[:, 1], rate, "the header")
+    warn_count("frames", _fact(table, "Total Exported Frames")[0] or str(len(cells)), len(cells))
+    warn_skipped("the frame number", cells[:, 0])
+    warn_other_rate(cells[:, 1], rate, "the header")
     return recording_of(
         cells[:, 2:],
         [header.names[first] for first in triples],
@@ -182,7 +182,7 @@ def _triples(table: Table, header: _Header) -> list[int]:
     return columns
 
 
-def _tell_left_out(header: _Header, columns: Sequence[int]) -> None:
+def _warn_left_out(header: _Header, columns: Sequence[int]) -> None:
     used = {0, 1, *columns}
     other = Counter(
         header.types[column] or header.axes.cells[column] or "empty"

@@ -18,9 +18,9 @@ from nodegraph_files.text.table_recording import (
     positive_number,
     recording_of,
     stated_rate,
-    tell_count,
-    tell_other_rate,
-    tell_skipped,
+    warn_count,
+    warn_other_rate,
+    warn_skipped,
 )
 from nodegraph_files.units import unit_from
 from nodegraph_mocap.recording import Trajectories
@@ -58,10 +58,10 @@ def read_qtm(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     cells = filled(cells) if leading else cells
     if not len(cells):
         raise ValueError(f"{table.path}: no frames follow line {header.line}")
-    _tell_facts(facts, len(cells), (width - leading) // 3)
+    _warn_facts(facts, len(cells), (width - leading) // 3)
     if leading:
-        tell_skipped("the frame number", cells[:, 0])
-        tell_other_rate(cells[:, 1], rate, "FREQUENCY")
+        warn_skipped("the frame number", cells[:, 0])
+        warn_other_rate(cells[:, 1], rate, "FREQUENCY")
     return recording_of(
         cells[:, leading:],
         labels,
@@ -139,19 +139,19 @@ def _shape(table: Table, header: Row, named: int) -> tuple[int, int]:
     return leading, width
 
 
-def _tell_facts(facts: Mapping[str, Row], frames: int, markers: int) -> None:
+def _warn_facts(facts: Mapping[str, Row], frames: int, markers: int) -> None:
     for fact, what, there in (
         ("NO_OF_FRAMES", "frames", frames),
         ("NO_OF_MARKERS", "markers", markers),
     ):
         if fact in facts:
-            tell_count(what, "".join(facts[fact].cells[1:2]), there)
+            warn_count(what, "".join(facts[fact].cells[1:2]), there)
     types = facts.get("TRAJECTORY_TYPES")
     if types is not None:
-        _tell_types(types.cells[1:], facts["MARKER_NAMES"].cells[1:])
+        _warn_types(types.cells[1:], facts["MARKER_NAMES"].cells[1:])
 
 
-def _tell_types(types: Sequence[str], labels: Sequence[str]) -> None:
+def _warn_types(types: Sequence[str], labels: Sequence[str]) -> None:
     computed = [
         f"{label} ({kind})"
         for label, kind in zip(labels, types, strict=False)

@@ -79,7 +79,7 @@ def rate_of_times(times: NDArray[np.float64]) -> float | None:
     )
 
 
-def tell_irregular(name: str, values: NDArray[np.float64]) -> None:
+def warn_irregular(name: str, values: NDArray[np.float64]) -> None:
     """Warn of steps of a column of frame numbers or times that are not as the others."""
     steps = np.diff(values)
     if not len(steps):
@@ -94,7 +94,7 @@ def tell_irregular(name: str, values: NDArray[np.float64]) -> None:
         )
 
 
-def tell_skipped(name: str, numbers: NDArray[np.float64]) -> None:
+def warn_skipped(name: str, numbers: NDArray[np.float64]) -> None:
     """Warn of frame numbers that do not go up by one."""
     uneven = int(np.count_nonzero(np.diff(numbers) != 1))
     if uneven:
@@ -105,7 +105,7 @@ def tell_skipped(name: str, numbers: NDArray[np.float64]) -> None:
         )
 
 
-def tell_other_rate(times: NDArray[np.float64], rate: float, fact: str) -> None:
+def warn_other_rate(times: NDArray[np.float64], rate: float, fact: str) -> None:
     """Warn of times that contradict the rate, which the file says under the name `fact`.
 
     Frames that were dropped do not.
@@ -121,7 +121,7 @@ def tell_other_rate(times: NDArray[np.float64], rate: float, fact: str) -> None:
         )
 
 
-def tell_count(what: str, stated: str, there: int) -> None:
+def warn_count(what: str, stated: str, there: int) -> None:
     """Warn of a number in a file's header that is not what the file holds."""
     if stated not in (str(there), f"{there}.0"):
         warnings.warn(
@@ -225,7 +225,7 @@ def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
     rate = stated_rate(table)
     even = times is not None and whole_steps(times) is not None
     if rate is not None and times is not None and even:
-        tell_other_rate(times, rate, "the line '# rate'")
+        warn_other_rate(times, rate, "the line '# rate'")
     if rate is None and times is not None:
         rate = rate_of_times(times)
         if rate is not None and not even:

@@ -19,9 +19,9 @@ from nodegraph_files.text.table_recording import (
     is_number,
     positive_number,
     recording_of,
-    tell_count,
-    tell_other_rate,
-    tell_skipped,
+    warn_count,
+    warn_other_rate,
+    warn_skipped,
 )
 from nodegraph_files.text.text_file import read_text_file, start_in_utf8
 from nodegraph_files.text.vicon import LEADING, count_triples, labels_over
@@ -74,10 +74,10 @@ def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     if not len(cells):
         stated = facts.get("numframes") or "none"
         raise ValueError(f"{path}: no frames follow the header, whose NumFrames says {stated}")
-    tell_count("frames", facts.get("numframes", str(len(cells))), len(cells))
-    tell_count("markers", facts.get("nummarkers", str(markers)), markers)
-    tell_skipped("Frame#", cells[:, 0])
-    tell_other_rate(cells[:, 1], rate, "DataRate")
+    warn_count("frames", facts.get("numframes", str(len(cells))), len(cells))
+    warn_count("markers", facts.get("nummarkers", str(markers)), markers)
+    warn_skipped("Frame#", cells[:, 0])
+    warn_other_rate(cells[:, 1], rate, "DataRate")
     return recording_of(
         cells[:, LEADING:],
         labels,

@@ -14,7 +14,7 @@ from itertools import islice
 from pathlib import Path
 
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
-from nodegraph_files.text.table_recording import positive_number, recording_of, tell_skipped
+from nodegraph_files.text.table_recording import positive_number, recording_of, warn_skipped
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
 
@@ -107,7 +107,7 @@ def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     cells = filled(read_rows(below))
     if not len(cells):
         raise ValueError(f"{table.path}: no frames follow line {units.line}")
-    tell_skipped(axes.cells[0], cells[:, 0])
+    warn_skipped(axes.cells[0], cells[:, 0])
     return recording_of(
         cells[:, 1:],
         labels,

@@ -195,7 +195,7 @@ class _Packing:
             "truth": 0 if self.playback.truth else None,
             "errors": error_scale(self.playback),
             "every": self.playback.every,
-            "start": _telling_second(self.playback),
+            "start": _first_second(self.playback),
             "gaps": _gaps(self.playback),
         }
         return self.blob.packed(head)
@@ -312,7 +312,7 @@ def _gaps(playback: Playback) -> list[list[Any]]:
     return [list(gap) for gap in sorted(long)[:_MOST_GAPS]]
 
 
-def _telling_second(playback: Playback) -> float:
+def _first_second(playback: Playback) -> float:
     """Return when most samples are seen that a method has made, with a known truth if any has.
 
     Where none was made, the frame in which the heads move most: at rest they show nothing.

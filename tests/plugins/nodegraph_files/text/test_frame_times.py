@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from nodegraph_files.text.table_recording import (
     positive_number,
     rate_of_times,
-    tell_count,
-    tell_irregular,
-    tell_other_rate,
-    tell_skipped,
+    warn_count,
+    warn_irregular,
+    warn_other_rate,
+    warn_skipped,
     whole_steps,
 )
 
@@ -74,21 +74,21 @@ def test_steps_that_are_no_whole_numbers() -> None:
 @pytest.mark.filterwarnings("error")
 def test_nothing_is_told_of_even_frames() -> None:
     numbers = np.arange(50.0)
-    tell_irregular("time", numbers)
-    tell_irregular("time", numbers[:1])
-    tell_skipped("Frame#", numbers)
-    tell_other_rate(np.round(numbers / 60, 2), 60, "rate")
-    tell_other_rate(np.delete(numbers, [3, 4, 5, 20]) / 60, 60, "rate")
-    tell_count("frames", "50", 50)
-    tell_count("frames", "50.0", 50)
+    warn_irregular("time", numbers)
+    warn_irregular("time", numbers[:1])
+    warn_skipped("Frame#", numbers)
+    warn_other_rate(np.round(numbers / 60, 2), 60, "rate")
+    warn_other_rate(np.delete(numbers, [3, 4, 5, 20]) / 60, 60, "rate")
+    warn_count("frames", "50", 50)
+    warn_count("frames", "50.0", 50)
 
 
 def test_what_contradicts_is_told() -> None:
     with pytest.warns(UserWarning, match="2 of 4 steps of the column 'time' are irregular"):
-        tell_irregular("time", np.array([0.0, 1, 2, 5, 5]))
+        warn_irregular("time", np.array([0.0, 1, 2, 5, 5]))
     with pytest.warns(UserWarning, match="1 of 2 steps of Frame# are not 1"):
-        tell_skipped("Frame#", np.array([0.0, 1, 3]))
+        warn_skipped("Frame#", np.array([0.0, 1, 3]))
     with pytest.warns(UserWarning, match=r"lasts 1 s, by rate 0\.5 s; rate counts"):
-        tell_other_rate(np.arange(61) / 60, 120, "rate")
+        warn_other_rate(np.arange(61) / 60, 120, "rate")
     with pytest.warns(UserWarning, match="says many frames, the file holds 3"):
-        tell_count("frames", "many", 3)
+        warn_count("frames", "many", 3)
