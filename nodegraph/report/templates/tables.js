@@ -26,13 +26,13 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
   // a spreadsheet would compute what begins like this and is no number
   const guarded = (text) => (/^[=+\-@\t\r]/.test(text) && Number.isNaN(Number(text)) ? `'${text}` : text);
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-  const csv = (one) => {
-    if (one.records) return one.records[0] + one.rows().map((row) => one.records[one.places.get(row) + 1]).join("");
-    const { heads, rows } = partsOf(one);
+  const csv = (shown) => {
+    if (shown.records) return shown.records[0] + shown.rows().map((row) => shown.records[shown.places.get(row) + 1]).join("");
+    const { heads, rows } = partsOf(shown);
     return [...heads, ...rows].map((row) => row.map(guarded).map(quoted).join(",")).join("\n") + "\n";
   };
-  const markdown = (one) => {
-    const { heads, rows, numeric } = partsOf(one);
+  const markdown = (shown) => {
+    const { heads, rows, numeric } = partsOf(shown);
     const line = (cells) => `| ${cells.map((text) => text.replaceAll("|", "\\|")).join(" | ")} |`;
     const rule = `|${numeric.map((right) => (right ? "---:" : "---")).join("|")}|`;
     return [...heads.map(line), rule, ...rows.map(line)].join("\n") + "\n";
@@ -45,8 +45,8 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     "\u2020": "\\textdagger{}", "\u00b2": "\\textsuperscript{2}", "\u00b3": "\\textsuperscript{3}",
   };
   const escaped = (text) => text.replace(/[\\&%$#_{}~^<>[*\u2020\u00b2\u00b3]/g, (sign) => SPECIAL[sign]);
-  const latex = (one) => {
-    const { heads, rows, numeric, caption } = partsOf(one);
+  const latex = (shown) => {
+    const { heads, rows, numeric, caption } = partsOf(shown);
     const line = (cells) => `${cells.map(escaped).join(" & ")} \\\\`;
     return [
       "% needs \\usepackage{booktabs}", "\\begin{table}", `\\caption{${escaped(caption)}}`,
@@ -54,9 +54,9 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
       ...heads.map(line), "\\midrule", ...rows.map(line), "\\bottomrule", "\\end{tabular}", "\\end{table}", "",
     ].join("\n");
   };
-  const copies = (one) => {
+  const copies = (shown) => {
     const state = element("span", { class: "quiet" });
-    const copied = (name, form) => copy(form(one)).then(
+    const copied = (name, form) => copy(form(shown)).then(
       () => `${name} copied`,
       () => "the browser does not allow it; the files beside this page have the table too",
     ).then((text) => { state.textContent = text; announce(text); });
@@ -65,12 +65,12 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
       button(name, () => copied(name, form), { "aria-label": `Copy the table as ${name}` })), state);
   };
 
-  const sorts = (one) => {
-    const heads = [...one.table.tHead.rows[0].cells];
+  const sorts = (shown) => {
+    const heads = [...shown.table.tHead.rows[0].cells];
     const sort = (head, index, sign) => {
-      const exact = head.classList.contains("number") && one.records && head.dataset.column;
-      const keyed = one.rows().map((row) => ({
-        row, text: exact ? one.fields(row)[head.dataset.column] : row.cells[index].dataset.value ?? textOf(row.cells[index]),
+      const exact = head.classList.contains("number") && shown.records && head.dataset.column;
+      const keyed = shown.rows().map((row) => ({
+        row, text: exact ? shown.fields(row)[head.dataset.column] : row.cells[index].dataset.value ?? textOf(row.cells[index]),
       }));
       const filled = keyed.filter(({ text }) => text !== "");
       const numeric = filled.every(({ text }) => !Number.isNaN(numberOf(text)));
@@ -79,7 +79,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
         ? (a, b) => sign * (a.number - b.number)
         : (a, b) => sign * a.text.localeCompare(b.text, undefined, { numeric: true }));
       // what is empty stays last
-      one.body.append(...[...filled, ...keyed.filter(({ text }) => text === "")].map(({ row }) => row));
+      shown.body.append(...[...filled, ...keyed.filter(({ text }) => text === "")].map(({ row }) => row));
     };
     heads.forEach((head, index) => {
       const toggle = button("", () => {
@@ -87,15 +87,15 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
         for (const other of heads) other.removeAttribute("aria-sort");
         head.setAttribute("aria-sort", falling ? "descending" : "ascending");
         sort(head, index, falling ? -1 : 1);
-        one.figure.classList.add("sorted");
+        shown.figure.classList.add("sorted");
       }, { title: "Sort by this column" });
       toggle.append(...head.childNodes);
       head.append(toggle);
     });
   };
 
-  const filter = (one) => {
-    const texts = new Map(one.rows().map((row) =>
+  const filter = (shown) => {
+    const texts = new Map(shown.rows().map((row) =>
       [row, [...row.querySelectorAll("th")].map(textOf).join(" ").toLowerCase()]));
     const counted = element("span", { class: "quiet" });
     const apply = (event) => {
@@ -105,31 +105,31 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
         row.hidden = !words.every((word) => text.includes(word));
         count += !row.hidden;
       }
-      one.figure.classList.toggle("filtered", words.length > 0);
+      shown.figure.classList.toggle("filtered", words.length > 0);
       counted.textContent = words.length ? `${count} of ${texts.size} rows` : "";
       announce(counted.textContent);
     };
-    const name = one.table.tHead.rows[0].querySelector(".name")?.textContent.trim() ?? "rows";
+    const name = shown.table.tHead.rows[0].querySelector(".name")?.textContent.trim() ?? "rows";
     const box = element("input", {
       type: "search", placeholder: `Filter by ${name}`, "aria-label": `Filter the rows by ${name}`, oninput: apply,
     });
     return [box, counted];
   };
 
-  const fold = (one) => {
-    const count = one.rows().length;
-    const text = () => (one.figure.classList.contains("folded") ? `Show all ${count} rows` : "Show fewer rows");
+  const fold = (shown) => {
+    const count = shown.rows().length;
+    const text = () => (shown.figure.classList.contains("folded") ? `Show all ${count} rows` : "Show fewer rows");
     const toggle = button(text(), () => {
-      const folded = one.figure.classList.toggle("folded");
+      const folded = shown.figure.classList.toggle("folded");
       toggle.setAttribute("aria-expanded", String(!folded));
       toggle.textContent = text();
     }, { "aria-expanded": "false" });
     return toggle;
   };
 
-  const link = (one) => {
+  const link = (shown) => {
     const rows = new Map();
-    for (const row of one.body.querySelectorAll("tr[data-method]")) {
+    for (const row of shown.body.querySelectorAll("tr[data-method]")) {
       const { method } = row.dataset;
       rows.set(method, [...rows.get(method) ?? [], row]);
       const cell = row.querySelector("th.name") ?? row.cells[0];
@@ -139,7 +139,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     }
     if (!rows.size) return;
     const mark = (kind, value) => {
-      for (const row of one.body.querySelectorAll(`tr.${kind}`)) row.classList.remove(kind);
+      for (const row of shown.body.querySelectorAll(`tr.${kind}`)) row.classList.remove(kind);
       for (const row of rows.get(value) ?? []) row.classList.add(kind);
     };
     const select = () => {
@@ -153,21 +153,21 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     selection.on((state, changed) => { if (changed.has("method") || changed.has("reference")) select(); });
     selection.on_hover((kind, value) => { if (kind === "method") mark("hovered", value); });
     const over = (event) => event.target.closest("tr")?.dataset.method ?? null;
-    one.body.addEventListener("mouseover", (event) => selection.hover("method", over(event)));
-    one.body.addEventListener("mouseleave", () => selection.hover("method", null));
+    shown.body.addEventListener("mouseover", (event) => selection.hover("method", over(event)));
+    shown.body.addEventListener("mouseleave", () => selection.hover("method", null));
     // one stop for the Tab key, arrows within
-    const picks = () => [...one.body.querySelectorAll(".pick")].filter((pick) => pick.checkVisibility());
+    const picks = () => [...shown.body.querySelectorAll(".pick")].filter((pick) => pick.checkVisibility());
     const stop = (pick) => {
-      for (const other of one.body.querySelectorAll('.pick[tabindex="0"]')) other.tabIndex = -1;
+      for (const other of shown.body.querySelectorAll('.pick[tabindex="0"]')) other.tabIndex = -1;
       pick.tabIndex = 0;
     };
-    one.body.querySelector(".pick").tabIndex = 0;
-    one.body.addEventListener("focusin", (event) => {
+    shown.body.querySelector(".pick").tabIndex = 0;
+    shown.body.addEventListener("focusin", (event) => {
       if (!event.target.matches(".pick")) return;
       stop(event.target);
       selection.hover("method", over(event));
     });
-    one.body.addEventListener("keydown", (event) => {
+    shown.body.addEventListener("keydown", (event) => {
       const all = picks();
       const at = all.indexOf(event.target);
       const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: all.length - 1 }[event.key];
@@ -184,7 +184,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     const places = new Map([...body.rows].map((row, place) => [row, place]));
     const figure = table.closest("figure");
     const source = figure.querySelector("template.csv");
-    const one = {
+    const shown = {
       figure, table, body, places, rows: () => [...body.rows],
       get records() {
         return source && (this.known ??= source.content.textContent.match(RECORD));
@@ -194,11 +194,11 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
       },
     };
     const tools = element("div", { class: "tools" });
-    if (places.size >= FILTERED_FROM) tools.append(...filter(one));
-    if (figure.classList.contains("folded")) tools.append(fold(one));
-    tools.append(copies(one));
+    if (places.size >= FILTERED_FROM) tools.append(...filter(shown));
+    if (figure.classList.contains("folded")) tools.append(fold(shown));
+    tools.append(copies(shown));
     figure.prepend(tools);
-    if (table.classList.contains("sortable")) sorts(one);
-    link(one);
+    if (table.classList.contains("sortable")) sorts(shown);
+    link(shown);
   }
 });

@@ -81,11 +81,11 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       };
       const valueOf = keyOf[sort.key] ?? ((method) => sign * view.numbers(view.overview.groups[sort.key]).values[method]);
       const compare = (a, b) => {
-        const [one, other] = [valueOf(a), valueOf(b)];
+        const [value, other] = [valueOf(a), valueOf(b)];
         // methods without a value stay at the end
-        const known = [one, other].map((value) => value !== null && !Number.isNaN(value));
+        const known = [value, other].map((value) => value !== null && !Number.isNaN(value));
         if (!known[0] || !known[1]) return known[1] - known[0];
-        return (sort.falling ? -1 : 1) * (typeof one === "string" ? one.localeCompare(other, undefined, { numeric: true }) : one - other);
+        return (sort.falling ? -1 : 1) * (typeof value === "string" ? value.localeCompare(other, undefined, { numeric: true }) : value - other);
       };
       const order = [...shown].sort(compare);
       const isShort = !whole && order.length > MOST;

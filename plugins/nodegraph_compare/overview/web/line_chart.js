@@ -198,7 +198,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
         class: `method ${view.roles(method)}`,
         onpointermove: (event) => chart.showNote(event, name, ...describe(view, method, [view.group])),
       }, svg("circle", { cx: px, cy: base, r: best.includes(method) ? 6 : 4.5, class: "mark" }), svg("circle", { cx: px, cy: base, r: 12, class: "reach" }));
-      const label = labels.find((one) => one.method === method);
+      const label = labels.find((label) => label.method === method);
       if (label) {
         const y = base - 14 - label.level * 17;
         mark.append(svg("path", { class: "lead", d: `M${px},${base - 7}L${label.middle},${y + 3}` }), text(label.middle, y, name, { "text-anchor": "middle" }));

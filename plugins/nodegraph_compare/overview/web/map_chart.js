@@ -18,7 +18,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
       other === null ? [next, view.better === "none" ? "" : "next best"] : [other, "selected"],
       [view.reference, "reference"],
     ];
-    return pictures.filter(([method], at) => ranked.includes(method) && pictures.findIndex(([one]) => one === method) === at);
+    return pictures.filter(([method], at) => ranked.includes(method) && pictures.findIndex(([other]) => other === method) === at);
   };
 
   // The mean or median error of a method at each place.

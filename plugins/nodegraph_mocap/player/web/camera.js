@@ -18,7 +18,7 @@ nodegraph.define("mocap/player/camera", [], () => {
 
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
-  const mixed = (a, one, b, other) => a.map((value, place) => one * value + other * b[place]);
+  const mixed = (a, share, b, rest) => a.map((value, place) => share * value + rest * b[place]);
 
   // How a panel's millimetres lie on a picture of `size` dots: (x, y, depth) of a point is
   // (at - centre) times the three axes; y goes down, and depth towards the viewer. `radius` is that

@@ -36,7 +36,7 @@ nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap
   // Everything that can be pressed, in the order of the keyboard's focus.
   const controlsFor = (player) => {
     const { study } = player;
-    const recordings = study.panels.filter((one) => one.kind === "markers");
+    const recordings = study.panels.filter((panel) => panel.kind === "markers");
     const play = buttonFor("", "Play", () => player.toggle());
     const slider = element("input", { type: "range", min: 0, max: study.ticks - 1, step: 1, "aria-label": "Frame" });
     slider.addEventListener("input", () => player.seek(Number(slider.value)));
@@ -78,16 +78,16 @@ nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap
   // What colours and signs mean; rebuilt when the colours change their meaning.
   const legendFor = (study, choices) => {
     const legend = element("p", { class: "legend" });
-    const recordings = study.panels.filter((one) => one.kind === "markers");
+    const recordings = study.panels.filter((panel) => panel.kind === "markers");
     if (!recordings.length) return legend;
     if (choices.colour === "error") {
-      const stops = RAMP.map((one) => `rgb(${one.join(", ")})`).join(", ");
+      const stops = RAMP.map((colour) => `rgb(${colour.join(", ")})`).join(", ");
       const bar = element("span", { class: "ramp", "aria-hidden": "true" });
       bar.style.background = `linear-gradient(90deg, ${stops})`;
       legend.append(element("span", {}, "error 0 ", bar, ` ${study.errors} mm and more`));
       legend.append(element("span", {}, symbol("unknown"), "no truth to compare with"));
     } else {
-      const seen = new Set(recordings.flatMap((one) => [...new Set(one.origin)]));
+      const seen = new Set(recordings.flatMap((panel) => [...new Set(panel.origin)]));
       for (const origin of [1, RECOVERED, REPAIRED]) {
         if (seen.has(origin)) legend.append(element("span", {}, symbol(ORIGINS[origin]), ORIGINS[origin]));
       }

@@ -26,13 +26,13 @@ nodegraph.define("mocap/player/data", [], () => {
     return steps;
   };
 
-  const scaledBy = (steps, step) => Float32Array.from(steps, (one) => one * step);
+  const scaledBy = (steps, step) => Float32Array.from(steps, (count) => count * step);
 
   const recordingOf = (blob, packed, panels) => {
     const steps = stepsOf(blob, packed.positions, packed.like === null ? null : panels[packed.like].steps);
     const count = packed.markers.length * packed.frames;
     const origin = new Uint8Array(blob.buffer, blob.start + packed.origin, count);
-    const made = origin.some((one) => one > 1);
+    const made = origin.some((code) => code > 1);
     return { ...packed, steps, origin, made, places: scaledBy(steps, packed.positions.step) };
   };
 
@@ -46,7 +46,7 @@ nodegraph.define("mocap/player/data", [], () => {
   // Of a morph only what it moves is kept: most morphs of a face leave most of a head alone.
   const morphOf = (offsets) => {
     const moved = [];
-    offsets.forEach((one, place) => { if (one !== 0) moved.push(place); });
+    offsets.forEach((offset, place) => { if (offset !== 0) moved.push(place); });
     return { places: Uint32Array.from(moved), offsets: Float32Array.from(moved, (place) => offsets[place]) };
   };
 
@@ -69,8 +69,8 @@ nodegraph.define("mocap/player/data", [], () => {
         : recordingOf(blob, packed, panels));
     }
     const truth = blob.head.truth === null ? null : panels[blob.head.truth];
-    const rate = Math.max(...panels.map((one) => one.rate));
-    const seconds = Math.max(...panels.map((one) => one.frames / one.rate));
+    const rate = Math.max(...panels.map((panel) => panel.rate));
+    const seconds = Math.max(...panels.map((panel) => panel.frames / panel.rate));
     return { ...blob.head, panels, truth, rate, seconds, ticks: Math.max(1, Math.round(seconds * rate)) };
   };
 

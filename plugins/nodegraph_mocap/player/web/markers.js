@@ -20,7 +20,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   const errorColour = (error, largest) => {
     const place = within(0, error / largest, 1) * (RAMP.length - 1);
     const low = Math.min(Math.floor(place), RAMP.length - 2);
-    const parts = RAMP[low].map((one, part) => Math.round(one + (place - low) * (RAMP[low + 1][part] - one)));
+    const parts = RAMP[low].map((colour, part) => Math.round(colour + (place - low) * (RAMP[low + 1][part] - colour)));
     return `rgb(${parts.join(", ")})`;
   };
 
@@ -94,10 +94,10 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     pen.beginPath();
     for (let marker = 0; marker < panel.markers.length; marker += 1) {
       let joined = false;
-      for (let one = Math.max(0, frame - length); one <= frame; one += 1) {
-        const there = isPresent(panel, marker, one);
+      for (let past = Math.max(0, frame - length); past <= frame; past += 1) {
+        const there = isPresent(panel, marker, past);
         if (there) {
-          projectMarker(panel, by, marker, one, dots, 0, magnified);
+          projectMarker(panel, by, marker, past, dots, 0, magnified);
           if (joined) pen.lineTo(dots[0], dots[1]);
           else pen.moveTo(dots[0], dots[1]);
         }
@@ -111,13 +111,13 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
 
   const drawTruth = (pen, panel, truth, dots, by, frame, size, ink) => {
     pen.beginPath();
-    for (const one of truthDots(panel, truth, by, frame)) {
-      const [x, y] = one.dots;
+    for (const dot of truthDots(panel, truth, by, frame)) {
+      const [x, y] = dot.dots;
       pen.moveTo(x + 1.7 * size, y);
       pen.arc(x, y, 1.7 * size, 0, 2 * Math.PI);
-      if (Number.isNaN(dots[3 * one.marker])) continue;
+      if (Number.isNaN(dots[3 * dot.marker])) continue;
       pen.moveTo(x, y);
-      pen.lineTo(dots[3 * one.marker], dots[3 * one.marker + 1]);
+      pen.lineTo(dots[3 * dot.marker], dots[3 * dot.marker + 1]);
     }
     pen.lineWidth = 2;
     pen.strokeStyle = ink.text;
@@ -189,7 +189,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     const made = (_, marker) => panel.origin[marker * panel.frames + frame] >= RECOVERED;
     const errors = truth && panel.truth ? errorsOf(panel, truth, frame).filter(made).filter(Number.isFinite) : [];
     if (!errors.length) return counted;
-    const mean = errors.reduce((sum, one) => sum + one, 0) / errors.length;
+    const mean = errors.reduce((sum, error) => sum + error, 0) / errors.length;
     return `${counted}; ${errors.length} compared: mean error ${mean.toFixed(2)} mm, largest ${Math.max(...errors).toFixed(2)} mm`;
   };
 

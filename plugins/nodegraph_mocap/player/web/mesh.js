@@ -52,7 +52,7 @@ nodegraph.define("mocap/player/mesh", ["mocap/player/camera"], ({ project }) => 
 
   // One dot's colour as the four bytes of a picture: opaque, blue, green, red.
   const skin = (bright) => {
-    const part = (one) => Math.min(255, one * bright * 1.12) | 0;
+    const part = (colour) => Math.min(255, colour * bright * 1.12) | 0;
     return (255 << 24) | (part(SKIN[2]) << 16) | (part(SKIN[1]) << 8) | part(SKIN[0]);
   };
 
