@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -108,8 +108,19 @@ def drag(tab: Page, selector: str, right: float, down: float) -> None:
     tab.mouse.up()
 
 
-def violations(tab: Page, place: str = "html") -> list[str]:
-    """Return what axe-core finds in a part of the page, with the elements."""
+def violations(tab: Page, place: str = "html", rules: Sequence[str] = ()) -> list[str]:
+    """Return what axe-core finds in a part of the page, with the elements.
+
+    Parameters
+    ----------
+    tab
+    place
+    rules
+        The only ones to be checked, or all.
+    """
     tab.evaluate(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
-    result = tab.evaluate("(place) => axe.run(place).then(({ violations }) => violations)", place)
+    result = tab.evaluate(
+        "([place, only]) => axe.run(place, only).then(({ violations }) => violations)",
+        [place, {"runOnly": list(rules)} if rules else {}],
+    )
     return [f"{each['id']}: {node['html']}" for each in result for node in each["nodes"]]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+import shutil
+import time
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,7 +74,6 @@ class Studies:
 
     def __init__(self, tmp_path_factory: pytest.TempPathFactory, store: Path) -> None:
         self._tmp_path_factory = tmp_path_factory
-        self._few: dict[str, Path] = {}
         self.store = store
 
     def command(self, *words: str, folder: Path) -> Ended:
@@ -92,10 +93,24 @@ class Studies:
         return folder / "made"
 
     def few(self, name: str) -> Path:
-        """Return the folder of a run of a few combinations of a shipped graph; do not change it."""
-        if name not in self._few:
-            self._few[name] = self.run(name, *FEW.get(name, ()))
-        return self._few[name]
+        """Return the folder of a run of a few combinations of a shipped graph; do not change it.
+
+        It runs once for all workers of pytest-xdist.
+        """
+        folder = self.store.parent / "few" / name
+        while not (folder / "ended").exists():
+            try:
+                folder.mkdir(parents=True)
+            except FileExistsError:  # another worker runs it
+                time.sleep(0.05)
+                continue
+            try:
+                self.run(name, *FEW.get(name, ()), folder=folder)
+            except BaseException:
+                shutil.rmtree(folder)  # no worker waits for it
+                raise
+            (folder / "ended").touch()
+        return folder / "made"
 
 
 def table(path: Path) -> list[dict[str, str]]:

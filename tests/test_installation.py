@@ -46,7 +46,6 @@ def test_wheel_and_checkout_replace_each_other(place: Environment, wheel: Path) 
     before = place.files()
     for source, steps in (
         ([wheel], "3 computed"),
-        ([wheel], "3 stored"),
         (["-e", ROOT], "3 stored"),
         ([wheel], "3 stored"),
     ):
