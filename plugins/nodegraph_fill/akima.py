@@ -52,7 +52,7 @@ def akima(
     return bridge(recording, ends, max_gap, _between)
 
 
-def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+def _between(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
     from scipy.interpolate import Akima1DInterpolator
 
-    return on_curves(recording, gaps, Akima1DInterpolator)
+    return on_curves(positions, gaps, Akima1DInterpolator)

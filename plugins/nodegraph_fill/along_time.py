@@ -18,6 +18,9 @@ from nodegraph_mocap import Origin, Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    Between = Callable[[NDArray[np.float64], Gaps], NDArray[np.float64]]
+    """Takes positions (T, M, 3) mm, NaN where missing, and gaps; returns the positions of their
+    samples, (S, 3), in the order of `Gaps.samples`, NaN where it has none."""
     Curve = Callable[[NDArray[np.intp], NDArray[np.float64]], Callable[..., NDArray[np.float64]]]
     """Takes frames, (n,), and positions there, (n, 3); returns what gives positions at frames."""
 
@@ -26,7 +29,7 @@ def bridge(
     recording: Trajectories,
     ends: Ends,
     max_gap: int | None,
-    between: Callable[[Trajectories, Gaps], NDArray[np.float64]],
+    between: Between,
     *,
     otherwise: str = "",
 ) -> Trajectories:
@@ -41,8 +44,7 @@ def bridge(
     max_gap
         Longer gaps stay missing.
     between
-        Takes the recording and the gaps, returns the positions of their samples, (S, 3) mm, in
-        the order of `Gaps.samples`; NaN where it has none.
+        What fills them.
     otherwise
         Why it has none.
     """
@@ -52,7 +54,7 @@ def bridge(
     bridged = gaps.subset(gaps.inner & ~long)
     positions = recording.positions.copy()
     _, frame, marker, _ = bridged.samples
-    positions[frame, marker] = between(recording, bridged)
+    positions[frame, marker] = between(recording.positions, bridged)
     filled = recording.with_samples(positions, changed=bridged.mask, origin=Origin.FILLED)
     reasons = [
         (gaps.subset(gaps.never), NEVER),
@@ -64,13 +66,13 @@ def bridge(
     return filled
 
 
-def on_curves(recording: Trajectories, gaps: Gaps, curve: Curve) -> NDArray[np.float64]:
+def on_curves(positions: NDArray[np.float64], gaps: Gaps, curve: Curve) -> NDArray[np.float64]:
     """Return the positions of the gaps' samples on a curve through each marker's own samples.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
+    positions
+        (T, M, 3) mm; NaN where missing.
     gaps
         Each between two samples of its marker.
     curve
@@ -86,6 +88,6 @@ def on_curves(recording: Trajectories, gaps: Gaps, curve: Curve) -> NDArray[np.f
     ends = np.flatnonzero(np.diff(marker)) + 1
     for samples in np.split(np.arange(len(frame)), ends) if len(frame) else ():
         column = marker[samples[0]]
-        known = np.flatnonzero(recording.present[:, column])
-        values[samples] = curve(known, recording.positions[known, column])(frame[samples])
+        known = np.flatnonzero(~np.isnan(positions[:, column, 0]))
+        values[samples] = curve(known, positions[known, column])(frame[samples])
     return values

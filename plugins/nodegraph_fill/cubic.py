@@ -51,7 +51,7 @@ def cubic(
     return bridge(recording, ends, max_gap, _between)
 
 
-def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+def _between(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
     from scipy.interpolate import CubicSpline
 
-    return on_curves(recording, gaps, CubicSpline)
+    return on_curves(positions, gaps, CubicSpline)

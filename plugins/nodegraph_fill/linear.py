@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def _straight(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+def _straight(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
     gap, _, _, share = gaps.samples
-    before = recording.positions[gaps.start - 1, gaps.marker]
-    after = recording.positions[gaps.stop, gaps.marker]
+    before = positions[gaps.start - 1, gaps.marker]
+    after = positions[gaps.stop, gaps.marker]
     return np.asarray(before[gap] + (after - before)[gap] * share[:, None])
 
 

@@ -231,7 +231,8 @@ class _Filter:
 
     def _predicted(self, gaps: Gaps) -> NDArray[np.float64]:
         """Return what the filter would have after each gap if the marker were still missing."""
-        body = carried(self._recording, gaps.start - 1, gaps.stop, gaps.marker, self._neighbours)
+        positions = self._recording.positions
+        body = carried(positions, gaps.start - 1, gaps.stop, gaps.marker, self._neighbours)
         after = np.full_like(body, np.nan)
         for gap in np.flatnonzero(~np.isnan(body[:, 0])):
             marker, stop = gaps.marker[gap], gaps.stop[gap]
@@ -260,5 +261,5 @@ def _observations(recording: Trajectories, gaps: Gaps, neighbours: int) -> NDArr
     gap, frame, marker, _ = gaps.samples
     seen = np.where(gaps.at_start, gaps.stop, gaps.start - 1)[gap]
     observations = recording.positions.copy()
-    observations[frame, marker] = carried(recording, seen, frame, marker, neighbours)
+    observations[frame, marker] = carried(recording.positions, seen, frame, marker, neighbours)
     return observations

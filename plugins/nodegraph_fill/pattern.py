@@ -61,27 +61,27 @@ def pattern(
     return bridge(recording, ends, max_gap, _between, otherwise="no marker without a hole there")
 
 
-def _between(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
-    donor = _donors(recording, gaps)
+def _between(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
+    donor = _donors(positions, gaps)
     gap, frame, marker, share = gaps.samples
     share = share[:, None]
     first, last = gaps.start[gap] - 1, gaps.stop[gap]
-    positions, other = recording.positions, donor[gap]
+    other = donor[gap]
     bend = (1.0 - share) * (positions[first, marker] - positions[first, other])
     bend += share * (positions[last, marker] - positions[last, other])
     return np.where(other[:, None] < 0, np.nan, positions[frame, other] + bend)
 
 
-def _donors(recording: Trajectories, gaps: Gaps) -> NDArray[np.intp]:
+def _donors(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.intp]:
     """Return the nearest marker that has no hole in each gap; -1 where there is none."""
-    missing = np.zeros((recording.frames + 1, len(recording.markers)), dtype=np.intp)
-    np.cumsum(~recording.present, axis=0, out=missing[1:])
+    missing = np.zeros((len(positions) + 1, positions.shape[1]), dtype=np.intp)
+    np.cumsum(np.isnan(positions[..., 0]), axis=0, out=missing[1:])
     donor = np.full(len(gaps.start), -1)
     for index in range(len(donor)):
         first = gaps.start[index] - 1
         whole = missing[gaps.stop[index] + 1] == missing[first]
         if whole.any():
-            here = recording.positions[first]
+            here = positions[first]
             squared = ((here - here[gaps.marker[index]]) ** 2).sum(axis=1)
             donor[index] = np.where(whole, squared, np.inf).argmin()
     return donor

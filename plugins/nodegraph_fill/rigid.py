@@ -11,19 +11,21 @@ from nodegraph import node
 from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
 from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.rigid_motion import carried
-from nodegraph_fill.streams import Between, live_form
+from nodegraph_fill.streams import live_form
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from nodegraph_fill.along_time import Between
+
 
 def _between(neighbours: int) -> Between:
-    def mixed(recording: Trajectories, gaps: Gaps) -> NDArray[np.float64]:
+    def mixed(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
         gap, frame, marker, share = gaps.samples
-        ahead = carried(recording, gaps.start[gap] - 1, frame, marker, neighbours)
-        back = carried(recording, gaps.stop[gap], frame, marker, neighbours)
+        ahead = carried(positions, gaps.start[gap] - 1, frame, marker, neighbours)
+        back = carried(positions, gaps.stop[gap], frame, marker, neighbours)
         both = ahead + (back - ahead) * share[:, None]
         return np.where(np.isnan(back), ahead, np.where(np.isnan(ahead), back, both))
 
@@ -84,7 +86,7 @@ def rigid(
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
         _, frame, marker, _ = gaps.samples
         positions = np.full_like(recording.positions, np.nan)
-        positions[frame, marker] = between(recording, gaps)
+        positions[frame, marker] = between(recording.positions, gaps)
         return Estimate(positions)
 
     otherwise = "no three neighbours that span a plane"

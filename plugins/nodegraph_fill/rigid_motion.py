@@ -9,8 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_mocap import Trajectories
-
 _LEAST = 3
 _FLAT = 0.05
 """How thin, relative to its length, a body may be before its turn about itself is unknown."""
@@ -19,7 +17,7 @@ _AT_ONCE = 4096
 
 
 def carried(
-    recording: Trajectories,
+    positions: NDArray[np.float64],
     end: NDArray[np.intp],
     frame: NDArray[np.intp],
     marker: NDArray[np.intp],
@@ -29,8 +27,8 @@ def carried(
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
+    positions : (T, M, 3) array of float64
+        Millimetres; NaN where missing.
     end : (S,) array of int
         The frames in which the markers are present. One beyond the take gives NaN.
     frame : (S,) array of int
@@ -45,10 +43,10 @@ def carried(
         Millimetres; NaN where there are fewer than three neighbours or they lie on a line.
     """
     places = np.full((len(frame), 3), np.nan)
-    there = np.flatnonzero((end >= 0) & (end < recording.frames))
+    there = np.flatnonzero((end >= 0) & (end < len(positions)))
     for first in range(0, len(there), _AT_ONCE):
         some = there[first : first + _AT_ONCE]
-        then, now = recording.positions[end[some]], recording.positions[frame[some]]
+        then, now = positions[end[some]], positions[frame[some]]
         places[some] = moved(then, now, marker[some], neighbours)
     return places
 

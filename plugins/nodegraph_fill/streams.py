@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,9 +15,7 @@ from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-Between = Callable[[Trajectories, Gaps], "NDArray[np.float64]"]
-"""Returns the positions of the gaps' samples, (S, 3) mm, in the order of `Gaps.samples`; NaN where
-it has none. A gap's depend on nothing but the frames from the one before to the one after it."""
+    from nodegraph_fill.along_time import Between
 
 
 class Limit:
@@ -79,55 +76,68 @@ class _Stream:
     def __init__(
         self, recording: Trajectories, between: Between, max_gap: int, *, one_end: bool
     ) -> None:
+        markers = len(recording.markers)
         self.header = recording
         self._between = between
         self._max_gap = max_gap
         self._one_end = one_end
-        self._frames: deque[MarkerFrame] = deque(maxlen=max_gap + 2)
-        """As they came: a gap and the frames on both sides of it."""
-        self._waiting: deque[MarkerFrame] = deque()
-        self._missing = np.zeros(len(recording.markers), dtype=np.intp)
+        self._reach = max_gap + 2
+        """A gap and the frames on both sides of it."""
+        self._positions = np.full((4 * self._reach, markers, 3), np.nan)
+        """Of the last frames, as they came; the oldest are dropped when it is full."""
+        self._stop = 0
+        """How many of its frames are in use."""
+        self._waiting: deque[tuple[MarkerFrame, list[tuple[int, NDArray[np.float64]]]]] = deque()
+        """Frames that are held, and the markers that are filled in them."""
+        self._missing = np.zeros(markers, dtype=np.intp)
         """Frames since each marker was last present, or since the stream began."""
         self._count = 0
 
     def push(self, frame: MarkerFrame) -> MarkerFrame | None:
-        self._frames.append(frame)
-        self._waiting.append(frame)
+        if self._stop == len(self._positions):
+            kept = self._reach - 1
+            self._positions[:kept] = self._positions[-kept:]
+            self._stop = kept
+        self._positions[self._stop] = frame.positions
+        self._stop += 1
+        self._waiting.append((frame, []))
         missing = frame.origin == Origin.MISSING
-        closed = ~missing & (self._missing > 0) & (self._missing <= self._max_gap)
-        if not self._one_end:
-            closed &= self._missing < self._count
-        if closed.any():
-            self._fill(np.flatnonzero(closed), len(self._frames) - 1)
-        self._missing = np.where(missing, self._missing + 1, 0)
+        self._fill(~missing, 1)
+        self._missing += 1
+        self._missing *= missing
         self._count += 1
-        return self._waiting.popleft() if len(self._waiting) > self._max_gap else None
+        return self._next() if len(self._waiting) > self._max_gap else None
 
     def drain(self) -> Iterable[MarkerFrame]:
         if self._one_end:
-            at_end = (self._missing > 0) & (self._missing <= self._max_gap)
-            at_end &= self._missing < self._count
-            if at_end.any():
-                self._fill(np.flatnonzero(at_end), len(self._frames))
-        return self._waiting
+            self._fill(np.ones(len(self._missing), dtype=np.bool_), 0)
+        return [self._next() for _ in range(len(self._waiting))]
 
-    def _fill(self, markers: NDArray[np.intp], stop: int) -> None:
-        """Fill the gaps of some markers that reach to a place among the last frames."""
-        recording = replace(
-            self.header,
-            positions=np.stack([frame.positions for frame in self._frames]),
-            origin=np.stack([frame.origin for frame in self._frames]),
-            sigma=None,
-        )
-        stops = np.full_like(markers, stop)
-        gaps = Gaps(markers, stops - self._missing[markers], stops, recording.origin.shape)
-        values = self._between(recording, gaps)
-        _, places, column, _ = gaps.samples
-        known = ~np.isnan(values[:, 0])
-        first = len(self._waiting) - len(self._frames)
-        for place in np.unique(places[known]):
-            here = known & (places == place)
-            positions, origin, sigma = self._waiting[first + place]
-            positions, origin = positions.copy(), origin.copy()
-            positions[column[here]], origin[column[here]] = values[here], Origin.FILLED
-            self._waiting[first + place] = MarkerFrame(positions, origin, sigma)
+    def _next(self) -> MarkerFrame:
+        frame, fills = self._waiting.popleft()
+        if not fills:
+            return frame
+        positions, origin = frame.positions.copy(), frame.origin.copy()
+        for marker, position in fills:
+            positions[marker], origin[marker] = position, Origin.FILLED
+        return MarkerFrame(positions, origin, frame.sigma)
+
+    def _fill(self, ended: NDArray[np.bool_], later: int) -> None:
+        """Fill the gaps of some markers, which ended so many frames ago."""
+        ended = ended & (self._missing > 0) & (self._missing <= self._max_gap)
+        (markers,) = np.nonzero(ended)
+        lengths = self._missing[markers]
+        # others began with the stream: they have one end, or none
+        wanted = (lengths < self._count) | (self._one_end and later == 1)
+        markers, lengths = markers[wanted], lengths[wanted]
+        if not len(markers):
+            return
+        positions = self._positions[max(self._stop - self._reach, 0) : self._stop]
+        stops = np.full_like(markers, len(positions) - later)
+        gaps = Gaps(markers, stops - lengths, stops, positions.shape[:2])
+        values = self._between(positions, gaps)
+        _, places, columns, _ = gaps.samples
+        places -= len(positions) - len(self._waiting)
+        for place, marker, value in zip(places.tolist(), columns.tolist(), values, strict=True):
+            if not np.isnan(value[0]):
+                self._waiting[place][1].append((marker, value))

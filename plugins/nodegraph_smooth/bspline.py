@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import numpy as np
 from pydantic import Field
 
 from nodegraph import Window, WindowForm, node, read_only
-from nodegraph_mocap import MarkerFrame, Origin, Trajectories
-from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.bspline_weights import Ends, all_rows, first_rows, irregular, middle
-from nodegraph_smooth.present_runs import Runs, long_enough, smoothed
+from nodegraph_smooth.present_runs import Runs, long_enough, smoothed, smoothed_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,15 +31,7 @@ def _frames_before(settings: Mapping[str, Any]) -> int:
 
 
 def _curve_at(window: Window[MarkerFrame, Trajectories], *, order: int, ends: Ends) -> MarkerFrame:
-    """Return a frame of the curve through the window: what is beyond it changes nothing there."""
-    frames, now = window.frames, window.frames.at(window.now)
-    curve = np.empty_like(frames.positions)
-    runs = Runs(*runs_of(frames.origin != Origin.MISSING))
-    curve_into(curve, frames.positions, runs, order, ends)
-    smoothed, sigma = curve[window.now].copy(), now.sigma
-    if sigma is not None:
-        sigma = np.where(np.any(smoothed != now.positions, axis=1), np.nan, sigma)
-    return MarkerFrame(smoothed, now.origin.copy(), sigma)
+    return smoothed_at(window, partial(curve_into, order=order, ends=ends))
 
 
 @node(

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph import Refusal
-from nodegraph_mocap import Trajectories
+from nodegraph import Refusal, Window
+from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 
 if TYPE_CHECKING:
@@ -149,3 +149,29 @@ def smoothed(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
         return replace(recording, positions=positions)
     moved = np.any(positions != recording.positions, axis=2)
     return replace(recording, positions=positions, sigma=np.where(moved, np.nan, recording.sigma))
+
+
+def smoothed_at(
+    window: Window[MarkerFrame, Trajectories],
+    smooth_into: Callable[[NDArray[np.float64], NDArray[np.float64], Runs], None],
+) -> MarkerFrame:
+    """Return the frame of a window that is computed, as its runs are smoothed.
+
+    Parameters
+    ----------
+    window
+        So long that what is beyond it changes nothing there.
+    smooth_into
+        ``smooth_into(out, positions, runs)`` writes the smoothed runs of (T, M, 3) positions.
+    """
+    from nodegraph_smooth import weights_kernel
+
+    frames, now = window.frames, window.frames.at(window.now)
+    out = np.empty_like(frames.positions)
+    smooth_into(
+        out, frames.positions, Runs(*weights_kernel.runs_of(frames.origin != Origin.MISSING))
+    )
+    positions, sigma = out[window.now].copy(), now.sigma
+    if sigma is not None:
+        sigma = np.where(np.any(positions != now.positions, axis=1), np.nan, sigma)
+    return MarkerFrame(positions, now.origin.copy(), sigma)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
 
 from nodegraph import Refusal, Unit, Window, WindowForm, node, read_only
-from nodegraph_mocap import MarkerFrame, Origin, Trajectories
-from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.cutoff import Seconds, frames_of
-from nodegraph_smooth.present_runs import Runs, long_enough, smoothed
+from nodegraph_smooth.present_runs import Runs, long_enough, smoothed, smoothed_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,16 +33,7 @@ def _frames_before(settings: Mapping[str, Any]) -> int | None:
 def _fitted_at(
     around: Window[MarkerFrame, Trajectories], *, window: float, degree: int, reach: int
 ) -> MarkerFrame:
-    """Return a frame of the smoothed window: what is beyond it changes nothing there."""
-    frames, now = around.frames, around.frames.at(around.now)
-    fitted = np.empty_like(frames.positions)
-    _fit_into(
-        fitted, frames.positions, Runs(*runs_of(frames.origin != Origin.MISSING)), reach, degree
-    )
-    positions, sigma = fitted[around.now].copy(), now.sigma
-    if sigma is not None:
-        sigma = np.where(np.any(positions != now.positions, axis=1), np.nan, sigma)
-    return MarkerFrame(positions, now.origin.copy(), sigma)
+    return smoothed_at(around, partial(_fit_into, reach=reach, degree=degree))
 
 
 @node(
