@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -142,7 +143,7 @@ def late(recording: Trajectories, *, ahead: int = 5) -> Trajectories:
 class Wire:
     """Sends frames of a file by their numbers; x is garbage, ! a lost connection.
 
-    After !2 the connection cannot be made again twice.
+    After !2 the connection cannot be made again twice; after ~ the source comes at twice the rate.
     """
 
     def __init__(self, address):
@@ -159,6 +160,9 @@ class Wire:
 
     def packets(self):
         for word in self.script:
+            if word == "~":
+                self.take = replace(self.take, rate=2 * self.take.rate)
+                raise ConnectionResetError("gone")
             if word[0] == "!":
                 self.away = int(word[1:] or 0)
                 raise ConnectionResetError("gone")
@@ -418,6 +422,36 @@ def test_a_source_that_does_not_answer_at_once_is_waited_for(
     counts, box = play(narrow, folder, "0-4,!2,0-4", "held")
     assert counts.reconnected == 1
     assert [frame.index for frame in box.frames] == [*range(5), *range(5)]
+
+
+def test_a_source_that_returns_with_another_rate_ends_the_stream(folder: Path) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    with pytest.raises(NodegraphError, match=r"another stream: header\.rate: 60\.0 and 120\.0"):
+        play(narrow, folder, "0-4,~,0-4", "held")
+
+
+class Meter(Box):
+    """Measures the memory that is in use after some frames, and keeps none of them."""
+
+    def write(self, frame: ng.Frame) -> None:
+        if frame.index == 300:
+            tracemalloc.start()
+        if frame.index in (600, 900):
+            self.used.append(tracemalloc.get_traced_memory()[0])
+
+    def open(self, header: Any) -> None:
+        self.used: list[int] = []
+
+
+def test_memory_does_not_grow_with_the_frames(folder: Path) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    meter = Meter()
+    try:
+        session_of(narrow, ("take", f"wire:{folder / 'take.npz'}?0-900"), [("held", meter)]).run()
+    finally:
+        tracemalloc.stop()
+    first, second = meter.used
+    assert second - first < 16 * 300  # bytes: not even a number is kept of each frame
 
 
 def test_numbers_that_begin_again_are_a_new_stream(folder: Path) -> None:
