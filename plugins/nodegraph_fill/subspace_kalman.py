@@ -65,8 +65,8 @@ def subspace_kalman(
     time, later by half its length, where samples tell the error, and the model is learnt again
     without these; the factor is the 95 % quantile of ``|error| / sigma`` over the coordinates of
     the 20 held-out gaps nearest in length, divided by 1.96, as in split conformal prediction (Lei
-    et al., 2018). So intervals of 95 % held 95 to 96 % of the errors in gaps of 5, 15 and 45
-    frames on those faces, 89 to 100 % on each of three real takes. Sigma is calibrated at this
+    et al., 2018). So intervals of 95 % held 95 to 97 % of the errors in gaps of 5, 15 and 45
+    frames on those faces, 88 to 99 % on each of three real takes. Sigma is calibrated at this
     level alone and conservative below: as errors have heavier tails than a normal distribution,
     intervals of 50 % held 61 to 86 % and those of 80 % 80 to 95 % there. Where fewer than ten gaps
     can be held out, sigma is NaN. Present samples keep the recording's sigma, NaN where it has

@@ -20,6 +20,7 @@ from nodegraph_compare.left_out import (
 )
 from nodegraph_compare.question import EXTREME, sign_of
 from nodegraph_compare.scope import few_blocks, rules, scope
+from nodegraph_compare.scope import unit_text as units_text
 from nodegraph_compare.table.sensitivity import (
     PLAIN,
     apart_by_all_rules,
@@ -98,10 +99,8 @@ def _of_groups(comparison: Comparison, summaries: Sequence[Summary]) -> list[str
 
 
 def _over_groups(comparison: Comparison, summaries: Sequence[Summary], overall: Summary) -> str:
-    verb = "share" if np.count_nonzero(overall.bests) > 1 else "has"
-    best = f"{_best_names(overall)} {verb} the {EXTREME[overall.end]} mean"
-    metric = comparison.question.metric
-    return f"all {len(summaries)} groups: {best} {metric}{_verdict(overall, comparison)}."
+    best = _best(overall, comparison.question.metric)
+    return f"all {len(summaries)} groups: {best}{_verdict(overall, comparison)}."
 
 
 def notes(
@@ -155,7 +154,7 @@ def notes(
             "all: of each unit, the geometric mean of its means over the groups; p is of one "
             "comparison, without a factor for several groups."
         )
-    for remark in (_few, _typical, _taken, _by_fallback, _doubts, _suspects):
+    for remark in (_few, _typical, _by_mean, _taken, _by_fallback, _doubts, _suspects):
         sentences += _together(summaries, comparison, remark)
     return sentences
 
@@ -196,6 +195,18 @@ def _typical(summary: Summary, comparison: Comparison) -> str:
     return (
         f"{_name(summary, first)} is better than {_best_names(summary)} in most "
         f"{comparison.blocks} ({share:.0%}), so that few large errors decide the mean"
+    )
+
+
+def _by_mean(summary: Summary, comparison: Comparison) -> str:
+    """Return which method has the best mean, where that is not the best one."""
+    if summary.best is None or (summary.bests & summary.best_by_mean).any():
+        return ""
+    units = units_text(summary.units, comparison.question)
+    return (
+        f"{listed(_names(summary, summary.best_by_mean))} has the {EXTREME[summary.end]} mean over "
+        f"{units}, and {_best_names(summary)} the best mean ratio, in which units with large "
+        "values weigh no more than others; the verdict is by ratios"
     )
 
 
@@ -243,7 +254,8 @@ def _alike(summaries: Sequence[Summary], comparison: Comparison) -> list[list[Su
     for place, summary in enumerate(summaries):
         text = _verdict(summary, comparison)
         key = place if summary.best is None or not summary.judged else text
-        together.setdefault((_best_names(summary), key), []).append(summary)
+        best = summary.best is not None and _best(summary, comparison.question.metric)
+        together.setdefault((best, key), []).append(summary)
     return list(together.values())
 
 
@@ -262,12 +274,19 @@ def _means(same: Sequence[Summary], comparison: Comparison) -> str:
         ends = (int(np.nanargmin(summary.mean)), int(np.nanargmax(summary.mean)))
         low, high = (f"{_name(summary, at)} ({_numbers(summary, at, comparison)})" for at in ends)
         return f"the mean {metric} is lowest for {low} and highest for {high}"
-    verb = "share" if np.count_nonzero(summary.bests) > 1 else "has"
-    best = f"{_best_names(summary)} {verb} the {EXTREME[summary.end]} mean {metric}"
+    best = _best(summary, metric)
     if len(same) == 1:
         return f"{best} ({_numbers(summary, summary.best, comparison)})"
     means = [float(each.mean[each.best]) for each in same if each.best is not None]
     return f"{best} ({_valued(sorted({min(means), max(means)}), comparison.unit)})"
+
+
+def _best(summary: Summary, metric: str) -> str:
+    """Return which methods are best, and by what: ``near has the lowest mean rmse``."""
+    names, several = _best_names(summary), np.count_nonzero(summary.bests) > 1
+    if (summary.bests & summary.best_by_mean).any():
+        return f"{names} {'share' if several else 'has'} the {EXTREME[summary.end]} mean {metric}"
+    return f"{names} {'are' if several else 'is'} best in {metric} by the mean ratio"
 
 
 def _verdict(summary: Summary, comparison: Comparison) -> str:

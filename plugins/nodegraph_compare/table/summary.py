@@ -146,6 +146,12 @@ class Summary:
         return np.asarray(self.level == np.nanmin(self.level))
 
     @property
+    def best_by_mean(self) -> NDArray[np.bool_]:
+        """(K,), True for the best mean over units, which need not be best by the mean ratio."""
+        signed = sign_of(self.end) * self.mean
+        return np.asarray(signed == np.nanmin(signed))
+
+    @property
     def marked(self) -> NDArray[np.bool_]:
         """(K,), `bests` where there is something that they are better than, or equal to."""
         return self.bests & (np.count_nonzero(np.isfinite(self.level)) > 1)

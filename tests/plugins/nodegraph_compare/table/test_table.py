@@ -171,6 +171,15 @@ def test_few_large_errors_that_decide_the_mean_are_in_the_notes() -> None:
     assert "wild is better than even in most gaps (90%), so that few large errors decide" in notes
 
 
+def test_the_best_by_ratio_is_not_said_to_have_the_lowest_mean() -> None:
+    tables = {"often": [1.0] * 7 + [20.0], "rarely": [1.2] * 7 + [9.0]}
+    scores = Across.of({name: scored(values) for name, values in tables.items()}, axis="f")
+    info = info_of(table(scores).table)
+    assert info.answer[0].startswith("often is best in rmse by the mean ratio (3.38 mm, ")
+    text = "rarely has the lowest mean over 8 gaps, and often the best mean ratio"
+    assert text in " ".join(info.notes)
+
+
 def test_what_is_equal_within_the_margin_is_in_the_answer() -> None:
     random = np.random.default_rng(0)
     base = random.lognormal(size=8)
