@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from nodegraph_mocap import Origin, Trajectories
 
@@ -195,6 +196,50 @@ def _plainly_ramped(filled: PlainPass, gaps: list[tuple[int, int, int]]) -> Posi
     return ramped
 
 
+def carry(recording: Trajectories, end: int, frame: int, marker: int, k: int) -> Positions:
+    """Where the nearest markers' motion takes a marker, by SciPy's own fit; NaN without one."""
+    nowhere = np.full(3, np.nan)
+    if not 0 <= end < recording.frames:
+        return nowhere
+    then, now = recording.positions[end], recording.positions[frame]
+    both = recording.present[end] & recording.present[frame]
+    apart = [(float(np.linalg.norm(then[i] - then[marker])), i) for i in np.flatnonzero(both)]
+    body = [i for _, i in sorted(apart)[:k]]
+    if len(body) < 3:
+        return nowhere
+    source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
+    for first in (source, target):
+        extent = np.linalg.svd(first, compute_uv=False)
+        if extent[1] <= 0.05 * extent[0]:
+            return nowhere
+    turn, _ = Rotation.align_vectors(target, source)
+    return np.asarray(turn.apply(then[marker] - then[body].mean(axis=0)) + now[body].mean(axis=0))
+
+
+def check_hermite(
+    fill: Callable[..., Trajectories], slope: Callable[[list[float], list[float], int], float]
+) -> None:
+    """Check that a gap is filled by Hermite's curve of the slopes at its ends."""
+    truth = np.cumsum(np.random.default_rng(0).normal(size=(14, 5, 3)), axis=0)
+    gappy = truth.copy()
+    gappy[5:9] = np.nan
+    filled = fill(make_recording(gappy)).positions
+    known = [0, 1, 2, 3, 4, 9, 10, 11, 12, 13]
+    x = [float(frame) for frame in known]
+    for marker, axis in np.ndindex(5, 3):
+        y = [float(truth[frame, marker, axis]) for frame in known]
+        first, last = slope(x, y, 4), slope(x, y, 5)
+        for frame in range(5, 9):
+            s = (frame - 4) / 5
+            expected = (
+                (1 + 2 * s) * (1 - s) ** 2 * y[4]
+                + s * (1 - s) ** 2 * 5 * first
+                + s * s * (3 - 2 * s) * y[5]
+                + s * s * (s - 1) * 5 * last
+            )
+            assert filled[frame, marker, axis] == pytest.approx(expected, abs=1e-10)
+
+
 @pytest.fixture(scope="session")
 def recorded() -> Callable[..., Trajectories]:
     """Positions, and origins if any, to a recording."""
@@ -223,3 +268,15 @@ def plainly() -> Callable[..., Positions]:
 def holes() -> Callable[..., list[tuple[int, int, int]]]:
     """Origins to marker, first missing frame and first frame after of every gap."""
     return plain_gaps
+
+
+@pytest.fixture(scope="session")
+def carried() -> Callable[..., Positions]:
+    """Where the nearest markers' motion takes a marker between two frames."""
+    return carry
+
+
+@pytest.fixture(scope="session")
+def hermite() -> Callable[..., None]:
+    """Check a fill by cubic curves, from its slope at a sample."""
+    return check_hermite

@@ -19,23 +19,6 @@ Positions = NDArray[np.float64]
 NOWHERE = np.full(3, np.nan)
 
 
-def observation(recording: Trajectories, seen: int, frame: int, marker: int, k: int) -> Positions:
-    """Where the nearest markers' motion takes a marker, by SciPy's own fit."""
-    then, now = recording.positions[seen], recording.positions[frame]
-    both = recording.present[seen] & recording.present[frame]
-    apart = [(float(np.linalg.norm(then[i] - then[marker])), i) for i in np.flatnonzero(both)]
-    body = [i for _, i in sorted(apart)[:k]]
-    if len(body) < 3:
-        return NOWHERE
-    source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
-    for first in (source, target):
-        extent = np.linalg.svd(first, compute_uv=False)
-        if extent[1] <= 0.05 * extent[0]:
-            return NOWHERE
-    turn, _ = Rotation.align_vectors(target, source)
-    return np.asarray(turn.apply(then[marker] - then[body].mean(axis=0)) + now[body].mean(axis=0))
-
-
 def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) -> list[Positions]:
     """The textbook's filter, from measurements and their variances; NaN is no measurement."""
     f = np.array([[1.0, step], [0.0, 1.0]])
@@ -62,6 +45,7 @@ def test_equals_the_textbooks_filter(
     gappy: Callable[[int], Trajectories],
     quietly: Callable[..., Trajectories],
     holes: Callable[..., Plain],
+    carried: Callable[..., Positions],
     seed: int,
     neighbours: int,
 ) -> None:
@@ -84,7 +68,7 @@ def test_equals_the_textbooks_filter(
                 measured.append((recording.positions[frame, marker], 0.2**2))
             else:
                 before = max(t for t in range(frame) if present[t]) if start else seen
-                measured.append((observation(recording, before, frame, marker, neighbours), 2.0**2))
+                measured.append((carried(recording, before, frame, marker, neighbours), 2.0**2))
         output = filtered(measured, 1 / recording.rate, 500.0)
         for frame, place, (z, _) in zip(frames, output, measured, strict=True):
             if start <= frame < stop:

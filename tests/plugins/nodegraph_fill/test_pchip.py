@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -40,25 +39,5 @@ def slope(x: list[float], y: list[float], i: int) -> float:
     return (w1 + w2) / (w1 / before + w2 / after)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_equals_the_hermite_curve_of_harmonic_slopes(
-    recorded: Callable[..., Trajectories], seed: int
-) -> None:
-    truth = np.cumsum(np.random.default_rng(seed).normal(size=(14, 1, 3)), axis=0)
-    gappy = truth.copy()
-    gappy[5:9] = np.nan
-    filled = pchip(recorded(gappy)).positions
-    known = [0, 1, 2, 3, 4, 9, 10, 11, 12, 13]
-    for axis in range(3):
-        y = [float(truth[frame, 0, axis]) for frame in known]
-        x = [float(value) for value in known]
-        first, last = slope(x, y, 4), slope(x, y, 5)
-        for frame in range(5, 9):
-            s = (frame - 4) / 5
-            expected = (
-                (1 + 2 * s) * (1 - s) ** 2 * y[4]
-                + s * (1 - s) ** 2 * 5 * first
-                + s * s * (3 - 2 * s) * y[5]
-                + s * s * (s - 1) * 5 * last
-            )
-            assert filled[frame, 0, axis] == pytest.approx(expected, abs=1e-10)
+def test_equals_the_hermite_curve_of_harmonic_slopes(hermite: Callable[..., None]) -> None:
+    hermite(pchip, slope)

@@ -36,31 +36,12 @@ def test_a_rigid_body_is_filled_exactly(recorded: Callable[..., Trajectories], s
     np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-9)
 
 
-def seen_from(recording: Trajectories, end: int, frame: int, marker: int, k: int) -> Positions:
-    """Where the nearest markers' motion takes a marker, by SciPy's own fit; NaN without one."""
-    nowhere = np.full(3, np.nan)
-    if not 0 <= end < recording.frames:
-        return nowhere
-    then, now = recording.positions[end], recording.positions[frame]
-    both = recording.present[end] & recording.present[frame]
-    apart = [(float(np.linalg.norm(then[i] - then[marker])), i) for i in np.flatnonzero(both)]
-    body = [i for _, i in sorted(apart)[:k]]
-    if len(body) < 3:
-        return nowhere
-    source, target = then[body] - then[body].mean(axis=0), now[body] - now[body].mean(axis=0)
-    for first in (source, target):
-        extent = np.linalg.svd(first, compute_uv=False)
-        if extent[1] <= 0.05 * extent[0]:
-            return nowhere
-    turn, _ = Rotation.align_vectors(target, source)
-    return np.asarray(turn.apply(then[marker] - then[body].mean(axis=0)) + now[body].mean(axis=0))
-
-
 @given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 4, 6]))
 def test_equals_scipys_fit_from_both_ends(
     gappy: Callable[[int], Trajectories],
     quietly: Callable[..., Trajectories],
     holes: Callable[..., Plain],
+    carried: Callable[..., Positions],
     seed: int,
     neighbours: int,
 ) -> None:
@@ -68,8 +49,8 @@ def test_equals_scipys_fit_from_both_ends(
     expected = recording.positions.copy()
     for marker, start, stop in holes(recording.origin):
         for frame in range(start, stop):
-            ahead = seen_from(recording, start - 1, frame, marker, neighbours)
-            back = seen_from(recording, stop, frame, marker, neighbours)
+            ahead = carried(recording, start - 1, frame, marker, neighbours)
+            back = carried(recording, stop, frame, marker, neighbours)
             share = (frame - start + 1) / (stop - start + 1)
             mixed = (1 - share) * ahead + share * back
             mixed = back if np.isnan(ahead).any() else ahead if np.isnan(back).any() else mixed

@@ -208,11 +208,17 @@ def test_a_name_that_cannot_stand_in_a_line_is_refused(name: str) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    ("content_of", "read"), [(csv_bytes, read_csv), (trc_bytes, read_trc)], ids=["csv", "trc"]
+)
 def test_damaged_text_gives_a_recording_or_a_value_error(
-    gappy: Trajectories, tmp_path: Path
+    gappy: Trajectories,
+    tmp_path: Path,
+    content_of: Callable[[Trajectories], bytes],
+    read: Callable[[Path], Trajectories],
 ) -> None:
-    good = csv_bytes(gappy)
-    path = tmp_path / "take.csv"
+    good = content_of(gappy)
+    path = tmp_path / "take.text"
     chance = random.Random(4)
     refused = []
     for _ in range(600):
@@ -222,11 +228,11 @@ def test_damaged_text_gives_a_recording_or_a_value_error(
                 content[chance.randrange(len(content))] = chance.randrange(256)
         path.write_bytes(content)
         try:
-            read_csv(path)
+            read(path)
         except ValueError as error:
             refused.append(str(error))
     assert len(refused) > 200
-    assert all("take.csv" in message for message in refused)
+    assert all("take.text" in message for message in refused)
 
 
 @pytest.mark.parametrize("suffix", ["csv", "tsv", "txt", "dat"])

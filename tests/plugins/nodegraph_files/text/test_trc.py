@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import random
 import string
 import tempfile
 from collections.abc import Callable, Sequence
@@ -360,28 +359,6 @@ def test_nothing_is_not_written(shape: tuple[int, int, int]) -> None:
     names = ("a", "b")[: shape[1]]
     with pytest.raises(ValueError, match=f"not {shape[0]} of {shape[1]}"):
         trc_bytes(Trajectories(positions=np.ones(shape), markers=names, rate=60))
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
-def test_damaged_text_gives_a_recording_or_a_value_error(
-    gappy: Trajectories, tmp_path: Path
-) -> None:
-    good = trc_bytes(gappy)
-    path = tmp_path / "take.trc"
-    chance = random.Random(4)
-    refused = []
-    for _ in range(600):
-        content = bytearray(good[: chance.choice([len(good), chance.randrange(len(good))])])
-        for _ in range(3):
-            if content:
-                content[chance.randrange(len(content))] = chance.randrange(256)
-        path.write_bytes(content)
-        try:
-            read_trc(path)
-        except ValueError as error:
-            refused.append(str(error))
-    assert len(refused) > 200
-    assert all("take.trc" in message for message in refused)
 
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recordings are not here")
