@@ -18,6 +18,7 @@ from nodegraph.errors import NodegraphError, Refusal, message_of
 from nodegraph.execute.unkeyed import Reads, reads_of_call
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
+from nodegraph.node.ports import Port
 from nodegraph.node.values import locked
 from nodegraph.plan import Gathered, Plan, Step
 from nodegraph.plugin.formats import registry_of_call
@@ -207,26 +208,24 @@ def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
     TypeError
         If it is not what the node's signature promises.
     """
-    values = _split(node, returned) if node.splits else (returned,)
-    checked = []
-    for port, value in zip(node.outputs, values, strict=True):
-        if not isinstance(value, port.type):
-            raise TypeError(
-                f"{node.name} returned {type(value).__name__} where its signature promises "
-                f"{port.type.__name__} ({port.name})"
-            )
-        checked.append(locked(value))
-    return tuple(checked)
-
-
-def _split(node: Node, returned: Any) -> tuple[Any, ...]:
+    if not node.splits:
+        return (_locked(node, node.outputs[0], returned),)
     names = [port.name for port in node.outputs]
     if not all(hasattr(returned, name) for name in names):
         raise TypeError(
             f"{node.name} returned {type(returned).__name__} where its signature promises "
             f"{', '.join(names)}"
         )
-    return tuple(getattr(returned, name) for name in names)
+    return tuple(_locked(node, port, getattr(returned, port.name)) for port in node.outputs)
+
+
+def _locked(node: Node, port: Port, value: Any) -> Any:
+    if not isinstance(value, port.type):
+        raise TypeError(
+            f"{node.name} returned {type(value).__name__} where its signature promises "
+            f"{port.type.__name__} ({port.name})"
+        )
+    return locked(value)
 
 
 def writes_to_locked_value(error: BaseException) -> bool:
