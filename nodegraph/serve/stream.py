@@ -14,6 +14,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from subprocess import TimeoutExpired
 from types import TracebackType
 from typing import Any
 
@@ -118,10 +119,9 @@ class StreamPage:
         assert self._process.stdin is not None
         with suppress(OSError):
             self._process.stdin.close()
-        try:
+        with suppress(TimeoutExpired):
             self._process.wait(_PATIENCE)
-        finally:
-            kill(self._process)
+        kill(self._process)
 
     def end(self, message: str = "") -> None:
         """Show that the stream has ended, and why it has failed if it has."""

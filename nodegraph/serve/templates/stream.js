@@ -98,8 +98,8 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
     }
   }
 
-  const by_view = Map.groupBy ? Map.groupBy(GROUPS, ({ view }) => view) : GROUPS.reduce((map, group) => map.set(group.view, [...(map.get(group.view) ?? []), group]), new Map());
-  const pictures = [...by_view.values()].map((groups) => new Pictures(groups));
+  const kinds = [...new Set(GROUPS.map(({ view }) => view))];
+  const pictures = kinds.map((kind) => new Pictures(GROUPS.filter(({ view }) => view === kind)));
   const running = __RUNNING__.map((one) => new Running(one));
   document.querySelector(".stream-pictures").append(...[...pictures.reverse(), ...running].map((one) => one.element));
 
