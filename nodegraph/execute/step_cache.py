@@ -1,4 +1,8 @@
-"""The results of a plan's steps in the store: found, loaded and saved."""
+"""The results of a plan's steps in the store: found, loaded and saved.
+
+A run that was killed goes on from here: each result is stored as its step ends, and the same
+command finds it.
+"""
 
 from __future__ import annotations
 

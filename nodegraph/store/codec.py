@@ -943,7 +943,12 @@ class Packer:
             return None
         if kind is Across:
             return self._copy_entries
-        return self._copy_array if is_numpys(kind) else self._copy_packed
+        if is_numpys(kind):
+            import numpy as np
+
+            is_number = issubclass(kind, np.generic) and kind is not np.void
+            return None if is_number else self._copy_array
+        return self._copy_packed
 
     def _copy_entries(self, gathered: Across[Any]) -> Across[Any]:
         entries = tuple((labels, self.copy(value)) for labels, value in gathered)
