@@ -191,6 +191,8 @@ def moved(
 
 def for_kernel(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
     """Return a view that cannot be written to, contiguous: one kind, compiled once."""
+    if array.flags.c_contiguous and not array.flags.writeable:
+        return array
     view = np.ascontiguousarray(array).view()
     view.flags.writeable = False
     return view

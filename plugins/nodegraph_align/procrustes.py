@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from nodegraph import Refusal, StateForm, node
 from nodegraph_align.landmarks import FEWEST, Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, fit, fitted, warn
+from nodegraph_align.poses import Aligned, Poses, Scale, fit, fitted, for_kernel, warn
 from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
 
@@ -53,8 +53,9 @@ class _Stream:
                 "that has all landmarks"
             )
         self._onto, _ = reference_of(recording, reference, landmarks)
-        self._columns = self._onto.columns(recording)
-        self._alike = np.ones((1, len(self._columns)))
+        columns = self._onto.columns(recording)
+        alike = np.ones((1, len(columns)))
+        self._places = for_kernel(columns), for_kernel(self._onto.shape), for_kernel(alike)
         self._steps, self._scale = tuple(steps), scale
         self._restore, self._reflection = restore, reflection
         self.header = (recording, HeadMotion.still(0), None)
@@ -62,8 +63,7 @@ class _Stream:
     def push(self, frame: MarkerFrame) -> tuple[MarkerFrame, HeadPose, None]:
         positions = frame.positions[None]
         sigma = None if frame.sigma is None else frame.sigma[None]
-        places = self._columns, self._onto.shape, self._alike
-        poses = fit(positions, *places, self._scale, reflection=self._reflection)
+        poses = fit(positions, *self._places, self._scale, reflection=self._reflection)
         poses, _ = _wanted(poses, self._onto, self._steps, self._scale, restore=self._restore)
         if not poses.known[0]:
             warnings.warn(

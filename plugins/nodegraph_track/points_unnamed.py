@@ -21,8 +21,9 @@ class _Stream:
         self.header = unnamed(recording)
 
     def push(self, frame: MarkerFrame) -> NDArray[np.float64]:
-        points: NDArray[np.float64] = frame.positions[frame.origin != Origin.MISSING]
-        return points[np.lexsort(points.T[::-1])]
+        from nodegraph_track import tracks_kernel
+
+        return tracks_kernel.in_order(frame.positions[frame.origin != Origin.MISSING])
 
     def drain(self) -> Iterable[NDArray[np.float64]]:
         return ()
