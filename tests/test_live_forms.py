@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pytest
 
 from nodegraph import get_node
 from nodegraph.node.decorator import node_of
 from nodegraph.testing import check_node
+from nodegraph_mocap import Trajectories
 
 
 @pytest.mark.parametrize(
@@ -53,3 +55,12 @@ def test_what_needs_the_take_has_no_bound(name: str, settings: Mapping[str, Any]
     node = node_of(get_node(name))
     assert node is not None
     assert node.live_lookahead({**node.defaults, **settings}) is None
+
+
+def test_the_end_of_a_gap_needs_nothing_that_is_filled_backward() -> None:
+    random = np.random.default_rng(3)
+    positions = 50 * random.normal(size=(4, 3)) + np.cumsum(random.normal(size=(12, 4, 3)), axis=0)
+    positions[:4, 0] = positions[1:3, 1] = np.nan  # the second gap ends within the first
+    take = Trajectories(positions=positions, markers=("a", "b", "c", "d"), rate=60.0)
+    ramp = {"max_gap": 4, "close_gap": "ramp"}
+    check_node(get_node("fill.muscle"), inputs={"recording": take}, settings=ramp)

@@ -47,21 +47,23 @@ class _Stream:
         self._calibration = calibration or 0
         self._first: list[NDArray[np.float64]] = []
         """Frames of the calibration."""
-        self._before: MarkerFrame | None = None
         self._now: MarkerFrame | None = None
+        self._positions = np.full((3, len(recording.markers), 3), np.nan)
+        """Before the frame that is judged, in it, and after it."""
 
     def push(self, frame: MarkerFrame) -> MarkerFrame | None:
-        before, now = self._before, self._now
-        self._before, self._now = now, frame
-        if now is not None and len(self._first) < self._calibration:
+        now, self._now = self._now, frame
+        positions = self._positions
+        positions[0], positions[1], positions[2] = positions[1], positions[2], frame.positions
+        if now is None:
+            return None
+        if len(self._first) < self._calibration:
             self._calibrate(now)
             return now
-        if before is None or now is None:
-            return now
-        positions = np.stack([before.positions, now.positions, frame.positions])
+        # in the second frame those before are missing: nothing is bad
         repaired = repaired_frame(now, self._repair(positions, self._bar, 1)[1])
         if self._in_place:
-            self._before = repaired
+            positions[1] = repaired.positions
         return repaired
 
     def drain(self) -> Iterable[MarkerFrame]:

@@ -63,8 +63,9 @@ def repaired_frame(frame: MarkerFrame, positions: NDArray[np.float64]) -> Marker
     positions
         (M, 3) millimetres, with other values where samples were repaired.
     """
-    present = frame.origin != Origin.MISSING
-    changed = present & np.any(positions != frame.positions, axis=1)
+    differs = positions != frame.positions
+    changed = differs[:, 0] | differs[:, 1] | differs[:, 2]
+    changed &= frame.origin != Origin.MISSING
     return MarkerFrame(
         positions.copy(),
         np.where(changed, np.uint8(Origin.REPAIRED), frame.origin),

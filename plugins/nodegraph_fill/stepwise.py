@@ -179,10 +179,10 @@ def fill_stepwise(
     gaps = Gaps.of(recording)
     long = gaps.longer_than(max_gap) & ~gaps.never
     wanted = gaps.subset(~(long | gaps.never))
-    positions = _blended if close_gap == "blend" else _chained
-    chain = positions(recording, wanted, rule)
-    if close_gap == "ramp" or (close_gap == "none" and ends == "met"):
-        _ramp(chain, wanted.subset(wanted.inner), rule)
+    if close_gap == "blend":
+        chain = _blended(recording, wanted, rule)
+    else:
+        chain = _chained(recording, wanted, rule, ramps=close_gap == "ramp" or ends == "met")
     filled = recording.with_samples(chain.positions, changed=wanted.mask, origin=Origin.FILLED)
     reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
     warn_left(filled, reasons, "no usable neighbour", stacklevel=3)
@@ -195,10 +195,18 @@ def fill_stepwise(
     return filled
 
 
-def _chained(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
-    chain = _Pass.over(recording)
+def _chained(recording: Trajectories, gaps: Gaps, rule: Rule, *, ramps: bool) -> _Pass:
+    chain, inner = _Pass.over(recording), gaps.subset(gaps.inner)
     chain.run(gaps, rule, backward=False)
+    # a prediction forward in time knows nothing of what is filled backward
+    mismatch = _mismatch(chain, inner, rule) if ramps else None
     chain.run(gaps.subset(gaps.at_start), rule, backward=True)
+    if mismatch is not None:
+        _, frame, marker, _ = inner.samples
+        estimate = chain.positions[frame, marker]
+        chain.positions[frame, marker] = meet_ends(
+            inner, estimate, np.zeros_like(mismatch), mismatch
+        )
     return chain
 
 
@@ -215,19 +223,15 @@ def _blended(recording: Trajectories, gaps: Gaps, rule: Rule) -> _Pass:
     return forward
 
 
-def _ramp(chain: _Pass, gaps: Gaps, rule: Rule) -> None:
-    """Spread each gap's mismatch over it, all from the positions before any is spread."""
+def _mismatch(chain: _Pass, gaps: Gaps, rule: Rule) -> NDArray[np.float64]:
+    """Return by how much the sample that ends each gap is off its prediction, (G, 3) mm."""
     from nodegraph_fill import stepwise_kernel
 
     predicted = stepwise_kernel.predict_returns(
         chain.positions, chain.state, gaps.stop, gaps.marker, *rule.arguments(chain.state.shape[1])
     )
     _, returned = gaps.beside(chain.positions)
-    mismatch = returned - predicted
-    _, frame, marker, _ = gaps.samples
-    chain.positions[frame, marker] = meet_ends(
-        gaps, chain.positions[frame, marker], np.zeros_like(mismatch), mismatch
-    )
+    return np.asarray(returned - predicted)
 
 
 def live_form(

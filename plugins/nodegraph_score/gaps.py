@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 
 from nodegraph import Columns, Refusal, RunningForm, Truth, node
-from nodegraph_mocap import MarkerFrame, Mask, Origin, Table, Trajectories
+from nodegraph_mocap import MarkerFrame, Mask, Table, Trajectories
 from nodegraph_mocap.suspect import impulses
 from nodegraph_score.hidden_errors import columns, hidden_errors
 from nodegraph_tables import BetterEnd, TableInfo, with_info
@@ -51,8 +51,8 @@ class _Stream:
     ) -> NDArray[np.float64]:
         from nodegraph_score import gaps_kernel
 
-        known = truth.origin != Origin.MISSING
-        for column in np.flatnonzero(hidden[self._of_hidden] & ~known):
+        column = gaps_kernel.first_unknown(truth.positions, hidden, self._of_hidden)
+        if column >= 0:
             raise Refusal(f"marker {self._markers[column]!r}: hidden, but the truth has no sample")
         return gaps_kernel.advance(
             self._open,

@@ -22,6 +22,17 @@ GAPS, FILLED, WHOLE, RMSE, MAE, MAX, JUMPS, JUMP = range(8)
 
 
 @compiled
+def first_unknown(
+    truth: NDArray[np.float64], hidden: NDArray[np.bool_], of_hidden: NDArray[np.intp]
+) -> int:
+    """Return the first of the truth's markers that is hidden and has no sample, -1 if none is."""
+    for marker in range(len(truth)):
+        if hidden[of_hidden[marker]] and math.isnan(truth[marker, 0]):
+            return marker
+    return -1
+
+
+@compiled
 def advance(
     open_gaps: NDArray[np.float64],
     closed: NDArray[np.float64],

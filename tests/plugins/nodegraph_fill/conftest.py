@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -165,8 +165,11 @@ def run_plainly(
         backward = PlainPass(recording, weigh, **rule)
         backward.run(gaps, -1)
         return _plainly_blended(forward.positions, backward.positions, gaps)
+    ramps = list(_plain_ramps(forward, gaps)) if close_gap == "ramp" else []
     forward.run([gap for gap in gaps if gap[1] == 0], -1)
-    return _plainly_ramped(forward, gaps) if close_gap == "ramp" else forward.positions
+    for marker, frame, shift in ramps:
+        forward.positions[frame, marker] += shift
+    return forward.positions
 
 
 def _plainly_blended(
@@ -183,17 +186,17 @@ def _plainly_blended(
     return forward
 
 
-def _plainly_ramped(filled: PlainPass, gaps: list[tuple[int, int, int]]) -> Positions:
-    ramped = filled.positions.copy()
+def _plain_ramps(
+    filled: PlainPass, gaps: list[tuple[int, int, int]]
+) -> Iterator[tuple[int, int, Positions]]:
     for marker, start, stop in gaps:
-        if start == 0 or stop == len(ramped):
+        if start == 0 or stop == len(filled.positions):
             continue
         place = filled.predict(stop - 1, stop, marker)
         if place is not None:
             mismatch = filled.positions[stop, marker] - place
             for frame in range(start, stop):
-                ramped[frame, marker] += mismatch * (frame - start + 1) / (stop - start + 1)
-    return ramped
+                yield marker, frame, mismatch * (frame - start + 1) / (stop - start + 1)
 
 
 def carry(recording: Trajectories, end: int, frame: int, marker: int, k: int) -> Positions:
