@@ -26,8 +26,8 @@ from nodegraph.plugin.registry import Registry
 ROOT = Path(__file__).parents[1]
 EXECUTE = ROOT / "tests" / "nodegraph" / "execute"
 GIB = 2**30
-CROWD = 8
-KINDS = ("serial", "threads")
+CROWD = 32
+KINDS = ("serial", "threads", "processes", "dask")
 """Executors of runs that are killed."""
 
 

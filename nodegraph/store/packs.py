@@ -84,7 +84,8 @@ class Pack:
         weakref.finalize(self, os.close, self._file)
         self.size = os.fstat(self._file).st_size
         header = os.pread(self._file, _HEADER.size, 0)
-        magic, self._count = _HEADER.unpack(header) if len(header) == _HEADER.size else (b"", 0)
+        magic, count = _HEADER.unpack(header) if len(header) == _HEADER.size else (b"", 0)
+        self._count: int = count
         if magic != _MAGIC or _start(self._count) > self.size:
             raise ValueError(f"{path} is no pack")
         self._keys = os.pread(self._file, self._count * _KEY, _HEADER.size)

@@ -105,6 +105,8 @@ class Cluster:
             return True
         seconds, most = self._counted - self._seen, SECONDS_WITHOUT_WORKERS
         if seconds > most and is_idle:
+            if self.client.status != "running":
+                raise NodegraphError(f"{self.name} is gone")
             raise NodegraphError(f"{self.name} has had no worker for {most:g} seconds")
         if seconds > most / 6 and not self._has_warned:
             self._has_warned = True
