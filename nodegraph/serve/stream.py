@@ -260,6 +260,7 @@ def _running(plan: LivePlan) -> Iterator[Mapping[str, Any]]:
 
 def _content(plan: LivePlan, shown: Sequence[_Shown], title: str, facts: Sequence[str]) -> str:
     """Return the page, which gets everything else from the stream of events."""
+    behind = {live.step.index: live.behind for live in plan.steps}
     views = list({id(each.view): each.view for each in shown}.values())
     groups = [
         {
@@ -267,6 +268,7 @@ def _content(plan: LivePlan, shown: Sequence[_Shown], title: str, facts: Sequenc
             "view": next(place for place, view in enumerate(views) if view is each.view),
             "module": each.view.module,
             "labels": list(each.panels),
+            "behind": max(behind.get(output.step, 0) for output in each.panels.values()),
         }
         for each in shown
     ]

@@ -35,10 +35,19 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
       select.addEventListener("change", () => {
         this.group = groups.find(({ name }) => name === select.value);
         this.forget();
+        this.explain();
         listen();
       });
       const head = groups.length > 1 ? select : groups[0].name;
-      this.element = element("section", {}, element("h2", {}, head), this.host);
+      this.behind = element("span", { class: "quiet" });
+      this.element = element("section", {}, element("h2", {}, head, this.behind), this.host);
+      this.explain();
+    }
+
+    // What looks ahead comes later than the frame that arrives.
+    explain() {
+      const { behind } = this.group;
+      this.behind.textContent = behind ? ` ${behind} frame${behind > 1 ? "s" : ""} behind` : "";
     }
 
     forget() {
