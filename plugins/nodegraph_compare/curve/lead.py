@@ -73,7 +73,8 @@ def _sentence(curves: Curves) -> Text:
             f"{marked.shared:g} {axes.x}", "",
         )  # fmt: skip
     elif knees:
-        start = ("From ", f"{_between(knees)} {axes.x}", f" on, more of them help less{of_all}")
+        rest = f" on, more of them help less{of_all}{_above_noise(curves)}"
+        start = ("From ", f"{_between(knees)} {axes.x}", rest)
     elif minima:
         start = ("Lowest at ", f"{_between(minima)} {axes.x}", "")
     else:
@@ -90,6 +91,20 @@ def _sentence(curves: Curves) -> Text:
         return (*start[:2], f"{start[2]}; no curve comes down to measurement noise.")
     which = "" if len(known) == len(under) else f" by {_of(len(known), len(under), 'curve')}"
     return (*start[:2], f"{start[2]}; noise is reached{which} at ", f"{_between(known)}", ".")
+
+
+def _above_noise(curves: Curves) -> str:
+    """Return how far above measurement noise the marked points are."""
+    places, floors = curves.marked.places, [curves.floor(points) for points in curves.drawn]
+    times = [
+        float(points.value[places[points.label]]) / floor
+        for points, floor in zip(curves.drawn, floors, strict=True)
+        if points.label in places and floor > 0.0
+    ]
+    if not times:
+        return ""
+    ends = " to ".join(dict.fromkeys(f"{end:.2g}" for end in (min(times), max(times))))
+    return f", where {curves.axes.metric} is {ends} times that of measurement noise"
 
 
 def _card(points: Points, curves: Curves, scales: _Scales) -> Card:

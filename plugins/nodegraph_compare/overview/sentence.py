@@ -24,7 +24,6 @@ from nodegraph_compare.overview.words import (
     varying,
     why_none,
 )
-from nodegraph_compare.question import EXTREME
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -116,14 +115,13 @@ def _besides(overview: Overview, stands: Sequence[GroupOverview]) -> str:
 
 
 def _extreme_everywhere(overview: Overview, known: Sequence[GroupOverview]) -> str:
-    """Return which methods have the lowest mean, or the highest, in all of several groups."""
+    """Return which methods are best in all of several groups."""
     leaders = set.intersection(*(set(group.best) for group in known))
     if not leaders or len(known) < 2:
         return ""
     names = both(method_names(overview, sorted(leaders)))
-    verb = "share" if len(leaders) > 1 else "has"
-    end = EXTREME[overview.metric.better]
-    return f" {names} {verb} the {end} mean in all {len(known)} groups."
+    verb = "come" if len(leaders) > 1 else "comes"
+    return f" {names} {verb} first in all {len(known)} groups."
 
 
 def _values(overview: Overview, known: Sequence[GroupOverview]) -> str:

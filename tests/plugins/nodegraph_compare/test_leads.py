@@ -56,6 +56,7 @@ def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
     assert "0.100" in answer.cards[0].aside
     assert answer.cards[0].facts == (("Noise", "0.070, reached at 40"),)
     assert "20 markers" in text(answer)
+    assert "where mse is 1.4 times that of measurement noise" in text(answer)
     assert "noise is reached at 40" in text(answer)
     assert "<rect" in answer.cards[0].picture
 
