@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -93,9 +92,18 @@ def _library_parts(value: Any) -> Mapping[str, Any] | None:
 
 
 def _pixels(figure: Any) -> np.ndarray[Any, Any]:
-    file = BytesIO()
-    figure.savefig(file, format="raw", dpi=_DOTS_PER_INCH)
-    return np.frombuffer(file.getvalue(), dtype=np.uint8)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    # to save it would draw it twice if something lays it out
+    canvas, dpi = figure.canvas, figure.dpi
+    try:
+        figure.dpi = _DOTS_PER_INCH
+        drawn = FigureCanvasAgg(figure)
+        drawn.draw()
+        return np.array(drawn.buffer_rgba())
+    finally:
+        figure.dpi = dpi
+        figure.set_canvas(canvas)
 
 
 def _array_difference(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any], at: str) -> str:
