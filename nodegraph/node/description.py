@@ -101,11 +101,11 @@ def describe_departure(node: Node) -> str:
     """Return how a stream's result differs from that of the whole take; empty if it does not."""
     form = node.live
     if isinstance(form, RunningForm):
-        phrases = [f"keeps {', '.join(form.numbers)} of the frames so far current"]
-    elif isinstance(form, StateForm):
-        phrases = [f"leaves {form.leaves} missing"] if form.leaves else []
-    else:
+        near = f", within {form.tolerance:g} of their size" if form.tolerance else ""
+        return f"gives numbers of the frames so far: {', '.join(form.numbers)}{near}"
+    if not isinstance(form, StateForm):
         return ""
+    phrases = [f"leaves {form.leaves} missing"] if form.leaves else []
     if form.tolerance:
         phrases.append(f"numbers within {form.tolerance:g} of those of the whole take")
     return ", ".join(phrases)
