@@ -454,6 +454,24 @@ def test_memory_does_not_grow_with_the_frames(folder: Path) -> None:
     assert second - first < 16 * 300  # bytes: not even a number is kept of each frame
 
 
+class Broken(Box):
+    """Fails after some frames."""
+
+    def write(self, frame: ng.Frame) -> None:
+        if frame.index == 300:
+            raise RuntimeError("out of order")
+
+
+def test_a_failure_in_the_middle_ends_the_stream(folder: Path) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    session = session_of(
+        narrow, ("take", f"wire:{folder / 'take.npz'}?0-90000"), [("held", Broken())]
+    )
+    with pytest.raises(NodegraphError, match="held: failed: RuntimeError: out of order"):
+        session.run()
+    assert session.counts.computed == 301
+
+
 def test_numbers_that_begin_again_are_a_new_stream(folder: Path) -> None:
     announced: list[str] = []
     narrow = graph_with(folder, only={"avg": "narrow"})
