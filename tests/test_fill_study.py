@@ -112,8 +112,8 @@ def test_five_lines_join_the_comparison(studies: Studies, tmp_path: Path) -> Non
     "name", ["animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d"]
 )
 def test_real_recordings_end_with_a_table(studies: Studies, name: str) -> None:
-    words = ("--axis", f"recording={DATA / name}", "--only", "length=15", "--only", "ends=met")
-    words += ("--only", "condition=usual")
+    only = ("--only", "length=15", "--only", "ends=met", "--only", "condition=usual")
+    words = ("--axis", f"recording={DATA / name}", *only)
     assert {fill for fill, _ in errors_of(studies.run("fill", *words))} >= FILLS
 
 
