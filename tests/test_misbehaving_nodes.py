@@ -115,7 +115,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
 def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
     record = record_of(tmp_path, ", ".join(BAD), "--executor", executor)
     assert record["counts"] == {**record["counts"], "done": 2, "failed": 4}
@@ -131,7 +131,7 @@ def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path
     assert record["counts"]["done"] == 2
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
 def test_a_node_that_takes_too_long_fails_alone(tmp_path: Path, executor: str) -> None:
     record = record_of(tmp_path, "bad.hangs", "--executor", executor, "--timeout", "60")
     [failed] = (step for step in record["steps"] if step["state"] == "failed")
@@ -150,6 +150,13 @@ def test_a_node_that_takes_too_much_memory_fails_alone(tmp_path: Path) -> None:
     assert failed["use"] == "bad.grows"
     assert "Unable to allocate 7.45 GiB" in failed["reason"]
     assert record["counts"]["done"] == 2
+
+
+def test_memory_that_cannot_be_limited_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD", "bad.grows"))
+    ended = command(*words_for(tmp_path, "--executor", "dask", "--memory", "1"), folder=tmp_path)
+    assert ended.status == 2
+    assert "memory cannot be limited with executor 'dask'" in ended.err
 
 
 def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: Path) -> None:
