@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -41,7 +44,10 @@ def test_table(methods: int, clock: Clock) -> None:
 
 @pytest.mark.parametrize("name", ["nodegraph", "scipy"])
 def test_p(name: str, clock: Clock) -> None:
-    functions = {"nodegraph": survival, "scipy": studentized_range.sf}
+    functions: dict[str, Callable[..., Any]] = {
+        "nodegraph": survival,
+        "scipy": studentized_range.sf,
+    }
     p = clock(
         "p of the studentised range, 200 means",
         name,
