@@ -382,7 +382,9 @@ class Live:
 
     def _is_named(self, value: object) -> bool:
         """Whether a value is what its module has under its name; note what that leads to."""
-        name, qualified = getattr(value, "__module__", None), _name(value)
+        # ufuncs of numpy before 2.2 do not say where they are
+        name = getattr(value, "__module__", None) or type(value).__module__
+        qualified = _name(value)
         if not isinstance(name, str) or not qualified:
             return False
         if _look_up(getattr(sys.modules.get(name), "__dict__", {}), qualified) is not value:

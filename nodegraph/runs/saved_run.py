@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError, nearest
+from nodegraph.execute.call import Outcome
+from nodegraph.execute.frames import frame
 from nodegraph.formatting import name_at
 from nodegraph.node.ports import Label
+from nodegraph.plan import Combination
 from nodegraph.runs.record import RecordedStep
 from nodegraph.runs.record_files import read_record
 from nodegraph.store import DamagedEntry, Store
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class SavedRun:
@@ -36,26 +42,35 @@ class SavedRun:
         self.record = read_record(folder)
 
     def value(self, name: str, at: Mapping[str, object], store: Store) -> Any:
-        """Return a value of a node.
+        """Return a value of a node, or the rows of several tables as one.
 
         Parameters
         ----------
         name
             A node, for its first output, or ``node.port``.
         at
-            A label, or its text, for each axis of the node that has several.
+            A label, or its text, for axes of the node. Tables at all labels of the others become
+            one, with a column for each axis of the node; of other values, one must be left.
         store
             Where the results of the run are stored.
 
         Raises
         ------
         NodegraphError
-            If the run has no such value, or it is no longer stored.
+            If the run has no such value, has several that are no tables, or one is no longer
+            stored.
         """
         node, port = self._node_and_port(name)
-        step = self._step(node, at)
+        matches = self._matches(node, at)
+        if len(matches) == 1:
+            return self._value(node, port, *matches[0], store)
+        return self._rows(node, port, at, matches, store)
+
+    def _value(
+        self, node: str, port: str, labels: Mapping[str, Label], step: RecordedStep, store: Store
+    ) -> Any:
         if not step.has_result:
-            raise NodegraphError(f"{name_at(node, at)} was {step.state}: {step.reason}")
+            raise NodegraphError(f"{name_at(node, labels)} was {step.state}: {step.reason}")
         outputs = self.record.method(step).outputs
         if port and port not in outputs:
             raise NodegraphError(f"{step.use} has no output {port!r}; {nearest(port, outputs)}")
@@ -63,10 +78,41 @@ class SavedRun:
         values = stored_values(step, store)
         if position >= len(values):
             raise NodegraphError(
-                f"{name_at(node, at)}: its value is not in the store {store.folder}; to compute it "
-                f"again, run: {self.record.command}"
+                f"{name_at(node, labels)}: its value is not in the store {store.folder}; to "
+                f"compute it again, run: {self.record.command}"
             )
         return values[position]
+
+    def _rows(
+        self,
+        node: str,
+        port: str,
+        at: Mapping[str, object],
+        matches: Sequence[tuple[Mapping[str, Label], RecordedStep]],
+        store: Store,
+    ) -> pd.DataFrame:
+        import pandas as pd
+
+        labels = self.record.axes
+        axes = {axis: labels[axis] for axis in self.record.nodes[node].axes}
+        values: dict[Combination, Any] = {}
+        absent: dict[Combination, Outcome] = {}
+        for cell, step in matches:
+            combination = tuple(cell[axis] for axis in axes)
+            if not step.has_result:
+                absent[combination] = Outcome(step.state, reason=step.reason)
+                continue
+            values[combination] = self._value(node, port, cell, step, store)
+            if not isinstance(values[combination], pd.DataFrame):
+                break
+        else:
+            return frame(node, port or node, axes, values, absent)
+        free = [axis for axis in axes if axis not in at]
+        several = [axis for axis in free if len({cell[axis] for cell, _ in matches}) > 1]
+        hint = " ".join(f"{axis} ({', '.join(map(str, labels[axis]))})" for axis in several)
+        raise NodegraphError(
+            f"{name_at(node, at)} has {len(matches)} values; choose with --at: {hint}"
+        )
 
     def _node_and_port(self, name: str) -> tuple[str, str]:
         nodes = self.record.nodes
@@ -84,17 +130,11 @@ class SavedRun:
             )
         return node, port
 
-    def _step(self, node: str, at: Mapping[str, object]) -> RecordedStep:
+    def _matches(
+        self, node: str, at: Mapping[str, object]
+    ) -> list[tuple[Mapping[str, Label], RecordedStep]]:
         self._check_labels(node, at)
         matches = [(labels, step) for labels, step in self._steps(node) if _matches(labels, at)]
-        if len(matches) > 1:
-            free = [axis for axis in self.record.nodes[node].axes if axis not in at]
-            several = [axis for axis in free if len({labels[axis] for labels, _ in matches}) > 1]
-            labels = self.record.axes
-            hint = " ".join(f"{axis} ({', '.join(map(str, labels[axis]))})" for axis in several)
-            raise NodegraphError(
-                f"{name_at(node, at)} has {len(matches)} values; choose with --at: {hint}"
-            )
         if not matches:
             reasons = (
                 skipped.reason
@@ -103,7 +143,7 @@ class SavedRun:
             )
             reason = next(reasons, "the run has no such combination")
             raise NodegraphError(f"{name_at(node, at)}: {reason}")
-        return matches[0][1]
+        return matches
 
     def _steps(self, node: str) -> Iterator[tuple[Mapping[str, Label], RecordedStep]]:
         """Yield labels and step of every combination of a node."""

@@ -93,6 +93,9 @@ def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
         writers.write_npz,
         writers.write_marker_set,
         writers.write_model,
+        writers.write_weights,
+        writers.write_mask,
+        writers.write_selection,
         writers.write_glb,
     )
 

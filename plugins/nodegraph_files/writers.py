@@ -1,8 +1,11 @@
-"""Write recordings and marker sets as files in the folder of the run."""
+"""Write recordings, models, weights and what was chosen as files in the folder of the run."""
 
 from __future__ import annotations
 
+import csv
+import io
 import warnings
+from collections.abc import Iterable, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -10,10 +13,12 @@ from pydantic import Field
 
 from nodegraph import Files, node
 from nodegraph_mocap.animation import Animation
-from nodegraph_mocap.face_model import BlendshapeModel
+from nodegraph_mocap.face_model import BlendshapeModel, Weights
+from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
-from nodegraph_mocap.recording import Origin, Trajectories
+from nodegraph_mocap.recording import Mask, Origin, Trajectories
+from nodegraph_mocap.selection import Selection
 
 Name = Annotated[str, Field(min_length=1)]
 
@@ -163,6 +168,94 @@ def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
     from nodegraph_files.npz import model_bytes
 
     return _file(name, ".npz", model_bytes(model))
+
+
+@node("write.weights_csv")
+def write_weights(weights: Weights, *, name: Name = "weights") -> Files:
+    """Write weights as CSV: a row per frame with its time in seconds, a column per shape.
+
+    Parameters
+    ----------
+    weights
+        Any; the cell of a weight that is not known is empty.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file.
+    """
+    times = np.arange(weights.frames) / weights.rate
+    rows = [
+        [time, *("" if value != value else value for value in values)]
+        for time, values in zip(times.tolist(), weights.values.tolist(), strict=True)
+    ]
+    return _file(name, ".csv", _csv(["time", *weights.names], rows))
+
+
+@node("write.mask_csv")
+def write_mask(mask: Mask, *, name: Name = "mask") -> Files:
+    """Write a mask as CSV: a row per run of samples, with marker, first frame and frames.
+
+    Parameters
+    ----------
+    mask
+        Such as the samples that `gaps.cut` has hidden.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file. The first frame of a recording is 0.
+    """
+    runs = runs_of(mask.hidden)
+    columns = (runs.marker.tolist(), runs.start.tolist(), (runs.stop - runs.start).tolist())
+    rows = [[mask.markers[m], start, frames] for m, start, frames in zip(*columns, strict=True)]
+    return _file(name, ".csv", _csv(["marker", "start", "frames"], rows))
+
+
+@node("write.selection_yaml")
+def write_selection(selection: Selection, *, name: Name = "selection") -> Files:
+    """Write a selection as YAML: the names are a list for the setting of `markers.keep`.
+
+    Parameters
+    ----------
+    selection
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file with `chosen`; with `pairs` and `frequencies` in the same order, and with
+        `columns` and `history`, where the selection has them. A number that is not known is null.
+    """
+    import yaml
+
+    parts: dict[str, object] = {"chosen": list(selection.chosen)}
+    if selection.pairs:
+        parts["pairs"] = [list(pair) for pair in selection.pairs]
+    if selection.frequencies is not None:
+        parts["frequencies"] = selection.frequencies.tolist()
+    if selection.history is not None:
+        parts["columns"] = list(selection.columns)
+        parts["history"] = [
+            [None if number != number else number for number in row]
+            for row in selection.history.tolist()
+        ]
+    text = yaml.safe_dump(parts, sort_keys=False, allow_unicode=True, default_flow_style=None)
+    return _file(name, ".yaml", text.encode())
+
+
+def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
+    text = io.StringIO(newline="")
+    lines = csv.writer(text, lineterminator="\n")
+    lines.writerow(header)
+    lines.writerows(rows)
+    return text.getvalue().encode()
 
 
 def _file(name: str, suffix: str, content: bytes) -> Files:

@@ -7,13 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+import yaml
 
 from nodegraph import Files
 from nodegraph.cli.main import main
 from nodegraph_files import writers
 from nodegraph_files.readers import read_marker_set, read_model, read_recording
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Mask, Origin, Selection, Trajectories, Weights
 from nodegraph_mocap.specimens import marker_sets, recordings
 
 WRITERS = (writers.write_c3d, writers.write_trc, writers.write_csv, writers.write_npz)
@@ -26,6 +28,17 @@ nodes:
   face: {use: read.recording, with: {path: $recording}}
   fill: {in: face, alternatives: {linear: {use: fill.linear}, muscle: {use: fill.muscle}}}
   out: {use: write.npz, in: fill, with: {name: filled}}
+"""
+
+SCORES = """\
+nodegraph: 1
+title: Gaps of three lengths, one of them too long
+axes: {length: [5, 9, 5000]}
+nodes:
+  face: {use: read.recording, with: {path: "sample:face"}}
+  gaps: {use: gaps.cut, in: face, with: {length: $length, count: 3}}
+  fill: {use: fill.linear, in: gaps}
+  error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
 """
 
 
@@ -116,3 +129,52 @@ def same(back: Trajectories, filled: Trajectories, tolerance: float, *, whole: b
     )
     np.testing.assert_array_equal(back.origin, expected.origin)
     np.testing.assert_allclose(back.positions, filled.positions, rtol=0, atol=tolerance)
+
+
+def test_weights_masks_and_selections_are_written_for_other_programs(tmp_path: Path) -> None:
+    values = np.array([[0.5, np.nan], [1.0, 0.25]])
+    weights = Weights(values=values, names=("jawOpen", "smile, left"), rate=50.0)
+    hidden = np.array([[True, False], [True, True], [False, False], [True, False]])
+    mask = Mask(hidden=hidden, markers=("a", "b"))
+    selection = Selection(
+        chosen=("c", "l", "r"),
+        pairs=(("l", "r"), ("c",), ("d",)),
+        frequencies=np.array([1.0, 0.75, 0.0]),
+        columns=("k", "error"),
+        history=np.array([[2.0, np.nan], [3.0, 0.5]]),
+    )
+    assert written(writers.write_weights(weights), tmp_path).read_text() == (
+        'time,jawOpen,"smile, left"\n0.0,0.5,\n0.02,1.0,0.25\n'
+    )
+    assert written(writers.write_mask(mask), tmp_path).read_text() == (
+        "marker,start,frames\na,0,2\na,3,1\nb,1,1\n"
+    )
+    text = written(writers.write_selection(selection, name="kept"), tmp_path).read_text()
+    assert yaml.safe_load(text) == {
+        "chosen": ["c", "l", "r"],
+        "pairs": [["l", "r"], ["c"], ["d"]],
+        "frequencies": [1.0, 0.75, 0.0],
+        "columns": ["k", "error"],
+        "history": [[2.0, None], [3.0, 0.5]],
+    }
+    bare = writers.write_selection(Selection(chosen=("a",)))
+    assert bare.content == {"selection.yaml": b"chosen: [a]\n"}
+
+
+def test_the_rows_of_a_score_at_all_labels_are_exported_as_one_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("scores.yaml").write_text(SCORES)
+    assert main(["run", "scores.yaml", "--store", "kept"]) == 1
+    words = ("export", "runs/scores", "error", "--store", "kept", "--out")
+    assert main([*words, "all.csv"]) == 0
+    rows = pd.read_csv("all.csv")
+    assert list(rows.columns[:3]) == ["length", "gap", "marker"]
+    assert rows["length"].tolist() == [5, 5, 5, 9, 9, 9, 5000]
+    assert (rows["frames"] == rows["length"])[:6].all()
+    assert rows["state"].tolist() == ["done"] * 6 + ["skipped"]
+    assert "3 gaps of 5000 frames" in rows["reason"][6]
+    capsys.readouterr()
+    assert main(["export", "runs/scores", "gaps", "--store", "kept", "--out", "gappy.csv"]) == 2
+    assert "gaps has 3 values; choose with --at: length (5, 9, 5000)" in capsys.readouterr().err
