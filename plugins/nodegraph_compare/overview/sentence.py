@@ -171,6 +171,11 @@ def _depends(overview: Overview, stands: Sequence[GroupOverview]) -> str:
         f"{_alternatives(overview, place, groups)} for {_where(overview, groups)}"
         for place, groups in by_leader.items()
     ]
+    most = max(by_leader, key=lambda place: len(by_leader[place]))
+    several = len(varying(overview)) > 1 and len(by_leader[most]) > 1
+    if several and len(by_leader) > 1 and len(stands) == len(overview.groups):
+        del clauses[list(by_leader).index(most)]
+        clauses.append(f"{_alternatives(overview, most, by_leader[most])} otherwise")
     return f"It depends on {axes}: {'; '.join(clauses)}."
 
 

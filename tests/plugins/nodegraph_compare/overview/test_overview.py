@@ -151,6 +151,17 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     assert "ringed: tied , paired differences cannot tell it from the best" in text
 
 
+def test_the_best_of_most_conditions_stands_after_the_exceptions() -> None:
+    entries = tuple(
+        ({**labels, "oven": oven}, frame)
+        for oven, factor in (("gas", 1.0), ("coal", 9.0))
+        for labels, frame in kitchens({"plain": factor, "rich": 1.4})
+    )
+    scores = Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+    text = text_of(rendered(compared(scores, within=("oven", "heat")).overview).lead)
+    assert "It depends on oven and heat: plain for oven gas, heat 180 K; rich otherwise." in text
+
+
 def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
     entries = tuple(
         ({**labels, "oven": oven}, frame)
