@@ -98,7 +98,7 @@ def _pixels(figure: Any) -> np.ndarray[Any, Any]:
     canvas, dpi = figure.canvas, figure.dpi
     try:
         figure.dpi = _DOTS_PER_INCH
-        drawn = FigureCanvasAgg(figure)
+        drawn: Any = FigureCanvasAgg(figure)
         drawn.draw()
         return np.array(drawn.buffer_rgba())
     finally:
