@@ -34,6 +34,11 @@ class Case:
         """How the case is called: ``3.11 lowest-direct``."""
         return f"{self.python} {self.resolution}"
 
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Options of pytest: two processes, and no error for a warning of an old library."""
+        return ("-n", "2", *(("-W", "default") if self.resolution != "highest" else ()))
+
     def check(self, folder: Path) -> str:
         """Return what failed, with its output; empty if nothing did."""
         venv = folder / "venv"
@@ -52,7 +57,7 @@ class Case:
             (program, "run", str(graph), *few, "--out", str(folder / "run")),
             (program, "lock", str(graph), *few),
             (program, "verify", str(graph.with_suffix(".lock")), "--rerun"),
-            (str(python), "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "2", *tests),
+            (str(python), "-m", "pytest", "-q", "-p", "no:cacheprovider", *self.options, *tests),
         ):
             variables = {"NODEGRAPH_STORE": str(folder / "store"), "PYTHONDONTWRITEBYTECODE": "1"}
             try:

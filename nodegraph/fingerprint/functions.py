@@ -311,7 +311,7 @@ class Live:
                 [(name, self._describer.of(value)) for name, value in held],
             )
         if self._is_named(value):
-            return "named", value.__module__, _name(value)
+            return "named", _home(value), _name(value)
         if isinstance(value, type):
             return "class", value.__qualname__, self._members(value)
         if isinstance(value, BuiltinMethodType):
@@ -382,9 +382,7 @@ class Live:
 
     def _is_named(self, value: object) -> bool:
         """Whether a value is what its module has under its name; note what that leads to."""
-        # ufuncs of numpy before 2.2 do not say where they are
-        name = getattr(value, "__module__", None) or type(value).__module__
-        qualified = _name(value)
+        name, qualified = _home(value), _name(value)
         if not isinstance(name, str) or not qualified:
             return False
         if _look_up(getattr(sys.modules.get(name), "__dict__", {}), qualified) is not value:
@@ -435,6 +433,11 @@ def _is_renamed(function: FunctionType) -> bool:
 
 def _is_mark(value: object) -> bool:
     return (getattr(value, "__module__", ""), _name(value)) in NOT_FOLLOWED
+
+
+def _home(value: object) -> object:
+    # ufuncs of numpy before 2.2 do not say in which module they are
+    return getattr(value, "__module__", None) or type(value).__module__
 
 
 def _name(value: object) -> str:
