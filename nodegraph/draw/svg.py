@@ -257,7 +257,7 @@ def _document(picture: Picture, parts: Sequence[str], width: float, height: floa
     begin = (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="nodegraph-picture" role="img"'
         f' width="{wide}" height="{high}" viewBox="0 0 {wide} {high}"'
-        f' style="max-width: 100%; min-width: {least}px; height: auto">'
+        f' style="max-width: 100%; min-width: {least}px">'
     )
     paper = f'<rect class="paper" {_LOOK["paper"]} width="{wide}" height="{high}"/>'
     inside = (
