@@ -937,10 +937,10 @@ class Packer:
         return _refuse_iterator if issubclass(kind, Iterator) else None
 
     def _copier_of(self, kind: type) -> Callable[[Any], Any] | None:
-        if self._storage[kind] is not None:
-            return self._copy_packed
         if issubclass(kind, (float, int, str, bytes, type(None), Path)):
             return None
+        if self._storage[kind] is not None:
+            return self._copy_packed
         if kind is Across:
             return self._copy_entries
         if is_numpys(kind):

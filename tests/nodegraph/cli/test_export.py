@@ -114,7 +114,7 @@ def test_what_was_refused_or_failed_has_no_value(command: Command) -> None:
     words = ("--at", "fill=strict,length=1", "--out", "a.txt")
     status, _, err = exported(command, "fill", *words)
     assert status == 2
-    assert "fill(fill=strict, length=1) was refused: too small" in err
+    assert "fill(length=1, fill=strict) was refused: too small" in err
 
 
 def test_a_folder_without_a_run_is_an_error(command: Command) -> None:

@@ -165,9 +165,7 @@ def test_what_could_not_be_determined_is_reported(monkeypatch: pytest.MonkeyPatc
     twin = replace(
         model, shapes=np.concatenate([model.shapes, model.shapes]), names=tuple("abcdefgh")
     )
-    with pytest.warns(
-        UserWarning, match=r"of 20 frames several weights are as good, and the least"
-    ):
+    with pytest.warns(UserWarning, match=r"of 20 frames several weights are as good, and rounding"):
         solve_weights(recording, twin)
 
 
