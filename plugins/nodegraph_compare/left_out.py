@@ -48,13 +48,17 @@ def left_out(
         Whether two methods are compared over the blocks that both of them have, whatever the
         others lack.
     """
-    sentences = [text for text in (dropped(group, question, pairwise) for group in groups) if text]
+    same: dict[str, list[str]] = defaultdict(list)
+    for group in groups:
+        if text := dropped(group, pairwise):
+            same[text].append(group_text(group, question))
+    sentences = [f"{start_text(_few(names))}{text}" for text, names in same.items()]
     missing = absences(unsuccessful(scores), question.compare)
     empty = [] if groups else ["the tables have no rows"]
     if sentences or missing or empty:
         warnings.warn(shortened([*sentences, *missing, *empty]), stacklevel=3)
-    more = len(sentences) - _NOTED
-    noted = sentences if more <= 0 else [*sentences[:_NOTED], f"and so in {more} more groups"]
+    more = sum(map(len, [*same.values()][_NOTED:]))
+    noted = [*sentences[:_NOTED], *([f"and so in {more} more groups"] if more else [])]
     return [
         *noted,
         *absences(scores.absent, question.compare),
@@ -62,14 +66,13 @@ def left_out(
     ]
 
 
-def dropped(group: Group, question: Question, pairwise: bool = False) -> str | None:
-    """Return how many blocks were left out of a group, and whose numbers they lack."""
+def dropped(group: Group, pairwise: bool = False) -> str:
+    """Return how many blocks were left out of a group, and whose numbers they lack; or nothing."""
     some = [f"{name} lacks {count}" for name, count in _lacking(group)]
     total, count = len(group.values), np.count_nonzero(~group.complete)
     what = "are not in every pair" if pairwise else "left out"
     clauses = [f"{count} of {total} blocks {what} ({listed(some)})"] if some else []
-    clauses += filter(None, [numberless(group)])
-    return start_text(group_text(group, question)) + "; ".join(clauses) if clauses else None
+    return "; ".join(filter(None, [*clauses, numberless(group)]))
 
 
 def numberless(group: Group) -> str:
@@ -111,16 +114,32 @@ def _lacking(group: Group) -> list[tuple[Label, int]]:
 
 
 def absences(absent: Iterable[Absent], compare: str | None) -> list[str]:
-    """Return how many combinations are absent, by compared label and kind, with the reasons."""
+    """Return how many combinations are absent, by compared label and kind, with the reasons.
+
+    What is absent of several labels for the same reasons stands once.
+    """
     reasons: dict[tuple[Label, str], list[str]] = defaultdict(list)
     for combination in absent:
         label = combination.labels.get(compare or "", "")
         reasons[label, combination.kind].append(combination.reason)
+    same: dict[tuple[str, str], dict[int, list[Label]]] = {}
+    for (label, kind), why in reasons.items():
+        counts = same.setdefault((kind, _because(why)), {})
+        counts.setdefault(len(why), []).append(label)
     return [
-        f"{start_text(label)}{len(why)} {'combination' if len(why) == 1 else 'combinations'} "
-        f"{kind}{_because(why)}"
-        for (label, kind), why in reasons.items()
+        "; ".join(
+            f"{start_text(', '.join(map(str, labels)))}{count} combination{'s' * (count > 1)}"
+            f"{' each' * (len(labels) > 1)}"
+            for count, labels in counts.items()
+        )
+        + f" {kind}{because}"
+        for (kind, because), counts in same.items()
     ]
+
+
+def _few(groups: Sequence[str]) -> str:
+    more = len(groups) - _LISTED
+    return "; ".join([*groups[:_LISTED], *([f"and {more} more groups"] if more > 0 else [])])
 
 
 def start_text(label: Label) -> str:

@@ -10,7 +10,7 @@ from nodegraph_compare.blocks import block_means, columns_of, values_of
 from nodegraph_compare.overview.value import GroupOverview, Metric, Overview, WithoutSuspects
 from nodegraph_compare.scope import cluster_text
 from nodegraph_compare.suspects import identifying
-from nodegraph_compare.table.sensitivity import without_suspects
+from nodegraph_compare.table.sensitivity import apart_by_all_rules, without_suspects
 from nodegraph_compare.table.verdict import verdict_on
 from nodegraph_tables import info_of
 
@@ -81,6 +81,7 @@ def build_overview(
         units=cluster_text(question) if question.clusters else "",
         ratio=all(summary.ratio for summary in summaries),
         baseline=comparison.fallback if baseline is None else baseline,
+        against=None if baseline is None else methods.index(baseline),
         methods=methods,
         adapted=tuple(
             at for at, method in enumerate(methods) if "adapted" in declared.get(method, {})
@@ -149,6 +150,10 @@ class _Blocks:
         def places(where: NDArray[np.bool_]) -> tuple[int, ...]:
             return tuple(sorted(at[where].tolist()))
 
+        lower, higher = apart_by_all_rules(summary)
+        if summary.against is None:
+            lower = higher = np.zeros_like(lower)
+        better, worse = (higher, lower) if summary.end == "higher" else (lower, higher)
         errors = self._errors(group.rows, group.block, len(group.values))
         lacking = np.isnan(next(iter(errors.values()))).sum(axis=0)
         other = without_suspects(summary)
@@ -170,6 +175,8 @@ class _Blocks:
             best=places(verdict.best),
             tied=places(verdict.tied),
             behind=places(verdict.behind),
+            better=places(better),
+            worse=places(worse),
             **{name: spread(getattr(summary, name)) for name in _MEANS},
             **{
                 name: spread(None if paired is None else getattr(paired, attribute))

@@ -70,7 +70,7 @@ def _sentence(overview: Overview) -> str:
             else "which is best"
         )
         first = f"The data cannot tell {what}: {escape(reasons[0])}{more}."
-        return f"{first}{_extreme_everywhere(overview, known)}"
+        return f"{first}{_extreme_everywhere(overview, known)}{_against(overview, known)}"
     if overview.is_sequence:
         return _steps(overview, stands)
     rest = len(known) - len(stands)
@@ -81,7 +81,7 @@ def _sentence(overview: Overview) -> str:
         answer = _throughout(overview, stands, sorted(leaders))
     else:
         answer = f"{_depends(overview, stands)}{_compromise(overview, stands)}"
-    return f"{answer}{_besides(overview, stands)}{without}"
+    return f"{answer}{_against(overview, known)}{_besides(overview, stands)}{without}"
 
 
 def _steps(overview: Overview, stands: Sequence[GroupOverview]) -> str:
@@ -213,13 +213,68 @@ def _where(overview: Overview, groups: Sequence[GroupOverview]) -> str:
     return " and for ".join(filter(None, [", ".join(named[:-1]), *named[-1:]]))
 
 
+def _against(overview: Overview, known: Sequence[GroupOverview]) -> str:
+    """Return where methods are better than the baseline, and where they are not.
+
+    There is a sentence for each combination of the labels of all axes but the last.
+    """
+    against = overview.against
+    if against is None:
+        return ""
+    judged = [group for group in known if group.judged and np.isfinite(group.mean[against])]
+    axes = varying(overview)
+    parts: dict[str, list[GroupOverview]] = {}
+    for group in judged:
+        labels = [f"{overview.within[axis]} {group.labels[axis]}" for axis in axes[:-1]]
+        parts.setdefault(", ".join(labels), []).append(group)
+    (baseline,) = method_names(overview, [against])
+    texts = []
+    for part, groups in parts.items():
+        same: dict[str, list[int]] = {}
+        for place in range(len(overview.methods)):
+            where = [group for group in groups if np.isfinite(group.mean[place])]
+            if place != against and where:
+                same.setdefault(_apart(overview, place, where), []).append(place)
+        clauses = [
+            f"{both(method_names(overview, places))} {'are' if len(places) > 1 else 'is'} {clause}"
+            for clause, places in same.items()
+        ]
+        rest = len(clauses) - _MOST_CLAUSES
+        more = f"; {rest} more are in the table" if rest > 0 else ""
+        start = f" Against {baseline}{f', {escape(part)}' if part else ''}: "
+        texts.append(f"{start}{'; '.join(clauses[:_MOST_CLAUSES])}{more}.")
+    rest = len(texts) - _MOST_CLAUSES
+    more = f" {rest} more are in the table." if rest > 0 else ""
+    return "".join(texts[:_MOST_CLAUSES]) + more
+
+
+def _apart(overview: Overview, place: int, groups: Sequence[GroupOverview]) -> str:
+    """Return in which groups a method is better than the baseline, worse, or neither."""
+    verdicts: dict[str, list[GroupOverview]] = {"better": [], "worse": [], "": []}
+    for group in groups:
+        word = "better" if place in group.better else "worse" if place in group.worse else ""
+        verdicts[word].append(group)
+    words = [word for word, where in verdicts.items() if where]
+    if len(words) == 1:
+        alike = f"{words[0]} throughout" if words[0] else "nowhere clearly apart"
+        return alike if len(groups) > 1 else words[0] or "not clearly apart"
+    axis = varying(overview)[-1]
+    name = escape(overview.within[axis])
+    return ", ".join(
+        f"{word or 'not clearly apart'} at {name} "
+        f"{escape(both([str(group.labels[axis]) for group in verdicts[word]]))}"
+        for word in words
+    )
+
+
 def _compromise(overview: Overview, stands: Sequence[GroupOverview]) -> str:
     """Return which method is never far behind, and how far at most."""
     if not overview.ratio or len(stands) < 2:
         return ""
-    means = np.stack([group.mean for group in stands])
-    best = np.array([group.mean[group.best[0]] for group in stands])[:, np.newaxis]
-    times = best / means if overview.metric.better == "higher" else means / best
+    ratios = np.stack([group.ratio for group in stands])
+    for row, group in zip(ratios, stands, strict=True):
+        row[list(group.best)] = 1.0
+    times = 1.0 / ratios if overview.metric.better == "higher" else ratios
     worst = np.where(np.isfinite(times).all(axis=0), times.max(axis=0), np.inf)
     place = int(np.argmin(worst))
     if not np.isfinite(worst[place]):

@@ -48,6 +48,9 @@ class GroupOverview(Value):
     speech, scope, caution, objection : str
         See `nodegraph_compare.table.verdict.Verdict`.
     best, tied, behind : tuple of int
+    better, worse : tuple of int
+        Methods clearly apart from the baseline `Overview.against`, by every rule for missing
+        blocks; empty without it, or with too few units.
     mean, low, high, median, rank : (K,) arrays of float64
         See `nodegraph_compare.table.summary.Summary`.
     ratio, ratio_low, ratio_high : (K,) arrays of float64
@@ -83,6 +86,8 @@ class GroupOverview(Value):
     best: tuple[int, ...]
     tied: tuple[int, ...]
     behind: tuple[int, ...]
+    better: tuple[int, ...]
+    worse: tuple[int, ...]
     mean: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
@@ -107,10 +112,14 @@ class GroupOverview(Value):
     errors: Mapping[str, NDArray[np.float32]]
 
     @property
+    def judged(self) -> bool:
+        """Whether there are units enough for a verdict."""
+        return self.speech in ("provisional", "settled")
+
+    @property
     def stands(self) -> bool:
         """Whether there is a verdict."""
-        judged = self.speech in ("provisional", "settled")
-        return judged and not self.objection and bool(self.best)
+        return self.judged and not self.objection and bool(self.best)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -136,6 +145,8 @@ class Overview(Value):
         Whether methods are compared by ratios, not by differences.
     baseline : label or None
         The method that the others are seen against at first.
+    against : int or None
+        The place of the baseline that the answer compares every method to.
     methods : tuple of label
     adapted : tuple of int
         Methods that differ from what was published.
@@ -155,6 +166,7 @@ class Overview(Value):
     units: str
     ratio: bool
     baseline: Label | None
+    against: int | None
     methods: tuple[Label, ...]
     adapted: tuple[int, ...]
     ahead: tuple[int, ...]

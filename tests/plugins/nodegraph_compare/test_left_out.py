@@ -34,23 +34,41 @@ def group(length: int, methods: tuple[str, ...], values: Any) -> Group:
     )
 
 
-def lacking(length: int) -> Group:
-    values = np.array([[1.0, np.nan, np.nan], [2.0, 3.0, np.nan]])
+def lacking(length: int, blocks: int = 2) -> Group:
+    values = np.tile([2.0, 3.0, np.nan], (blocks, 1))
+    values[0, 1] = np.nan
     return group(length, ("a", "b", "c"), values)
 
 
 def test_what_is_dropped_is_counted_by_method() -> None:
-    assert dropped(lacking(5), QUESTION) == (
-        "length 5: 1 of 2 blocks left out (b lacks 1); without any number, not compared: c"
+    assert dropped(lacking(5)) == (
+        "1 of 2 blocks left out (b lacks 1); without any number, not compared: c"
     )
 
 
 def test_many_groups_are_summed_up_in_notes_and_warning() -> None:
     scores = Across.of({"a": pd.DataFrame()}, axis="fill")
     with pytest.warns(UserWarning, match=r"length 7: .*; and 92 more, see the table's notes"):
-        noted = left_out(scores, QUESTION, [lacking(length) for length in range(100)])
+        noted = left_out(scores, QUESTION, [lacking(length, length + 2) for length in range(100)])
     assert noted[-1] == "and so in 60 more groups"
     assert len(noted) == 41
+
+
+def test_what_several_groups_and_methods_lack_stands_once() -> None:
+    absent = tuple(
+        Absent({"fill": fill, "length": length}, "failed", "gaps of 5000 frames do not fit")
+        for length, fills in ((5, "ab"), (45, "abc"))
+        for fill in fills
+    )
+    scores = Across(("fill", "length"), (({"fill": "a"}, pd.DataFrame()),), absent)
+    with pytest.warns(UserWarning, match="groups") as caught:
+        left_out(scores, QUESTION, [lacking(length) for length in range(10)])
+    groups = "; ".join(f"length {length}" for length in range(8))
+    assert str(caught[0].message) == (
+        f"{groups}; and 2 more groups: 1 of 2 blocks left out (b lacks 1); "
+        "without any number, not compared: c; "
+        "a, b: 2 combinations each; c: 1 combination failed (gaps of 5000 frames do not fit)"
+    )
 
 
 def test_skipped_combinations_are_noted_without_a_warning() -> None:

@@ -162,6 +162,50 @@ def test_the_best_of_most_conditions_stands_after_the_exceptions() -> None:
     assert "It depends on oven and heat: plain for oven gas, heat 180 K; rich otherwise." in text
 
 
+def test_every_method_is_compared_to_a_baseline_over_all_groups() -> None:
+    """As in "does it beat chance?", for each number of markers and each performer."""
+    entries = tuple(
+        ({**labels, "oven": oven}, frame)
+        for oven, plain in (("gas", 1.0), ("coal", 9.0))
+        for labels, frame in kitchens({**RECIPES, "plain": plain})
+    )
+    scores = Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+    settings: Any = {"within": ("oven", "heat"), "baseline": "rich"}
+    text = text_of(rendered(compared(scores, **settings).overview).lead).replace("\u00a0", " ")
+    rest = "airy is nowhere clearly apart; burnt is worse throughout."
+    gas = f"oven gas: plain is better at heat 180 K, worse at heat 220 K; {rest}"
+    coal = "oven coal: plain and burnt are worse throughout; airy is nowhere clearly apart."
+    for sentence in (gas, coal):
+        assert f"Against rich , {sentence}" in re.sub(r" ([;:.])", r"\1", text), text
+    assert "Against" not in text_of(rendered(compared(scores, within=("oven",)).overview).lead)
+    few = [entry for entry in entries if entry[0]["kitchen"] < 4]
+    described = compared(Across(scores.axes, tuple(few), sources=("kitchen",)), **settings)
+    assert "Against" not in text_of(rendered(described.overview).lead)
+
+
+@pytest.mark.parametrize("better", ["lower", "higher"])
+def test_the_compromise_is_by_the_ratio_that_judges_the_best(better: BetterEnd) -> None:
+    """One kitchen with large values decides the plain means, not the mean ratio."""
+    factors = {"cool": (1.0, 3.0), "hot": (3.0, 1.0), "mild": (1.2, 1.2), "slow": (1.6, 1.6)}
+    random = np.random.default_rng(0)
+    entries: list[Any] = []
+    for kitchen in range(8):
+        large = kitchen == 0
+        for at, heat in enumerate((180, 220)):
+            base = 1000.0**large * random.uniform(0.99, 1.01, 6)
+            for recipe, both in factors.items():
+                times = 4.0 if large and recipe == "mild" else both[at]
+                waste = base * (times if better == "lower" else 1 / times)
+                labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
+                entries.append((labels, cakes(waste, better=better)))
+    scores = Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+    text = text_of(rendered(compared(scores, within=("heat",)).overview).lead)
+    behind = (4.0 * 1.2**7) ** (1 / 8) - 1  # 39.5 %; of the plain means, 294 % or 74 %
+    assert (
+        f"One method for all: mild , never more than {np.ceil(100 * behind):.0f} % behind" in text
+    )
+
+
 def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
     entries = tuple(
         ({**labels, "oven": oven}, frame)
