@@ -163,6 +163,11 @@ def _merged(methods: list[MethodSpec], written: Sequence[MethodSpec]) -> list[Me
 def _find(method: MethodSpec, registry: Registry, problems: Problems) -> Registered | None:
     if not method.use:
         return None
+    if method.use.startswith("$"):
+        message = f"'use' and 'alternatives' name nodes, not the value of {method.use}"
+        instead = "to compare methods, list them in the node: alternatives: [x.a, x.b]"
+        problems.add(method.place, message, instead)
+        return None
     try:
         return registry.find(method.use)
     except UnknownNodeError as error:

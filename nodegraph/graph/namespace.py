@@ -73,9 +73,12 @@ class Namespace:
                 self._problems.add(Place(f"--set {name}"), message, f"leave out --axis {name}")
         self._check_known("--axis", "axis", self._choices.axes, tuple(self.axes))
         self._check_known("--only", "axis", self._choices.only, tuple(self.axes))
+        # refused already: a method is no value
+        methods = {method.use for node in self._spec.nodes.values() for method in node.methods}
         for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
             for name, part in parts.items():
-                if name not in self.used and name.isidentifier():
+                is_used = name in self.used or f"${name}" in methods
+                if not is_used and name.isidentifier():
                     message = f"nothing uses the {kind} {name!r}"
                     usage = (
                         f"in: ${name}" if name in self._ports else f"${name} as a setting's value"

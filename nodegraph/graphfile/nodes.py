@@ -136,7 +136,7 @@ class NodeReader:
 
     def _methods(self, name: str, item: Located) -> tuple[MethodSpec, ...]:
         use, alternatives = item.value.get("use"), item.value.get("alternatives")
-        if use is None and alternatives is None:
+        if use is None and alternatives is None and not _lacks_space(item):
             message = f"node {name!r} needs 'use' or 'alternatives'"
             self._problems.add(item.place, message, "give one of the two")
         if use is not None and alternatives is not None:
@@ -210,8 +210,9 @@ class NodeReader:
     def _use(self, item: Located, label: str) -> str:
         use = item.value.get("use")
         if use is None:
-            message = f"alternative {label!r} has no 'use'"
-            self._problems.add(item.place, message, ALTERNATIVES_HINT)
+            if not _lacks_space(item):
+                message = f"alternative {label!r} has no 'use'"
+                self._problems.add(item.place, message, ALTERNATIVES_HINT)
             return ""
         if not self._is_word(use, "'use' names a node"):
             return ""
@@ -278,6 +279,11 @@ class NodeReader:
             return True
         self._problems.add(item.place, f"{message}, not {item.plain()!r}")
         return False
+
+
+def _lacks_space(item: Located) -> bool:
+    """Whether ``use:x.a`` is a key, which is noted as unknown."""
+    return any(space_hint(key, ("use", "alternatives")) for key in item.value)
 
 
 def space_hint(written: object, keys: Iterable[str]) -> str:

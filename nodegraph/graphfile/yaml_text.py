@@ -89,7 +89,8 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
-        noted.add(place, f"this is not YAML: {_reason(error, text, place)}")
+        place, reason = _reason(error, text, place)
+        noted.add(place, f"this is not YAML: {reason}")
         raise GraphError(noted.all()) from error
     except yaml.YAMLError as error:
         noted.add(Place(file, 1, 1), f"this is not YAML: {error}")
@@ -99,22 +100,26 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     return root
 
 
-def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> str:
+def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> tuple[Place, str]:
+    """Return what is wrong, and where; a key without a space is noticed in the next line."""
     lines = text.splitlines()
     line = "".join(lines[place.line - 1 : place.line])
     if line[place.column - 1 : place.column] == "\t":
-        return "a tab; indent with spaces"
+        return place, "a tab; indent with spaces"
     problem = error.problem or ""
     if problem.startswith("mapping values are not allowed"):
         if ": " in line[: place.column - 1]:
-            return "a second ': ' in a value; quote a text that contains one: \"a: b\""
+            return place, "a second ': ' in a value; quote a text that contains one: \"a: b\""
         above = "".join(lines[place.line - 2 : place.line - 1])
         if match := _NO_SPACE.match(above):
-            return f"line {place.line - 1} has no space after the colon; write '{match[1]}: ...'"
-        return _misaligned(line, f"the one above by {_indent(above)}")
+            before = place._replace(line=place.line - 1, column=match.end())
+            return before, f"no space after the colon; write '{match[1]}: ...'"
+        return place, _misaligned(line, f"the one above by {_indent(above)}")
     if problem == "did not find expected key" and (start := error.context_mark):
-        return _misaligned(line, f"the mapping from line {start.line + 1} on by {start.column}")
-    return ", ".join(part for part in (error.context, error.problem) if part)
+        return place, _misaligned(
+            line, f"the mapping from line {start.line + 1} on by {start.column}"
+        )
+    return place, ", ".join(part for part in (error.context, error.problem) if part)
 
 
 def _misaligned(line: str, other: str) -> str:

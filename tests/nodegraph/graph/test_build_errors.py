@@ -17,6 +17,16 @@ ProblemsOf = Callable[..., list[Problem]]
     ("text", "expected", "instead"),
     [
         ("nodes: {a: {use: @@read.numbr}}", "no node 'read.numbr'", "did you mean 'read.number'"),
+        (
+            "axes: {m: [read.number]}\nnodes: {a: {use: @@$m}}",
+            "name nodes, not the value of $m",
+            "list them in the node: alternatives: [x.a, x.b]",
+        ),
+        (
+            "inputs: {m: read.number}\nnodes: {a: {alternatives: [pass, @@$m]}}",
+            "name nodes, not the value of $m",
+            "alternatives: ",
+        ),
         ("nodes: {a: {use: @@pass}}", "'pass' stands only among alternatives", ""),
         ("nodes: {a: {use: @@sub.yaml}}", "sub.yaml: no such graph file", "in that folder"),
         (

@@ -146,6 +146,8 @@ def test_a_wrong_value_is_an_error_at_its_place(
         ("nodegraph: 1\nnodes: {}", "2:1", "no 'nodes'"),
         ("nodegraph: 1\nnodes: {a: ~}", "2:12", "node 'a' must be a mapping"),
         ("nodegraph: 1\nnodes: {a: {}}", "2:12", "needs 'use' or 'alternatives'"),
+        ("nodegraph: 1\nnodes: {a: {use:x.a}}", "2:13", "unknown key 'use:x.a'"),
+        ("nodegraph: 1\nnodes: {a: {alternatives: {b: {use:x.a}}}}", "2:32", "unknown key"),
         ("nodegraph: 1\nnodes: {a: {alternatives: {}}}", "2:27", "has no alternative"),
         ("nodegraph: 1\nnodes: {a: {alternatives: []}}", "2:27", "has no alternative"),
         ("nodegraph: 1\nnodes: {a: {alternatives: x.a}}", "2:27", "has no alternative"),
