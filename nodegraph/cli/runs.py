@@ -62,4 +62,4 @@ def _rows(folder: Path) -> Iterator[tuple[str, str, str, str]]:
             yield ended, str(path), str(error) if marks[0].name == STUDY else state, ""
         else:
             failed = "" if study.ok else " (with failures)"
-            yield ended, str(path), f"{study.title}{failed}", next(iter(study.short_answer), "")
+            yield ended, str(path), f"{study.title}{failed}", next(iter(study.short_answer(1)), "")

@@ -107,7 +107,7 @@ def _grid_data(grid: Grid) -> dict[str, Any]:
 
 
 def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[str | Table]:
-    sentences = study.answer if full else study.short_answer[:_MOST_SENTENCES]
+    sentences = study.answer if full else study.short_answer(_MOST_SENTENCES)
     # what is piped has a line per sentence
     width = console.width if console.is_terminal else sys.maxsize
     yield from (textwrap.fill(sentence, width) for sentence in sentences)

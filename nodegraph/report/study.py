@@ -313,11 +313,16 @@ class Study:
     machine: str = ""
     runs: int = 1
 
-    @property
-    def short_answer(self) -> tuple[str, ...]:
-        """The sentences of the values that answer at a glance; all sentences without any."""
-        leads = (section.rendered for section in self.sections if section.rendered.lead)
-        return tuple(line for rendered in leads for line in rendered.answer) or self.answer
+    def short_answer(self, most: int) -> tuple[str, ...]:
+        """Return the first sentences of every value that answers at a glance, as many of each.
+
+        Without such a value, the first of all sentences.
+        """
+        leads = [each.rendered.answer for each in self.sections if each.rendered.lead]
+        answers = leads if any(leads) else [self.answer]
+        places = [(line, at) for at, answer in enumerate(answers) for line in range(len(answer))]
+        chosen = sorted((at, line) for line, at in sorted(places)[:most])
+        return tuple(answers[at][line] for at, line in chosen)
 
     @property
     def ok(self) -> bool:

@@ -117,7 +117,7 @@ def run_files(runs: Iterable[RunReport]) -> dict[str, Path]:
 
 
 def _answer(runs: Sequence[RunReport]) -> str:
-    return next((run.study.short_answer[0] for run in runs if run.study.answer), "")
+    return next((run.study.short_answer(1)[0] for run in runs if run.study.answer), "")
 
 
 def _anchor(name: str) -> str:

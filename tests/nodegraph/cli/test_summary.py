@@ -29,6 +29,9 @@ GRID = Grid(
 )
 
 
+ANSWERS = [("curves", 9), ("table", 1), ("ranks", 4)]
+
+
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Run:
     path = tmp_path_factory.mktemp("summary") / "a.yaml"
@@ -91,6 +94,16 @@ def test_long_answers_and_texts_are_cut_unless_all_is_wanted(finished: Run) -> N
     assert "line 12" not in lines
     assert sum("--full" in line for line in lines) == 2
     assert {"Sentence 8.", "line 39"} <= set(printed(study, finished, full=True))
+
+
+def test_a_result_with_many_sentences_leaves_room_for_the_others(finished: Run) -> None:
+    answers = [tuple(f"{name} {line}." for line in range(count)) for name, count in ANSWERS]
+    sections = tuple(
+        Section("s", Rendered("", answer=answer, lead="<p>at a glance</p>")) for answer in answers
+    )
+    lines = printed(Study("A", answer=sum(answers, ()), sections=sections), finished)
+    expected = ["curves 0.", "curves 1.", "curves 2.", "table 0.", "ranks 0.", "ranks 1."]
+    assert lines[: len(expected) + 1] == [*expected, "8 more sentences: --full, or the report"]
 
 
 def test_files_are_counted_by_kind(finished: Run) -> None:
