@@ -109,8 +109,8 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
 
   const kinds = [...new Set(GROUPS.map(({ view }) => view))];
   const pictures = kinds.map((kind) => new Pictures(GROUPS.filter(({ view }) => view === kind)));
-  const running = __RUNNING__.map((one) => new Running(one));
-  document.querySelector(".stream-pictures").append(...[...pictures.reverse(), ...running].map((one) => one.element));
+  const running = __RUNNING__.map((quantity) => new Running(quantity));
+  document.querySelector(".stream-pictures").append(...[...pictures.reverse(), ...running].map((part) => part.element));
 
   const figure = (name, value, unit, below, odd = false) => {
     const holder = document.querySelector(`[data-figure="${name}"]`);
@@ -148,7 +148,7 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
   };
 
   const take = (event) => {
-    for (const one of pictures) one.take(event);
+    for (const picture of pictures) picture.take(event);
     if (!event.figures) return;
     const { state: name, message, seconds, rates } = event.figures;
     over = name === "ended";
@@ -158,7 +158,7 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
     if (over) pause.hidden = true;
     if (paused.figures && !over) return;
     show(event.figures);
-    for (const one of running) one.take(event.history);
+    for (const chart of running) chart.take(event.history);
   };
 
   // Nothing comes while nobody sees the page; who comes back gets the present state.

@@ -4,7 +4,7 @@ nodegraph.define("mocap/live", [
   "mocap/player/controls", "mocap/player/gestures",
 ], ({ element }, theme, { playbackOf }, camera, markers, { drawMesh }, { legendFor, buttonFor }, { dragged, keyedInSpace }) => {
   const { frontal, within, zoomed, projectionOf } = camera;
-  const { drawMarkers, toldMarkers, toldSample, namePointed, inksOf } = markers;
+  const { drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf } = markers;
   const FINENESS = Math.min(2, devicePixelRatio);
   const CHOICES = { colour: "origin", truth: false, trails: false, times: 1 };
 
@@ -35,7 +35,7 @@ nodegraph.define("mocap/live", [
       this.stage = element("div", {
         class: "stage", tabindex: 0, role: "group",
         "aria-label": "What is computed. Shift and arrows turn, plus and minus enlarge, 0 is the front.",
-      }, ...this.panels.map((one) => one.element));
+      }, ...this.panels.map((tile) => tile.element));
       const view = element("span", { class: "view", role: "group", "aria-label": "View" },
         buttonFor("\u2212", "Smaller", () => this.look((from) => zoomed(from, 1 / 1.25))),
         buttonFor("+", "Larger", () => this.look((from) => zoomed(from, 1.25))),
@@ -46,38 +46,38 @@ nodegraph.define("mocap/live", [
       keyedInSpace(this, this.stage);
       host.replaceChildren(figure);
       this.sight = new IntersectionObserver((entries) => {
-        for (const { target, isIntersecting } of entries) this.panels.find((one) => one.canvas === target).inSight = isIntersecting;
+        for (const { target, isIntersecting } of entries) this.panels.find((tile) => tile.canvas === target).inSight = isIntersecting;
         this.redraw();
       }, { rootMargin: "100px" });
-      for (const one of this.panels) this.sight.observe(one.canvas);
+      for (const tile of this.panels) this.sight.observe(tile.canvas);
       stages.add(this);
     }
 
     built(panel, place) {
       const name = panel.label;
       const canvas = element("canvas", { role: "img", "aria-label": name });
-      const told = element("span", { class: "told" });
+      const readout = element("span", { class: "readout" });
       const tip = element("span", { class: "tip", hidden: true });
       const button = buttonFor("\u2922", `Enlarge ${name}`, () => this.enlarge(place));
       const box = element("div", { class: `panel ${panel.kind}` },
         element("p", { class: "name" }, element("span", {}, name), button),
-        element("div", { class: "picture" }, canvas, tip), told);
+        element("div", { class: "picture" }, canvas, tip), readout);
       dragged(this, canvas, place);
-      return { panel, canvas, told, tip, button, element: box, inSight: true, dots: null };
+      return { panel, canvas, readout, tip, button, element: box, inSight: true, dots: null };
     }
 
     enlarge(place) {
       this.large = this.large === place ? null : place;
-      this.panels.forEach(({ panel, element: box, button }, one) => {
-        box.classList.toggle("large", one === this.large);
-        button.setAttribute("aria-label", `${one === this.large ? "Shrink" : "Enlarge"} ${panel.label}`);
+      this.panels.forEach(({ panel, element: box, button }, index) => {
+        box.classList.toggle("large", index === this.large);
+        button.setAttribute("aria-label", `${index === this.large ? "Shrink" : "Enlarge"} ${panel.label}`);
       });
       this.redraw();
     }
 
     point(place, event) {
-      const one = this.panels[place];
-      namePointed(one, event, one.dots, (marker) => toldSample(one.panel, null, marker, 0));
+      const tile = this.panels[place];
+      namePointed(tile, event, tile.dots, (marker) => textOfSample(tile.panel, null, marker, 0));
     }
 
     look(change) {
@@ -107,7 +107,7 @@ nodegraph.define("mocap/live", [
       this.waiting ??= requestAnimationFrame(() => {
         const start = performance.now();
         this.is_stale = false;
-        this.draw_now((one) => one.inSight);
+        this.draw_now((tile) => tile.inSight);
         setTimeout(() => {
           this.waiting = undefined;
           if (this.is_stale) this.redraw();
@@ -117,11 +117,11 @@ nodegraph.define("mocap/live", [
 
     draw_now(chosen = () => true) {
       const radius = Math.max(...this.study.panels.map((panel) => panel.radius));
-      for (const one of this.panels.filter(chosen)) this.drawPanel(one, radius);
+      for (const tile of this.panels.filter(chosen)) this.drawPanel(tile, radius);
     }
 
-    drawPanel(one, radius) {
-      const { panel, canvas, told } = one;
+    drawPanel(tile, radius) {
+      const { panel, canvas, readout } = tile;
       const size = Math.round(canvas.clientWidth * FINENESS);
       if (!size) return;
       if (canvas.width !== size || canvas.height !== size) canvas.width = canvas.height = size;
@@ -131,8 +131,8 @@ nodegraph.define("mocap/live", [
       const dot = within(2, (size / 110) * Math.min(1.6, Math.sqrt(seen_from.zoom)), 7);
       const look = { study: { truth: null }, choices: CHOICES, marker: null, ink: inksOf(theme.dark()), dot, size };
       const is_mesh = panel.kind === "mesh";
-      one.dots = (is_mesh ? drawMesh : drawMarkers)(pen, panel, by, 0, look);
-      told.textContent = !is_mesh ? toldMarkers(panel, null, 0) : one.dots ? "" : "weights are missing";
+      tile.dots = (is_mesh ? drawMesh : drawMarkers)(pen, panel, by, 0, look);
+      readout.textContent = !is_mesh ? textOfMarkers(panel, null, 0) : tile.dots ? "" : "weights are missing";
     }
 
     // What is seen now, as that of a player: `figure.playback.state`.

@@ -181,7 +181,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   };
 
   // A frame in words: how many samples came from where, and how wrong those are that were made.
-  const toldMarkers = (panel, truth, frame) => {
+  const textOfMarkers = (panel, truth, frame) => {
     const counts = [0, 0, 0, 0];
     panel.markers.forEach((_, marker) => { counts[panel.origin[marker * panel.frames + frame]] += 1; });
     const shown = [1, RECOVERED, REPAIRED, MISSING].filter((origin) => counts[origin]);
@@ -194,7 +194,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   };
 
   // One sample in words.
-  const toldSample = (panel, truth, marker, frame) => {
+  const textOfSample = (panel, truth, marker, frame) => {
     const words = `${panel.markers[marker]}: ${ORIGINS[panel.origin[marker * panel.frames + frame]]}`;
     const error = truth && panel.truth ? errorsOf(panel, truth, frame)[marker] : NaN;
     return Number.isFinite(error) ? `${words}, ${error.toFixed(2)} mm off the truth` : words;
@@ -217,5 +217,5 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     tip.style.top = `${(100 * dots[3 * nearest + 1]) / canvas.height}%`;
   };
 
-  return { RECOVERED, REPAIRED, ORIGINS, RAMP, drawMarkers, toldMarkers, toldSample, namePointed, inksOf };
+  return { RECOVERED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf };
 });

@@ -5,7 +5,7 @@ nodegraph.define("mocap/player", [
 ], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
-  const { drawMarkers, toldMarkers, toldSample, namePointed, inksOf } = markers;
+  const { drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf } = markers;
   const { controlsFor, chooserFor, legendFor, buttonFor } = controls;
   const MOST = 6; // panels at once
   const FIRST = 4; // of more
@@ -54,7 +54,7 @@ nodegraph.define("mocap/player", [
         "With the pictures in focus, Space plays, arrows step, Shift and arrows turn.");
       figure.classList.toggle("compared", this.study.truth !== null);
       figure.append(...[this.chooser?.element, this.controls.element, this.legend, this.stage, help].filter(Boolean));
-      this.controls.clock.dataset.longest = this.toldAt(this.study.ticks - 1).join(" \u00b7 ").replace(/\d/g, "0");
+      this.controls.clock.dataset.longest = this.clockTextsAt(this.study.ticks - 1).join(" \u00b7 ").replace(/\d/g, "0");
       this.tell();
       keyed(this, this.stage);
       this.watch();
@@ -64,19 +64,19 @@ nodegraph.define("mocap/player", [
     built(panel, place) {
       const name = panel.label || "playback";
       const canvas = element("canvas", { role: "img", "aria-label": name });
-      const told = element("span", { class: "told" });
+      const readout = element("span", { class: "readout" });
       const tip = element("span", { class: "tip", hidden: true });
       const button = buttonFor("\u2922", `Enlarge ${name}`, () => this.enlarge(place));
       const box = element("div", { class: `panel ${panel.kind}` },
         element("p", { class: "name" }, element("span", {}, panel.label), button),
-        element("div", { class: "picture" }, canvas, tip), told);
+        element("div", { class: "picture" }, canvas, tip), readout);
       dragged(this, canvas, place);
-      return { panel, canvas, told, tip, button, element: box, inSight: false };
+      return { panel, canvas, readout, tip, button, element: box, inSight: false };
     }
 
     // Puts the chosen panels on the stage, in the order of the study.
     arrange() {
-      this.stage.replaceChildren(...this.panels.filter((_, place) => this.shown.includes(place)).map((one) => one.element));
+      this.stage.replaceChildren(...this.panels.filter((_, place) => this.shown.includes(place)).map((tile) => tile.element));
       this.chooser?.buttons.forEach((button, place) => button.setAttribute("aria-pressed", this.shown.includes(place)));
       this.invalidate();
     }
@@ -84,19 +84,19 @@ nodegraph.define("mocap/player", [
     // Shows a panel, or takes it away; one too many takes the place of the one that was there first.
     pick(place) {
       if (!this.shown.includes(place)) this.include(place);
-      else if (this.shown.length > 1) this.shown = this.shown.filter((one) => one !== place);
+      else if (this.shown.length > 1) this.shown = this.shown.filter((other) => other !== place);
       this.arrange();
     }
 
     include(place) {
-      const spare = this.shown.length < MOST ? null : this.shown.find((one) => this.study.panels[one] !== this.study.truth);
-      this.shown = [...this.shown.filter((one) => one !== spare), place];
+      const spare = this.shown.length < MOST ? null : this.shown.find((other) => this.study.panels[other] !== this.study.truth);
+      this.shown = [...this.shown.filter((other) => other !== spare), place];
     }
 
     // What is selected anywhere on the page is shown here, too, and stands out.
     follow({ method, marker }) {
       const chosen = this.panels.findIndex(({ panel }) => method !== null && isOf(panel, method));
-      this.panels.forEach((one, place) => one.element.classList.toggle("selected", place === chosen));
+      this.panels.forEach((tile, place) => tile.element.classList.toggle("selected", place === chosen));
       if (chosen >= 0 && !this.shown.includes(chosen)) {
         this.include(chosen);
         this.arrange();
@@ -111,9 +111,9 @@ nodegraph.define("mocap/player", [
 
     enlarge(place) {
       this.large = this.large === place ? null : place;
-      this.panels.forEach(({ panel, element: box, button }, one) => {
-        box.classList.toggle("large", one === this.large);
-        button.setAttribute("aria-label", `${one === this.large ? "Shrink" : "Enlarge"} ${panel.label || "playback"}`);
+      this.panels.forEach(({ panel, element: box, button }, index) => {
+        box.classList.toggle("large", index === this.large);
+        button.setAttribute("aria-label", `${index === this.large ? "Shrink" : "Enlarge"} ${panel.label || "playback"}`);
       });
       this.panels[place].element.scrollIntoView({ block: "nearest" });
       this.invalidate();
@@ -123,7 +123,7 @@ nodegraph.define("mocap/player", [
     point(place, event) {
       const { panel, canvas, tip } = this.panels[place];
       const { frame, dots } = this.drawn[place] ?? {};
-      namePointed({ panel, canvas, tip }, event, dots, (marker) => toldSample(panel, this.study.truth, marker, frame));
+      namePointed({ panel, canvas, tip }, event, dots, (marker) => textOfSample(panel, this.study.truth, marker, frame));
     }
 
     visit([first, last, marker]) {
@@ -143,14 +143,14 @@ nodegraph.define("mocap/player", [
     watch() {
       const sight = new IntersectionObserver((seen) => {
         for (const { target, isIntersecting } of seen) {
-          this.panels.find((one) => one.canvas === target).inSight = isIntersecting;
+          this.panels.find((tile) => tile.canvas === target).inSight = isIntersecting;
         }
         this.invalidate();
       }, { rootMargin: "100px" });
       const resized = new ResizeObserver(() => this.invalidate());
-      for (const one of this.panels) {
-        sight.observe(one.canvas);
-        resized.observe(one.canvas);
+      for (const tile of this.panels) {
+        sight.observe(tile.canvas);
+        resized.observe(tile.canvas);
       }
       theme.on(() => this.invalidate());
       addEventListener("beforeprint", () => { this.printing = true; this.draw(); });
@@ -209,7 +209,7 @@ nodegraph.define("mocap/player", [
       this.waiting ??= requestAnimationFrame((now) => {
         this.waiting = undefined;
         if (this.playing) this.advance(now);
-        this.draw((one) => one.inSight);
+        this.draw((tile) => tile.inSight);
         if (this.playing) this.invalidate();
       });
     }
@@ -230,13 +230,13 @@ nodegraph.define("mocap/player", [
 
     draw(chosen = () => true) {
       const ink = inksOf(theme.dark() && !this.printing);
-      this.panels.forEach((one, place) => {
-        if (this.shown.includes(place) && chosen(one)) this.drawn[place] = this.drawPanel(one, ink);
+      this.panels.forEach((tile, place) => {
+        if (this.shown.includes(place) && chosen(tile)) this.drawn[place] = this.drawPanel(tile, ink);
       });
       this.tell();
     }
 
-    drawPanel({ panel, canvas, told }, ink) {
+    drawPanel({ panel, canvas, readout }, ink) {
       const size = Math.round(canvas.clientWidth * FINENESS);
       if (canvas.width !== size || canvas.height !== size) canvas.width = canvas.height = size;
       const frame = this.frameOf(panel);
@@ -248,13 +248,13 @@ nodegraph.define("mocap/player", [
       const dot = within(3, size / 110, 7) * Math.min(1.6, Math.sqrt(this.camera.zoom));
       const look = { study: this.study, choices: this.choices, marker: this.marker, ink, dot, size };
       const dots = (panel.kind === "mesh" ? drawMesh : drawMarkers)(pen, panel, by, frame, look);
-      const state = panel.kind === "mesh" ? (dots ? "" : "weights are missing") : toldMarkers(panel, this.study.truth, frame);
-      told.textContent = ended ? `ended after ${(panel.frames / panel.rate).toFixed(2)} s` : state;
+      const state = panel.kind === "mesh" ? (dots ? "" : "weights are missing") : textOfMarkers(panel, this.study.truth, frame);
+      readout.textContent = ended ? `ended after ${(panel.frames / panel.rate).toFixed(2)} s` : state;
       return { frame, dots };
     }
 
     radiusOf(kind) {
-      return Math.max(...this.study.panels.filter((one) => one.kind === kind).map((one) => one.radius));
+      return Math.max(...this.study.panels.filter((panel) => panel.kind === kind).map((panel) => panel.radius));
     }
 
     tell() {
@@ -263,13 +263,13 @@ nodegraph.define("mocap/player", [
       play.textContent = label;
       play.setAttribute("aria-label", label);
       play.title = label;
-      const [place, time] = this.toldAt(this.tick);
+      const [place, time] = this.clockTextsAt(this.tick);
       slider.value = this.tick;
       slider.setAttribute("aria-valuetext", `${place}, ${time}`);
       clock.textContent = `${place} \u00b7 ${time}`;
     }
 
-    toldAt(tick) {
+    clockTextsAt(tick) {
       const { every, ticks, rate, seconds } = this.study;
       const place = `frame ${tick * every} of ${(ticks - 1) * every}`;
       return [place, `${(tick / rate).toFixed(2)} s of ${seconds.toFixed(2)} s`];

@@ -137,7 +137,7 @@ def test_the_truth_is_a_circle_and_errors_have_colours(tab: Page, tmp_path: Path
     assert pixel(tab, guess[0], guess[1], 1) == (206, 86, 122, 255)
     assert pixel(tab, dots(state, 1)[0, 0], dots(state, 1)[0, 1], 1) == (42, 134, 200, 255)
     assert "20 mm and more" in tab.evaluate("document.querySelector('.legend').textContent")
-    text = tab.evaluate("document.querySelectorAll('.told')[1].textContent")
+    text = tab.evaluate("document.querySelectorAll('.readout')[1].textContent")
     assert text == "9 captured, 1 recovered; 1 compared: mean error 12.00 mm, largest 12.00 mm"
 
 
@@ -215,7 +215,7 @@ def test_a_frame_without_weights_says_so(tab: Page, tmp_path: Path) -> None:
     assert tab.evaluate(f"{FIRST}.state")["panels"][0]["dots"] is not None
     tab.evaluate(f"{FIRST}.seek(0)")
     assert tab.evaluate(f"{FIRST}.state")["panels"][0]["dots"] is None
-    assert tab.evaluate("document.querySelector('.told').textContent") == "weights are missing"
+    assert tab.evaluate("document.querySelector('.readout').textContent") == "weights are missing"
     tab.evaluate(f"{FIRST}.seek(5)")
     assert tab.evaluate(f"{FIRST}.state")["panels"][0]["dots"] is not None
 
@@ -298,7 +298,9 @@ def test_one_clock_drives_other_rates_and_lengths(tab: Page, tmp_path: Path) -> 
         tab.evaluate(f"{FIRST}.seek({tick})")
         state = tab.evaluate(f"{FIRST}.state")
         assert [panel["frame"] for panel in state["panels"]] == frames
-    text = tab.evaluate("[...document.querySelectorAll('.told')].map((one) => one.textContent)")
+    text = tab.evaluate(
+        "[...document.querySelectorAll('.readout')].map((each) => each.textContent)"
+    )
     assert text == ["10 captured", "10 captured", "ended after 0.03 s"]
 
 
@@ -315,7 +317,7 @@ def test_odd_recordings_are_shown(tab: Page, tmp_path: Path, name: str) -> None:
     show(tab, tmp_path, panel(recordings()[name]), panel(animations()["one frame"]))
     drawn = dots(tab.evaluate(f"{FIRST}.state"))
     assert np.array_equal(np.isfinite(drawn[:, 0]), recordings()[name].present[0])
-    text = tab.evaluate("document.querySelector('.told').textContent")
+    text = tab.evaluate("document.querySelector('.readout').textContent")
     counts = np.bincount(recordings()[name].origin[0], minlength=2)
     expected = [(counts[1], "captured"), (counts[0], "missing")]
     assert text == ", ".join(f"{count} {word}" for count, word in expected if count)
