@@ -90,7 +90,12 @@ class _Accepted(GenerateJsonSchema):
         return super().model_schema(schema) if _is_strict(schema) else {}
 
     def dataclass_schema(self, schema: Any) -> JsonSchemaValue:
-        return super().dataclass_schema(schema) if _is_strict(schema) else {}
+        if not _is_strict(schema):
+            return {}
+        accepted = super().dataclass_schema(schema)
+        if schema.get("config", {}).get("extra_fields_behavior", "forbid") == "forbid":
+            accepted.setdefault("additionalProperties", False)  # pydantic says so from 2.14 on
+        return accepted
 
     def typed_dict_schema(self, schema: Any) -> JsonSchemaValue:
         return super().typed_dict_schema(schema) if _is_strict(schema) else {}
