@@ -137,6 +137,14 @@ def test_damage_is_left_out(fill: Callable[..., Any], data: st.DataObject) -> No
     assert Code([], remembered).of(fill) == reached
 
 
+def test_a_name_of_a_part_that_is_not_there_is_damage(fill: Callable[..., Any]) -> None:
+    reached, remembered = remember(fill)
+    for entry in remembered["files"].values():
+        summary = entry["summary"]
+        summary["names"] = {name: [99] for name in summary["names"]}
+    assert Code([], remembered).of(fill) == reached
+
+
 @pytest.mark.parametrize("remembered", [None, {}, [], "text", {"format": 1}, {"files": 3}])
 def test_what_is_no_memory_at_all(fill: Callable[..., Any], remembered: Any) -> None:
     assert Code([], remembered).of(fill) == Code([]).of(fill)
