@@ -216,3 +216,16 @@ def test_a_node_knows_labels_that_it_does_not_gather_and_its_key_knows_them_too(
     assert run_of(text, **more)["b"].value == "10, 20"
     assert run_of(text.replace("20]", "20, 30]"), **more)["b"].value == "10, 20, 30"
     assert TIMES[20] == 1
+
+
+def test_what_gathers_is_computed_anew_for_other_values(run_of: RunOf, tmp_path: Path) -> None:
+    text = """
+        axes: {power: [1.0, 2.0]}
+        nodes:
+          a: {use: read.file, with: {path: one.txt}}
+          b: {use: fill.scale, in: a, with: {power: $power}}
+          c: {use: sum.all, in: b}
+        """
+    for content, total in (("2", 6), ("3", 9)):
+        (tmp_path / "one.txt").write_text(content)
+        assert run_of(text, more=[sum_all], store=tmp_path / "store")["c"].value == total
