@@ -85,7 +85,7 @@ PLUGINS = modules(*(path.parent for path in (ROOT / "plugins").glob("nodegraph_*
 def imports(path: Path) -> list[tuple[str, str]]:
     """Return every imported module with each name taken from it, empty for the module itself.
 
-    Imports for type checking only and those inside functions are included.
+    Imports for type checking only, those inside functions and those by a text are included.
     """
     names: list[tuple[str, str]] = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -94,6 +94,9 @@ def imports(path: Path) -> list[tuple[str, str]]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno} is a relative import"
             names.extend((node.module or "", alias.name) for alias in node.names)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            texts = [word.value for word in node.args if isinstance(word, ast.Constant)]
+            names.extend((text, "") for text in texts)
     return names
 
 

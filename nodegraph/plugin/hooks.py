@@ -25,6 +25,8 @@ from nodegraph.plugin.hook_types import (
 from nodegraph.plugin.streaming import LiveView, Sink, Source, Streamable
 
 GROUP = "nodegraph"
+BUILT_IN = "nodegraph.built_in"
+"""The groups of entry points: of plugins, and of what this package itself adds."""
 hookspec = pluggy.HookspecMarker(GROUP)
 hookimpl = pluggy.HookimplMarker(GROUP)
 

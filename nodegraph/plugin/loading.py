@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import importlib.util
 import sys
 import time
 from collections.abc import Container, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.machinery import SourceFileLoader
-from importlib.metadata import Distribution, entry_points
+from importlib.metadata import Distribution, PackageNotFoundError, distribution, entry_points
 from pathlib import Path
 from traceback import walk_tb
 from typing import Any
@@ -71,9 +71,19 @@ class NodesHookError(NodegraphError):
         super().__init__(f"{self.reason} ({file}:{self.line})" if file else self.reason)
 
 
+@cache
 def built_in() -> Plugin:
-    """Return the plugin of this package itself, found by its module's name as others are."""
-    return Plugin(hooks.GROUP, importlib.import_module("nodegraph.built_in"))
+    """Return the plugin of this package itself, whose entry point has a group of its own.
+
+    Raises
+    ------
+    NodegraphError
+        If this package is not installed, or was before it had this entry point.
+    """
+    with suppress(PackageNotFoundError):
+        for entry in distribution(hooks.GROUP).entry_points.select(group=hooks.BUILT_IN):
+            return Plugin(hooks.GROUP, entry.load())
+    raise NodegraphError("nodegraph is not installed as it is here: pip install it (anew)")
 
 
 def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:
