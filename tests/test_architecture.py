@@ -95,8 +95,8 @@ def imports(path: Path) -> list[tuple[str, str]]:
             assert node.level == 0, f"{path}:{node.lineno} is a relative import"
             names.extend((node.module or "", alias.name) for alias in node.names)
         elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
-            texts = [word.value for word in node.args if isinstance(word, ast.Constant)]
-            names.extend((text, "") for text in texts)
+            texts = (word.value for word in node.args if isinstance(word, ast.Constant))
+            names.extend((text, "") for text in texts if isinstance(text, str))
     return names
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import html
+import io
 import json
 import os
 import posixpath
@@ -24,6 +25,8 @@ _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
 """What precedes a path in a text, so that none is matched inside of base 64."""
 _AFTER = r"(?![\w\-])"
 _USERS = ("/home", "/Users")
+_MOST_BYTES = 512_000_000
+"""Of a compressed text: a few kilobytes may hold more than the memory does."""
 
 _FOLDERS = re.compile(
     r"(?<![\w.:/\\<+\-])(?:[A-Za-z]:)?(?:[/\\][^\s:'\"/\\<>,;()]+){2,}(?=[/\\])[/\\]"
@@ -63,10 +66,14 @@ class Relocation:
         return self.text(text).encode(errors="backslashreplace")
 
     def content(self, name: str, content: bytes) -> bytes:
-        """Return the content of a file; the same object if it is not a text."""
+        """Return the content of a file; the same object if it is no text, or one beyond 512 MB."""
         try:
             if name.endswith(".gz"):
-                inner = self.content(name.removesuffix(".gz"), gzip.decompress(content))
+                with gzip.GzipFile(fileobj=io.BytesIO(content)) as packed:
+                    plain = packed.read(_MOST_BYTES + 1)
+                if len(plain) > _MOST_BYTES:
+                    return content
+                inner = self.content(name.removesuffix(".gz"), plain)
                 return gzip.compress(inner, compresslevel=6, mtime=0)
             text = content.decode()
         except (UnicodeDecodeError, OSError, EOFError, zlib.error):

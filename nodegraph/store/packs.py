@@ -30,6 +30,8 @@ _RECORD = struct.Struct("<QIII")
 _HOUR_AT = 12
 """Where in a record the hour stands."""
 _HOUR = 3600.0
+_CAN_PACK = hasattr(os, "pread")
+"""Whether this system reads at a place of a file that others read as well; Windows does not."""
 _LATELY = 2.0
 """Seconds in which a folder may change again without another time of change."""
 
@@ -78,7 +80,7 @@ class Pack:
         self.path = path
         try:
             self._file = os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0))
-        except PermissionError:
+        except OSError:  # nobody may write there
             self._file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
         # not at the end of a block: a store may go on reading what another has replaced
         weakref.finalize(self, os.close, self._file)
@@ -106,12 +108,18 @@ class Pack:
         return Packed(self, index, record) if record.hour else None
 
     def __iter__(self) -> Iterator[Packed]:
-        """Yield every entry that was not removed."""
+        """Yield every entry that was not removed, as far as the file is as long as they say.
+
+        So what is written of a forged pack is never longer than it is.
+        """
+        left = self.size
         records = os.pread(self._file, self._count * _RECORD.size, self._records)
         whole = len(records) // _RECORD.size * _RECORD.size  # another program may have cut it
         for index, parts in enumerate(_RECORD.iter_unpack(records[:whole])):
             record = Record(*parts)
-            if record.hour:
+            is_whole = record.offset + record.length <= self.size and record.length <= left
+            if record.hour and is_whole:
+                left -= record.length
                 yield Packed(self, index, record)
 
     def key(self, index: int) -> bytes:
@@ -186,10 +194,10 @@ class Packs:
         except FileNotFoundError:
             changed = 0
         if changed != self._changed or time.time() - changed / 1e9 < _LATELY:
-            self._changed = changed
             paths = [each.path for each in files.files_in(self.folder)]
             kept = {path: self._open.get(path) or _opened(path) for path in paths}
             self._open = {path: pack for path, pack in kept.items() if pack is not None}
+            self._changed = changed  # last: another thread may look meanwhile
         return list(self._open.values())
 
     def add(self, entries: Iterable[Small]) -> None:
@@ -210,11 +218,11 @@ class Packs:
         """Keep other programs from packing meanwhile; give whether nobody does so already."""
         os.makedirs(self.folder, exist_ok=True)
         with open(f"{self.folder}/lock", "ab") as lock:
-            yield hasattr(os, "pread") and files.locked(lock)
+            yield _CAN_PACK and files.locked(lock)
 
 
 def _opened(path: str) -> Pack | None:
-    if not path.endswith(_SUFFIX):
+    if not path.endswith(_SUFFIX) or not _CAN_PACK:
         return None
     try:
         return Pack(path)

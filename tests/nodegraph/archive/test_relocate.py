@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from nodegraph.archive import relocate
 from nodegraph.archive.relocate import Relocation, relocate_graph, relocate_settings
 from nodegraph.runs.settings import RunSettings
 
@@ -47,6 +48,15 @@ def test_compressed_texts_are_relocated_and_binary_files_are_not() -> None:
         assert RELOCATION.content("a.bin", content) is content
         assert RELOCATION.matches(content)
     assert RELOCATION.content("not.gz", b"/data/old/") == b"/data/old/"
+
+
+def test_a_text_that_is_compressed_beyond_a_bound_stays_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(relocate, "_MOST_BYTES", 1000)
+    for count in (990, 1001):
+        packed = gzip.compress(b"/data/old/".ljust(count))
+        assert (RELOCATION.content("a.txt.gz", packed) is packed) == (count > 1000)
     assert not RELOCATION.matches(b"\xff nothing")
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
@@ -176,6 +178,37 @@ def test_a_damaged_or_forged_pack_gives_no_wrong_value(
     assert all(number == value for number, value in values(packed).items())
     Upkeep(packed.folder).clear()
     assert not packs(packed)
+
+
+def test_a_pack_that_claims_more_than_it_holds_does_not_grow(packed: Store) -> None:
+    (path,) = packs(packed)
+    content, size = bytearray(path.read_bytes()), path.stat().st_size
+    first = 24 + COUNT * 32
+    for index in range(COUNT):
+        record = first + index * 20
+        content[record + 8 : record + 12] = struct.pack("<I", 2**32 - 1 if index % 2 else size // 2)
+    path.write_bytes(content)
+    Upkeep(packed.folder).prune(older_than=50 * DAY)
+    for number in range(COUNT, COUNT + 50):
+        save(packed, number)
+    Upkeep(packed.folder).tidy()
+    assert sum(each.stat().st_size for each in packs(packed)) < 4 * size
+
+
+def test_a_pack_is_read_on_a_disk_where_nothing_can_be_written(
+    packed: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opens = os.open
+
+    def refusing(path: str, flags: int, mode: int = 0o777) -> int:
+        if flags & os.O_RDWR:  # as a mount for reading does
+            raise OSError(errno.EROFS, "Read-only file system")
+        return opens(path, flags, mode)
+
+    monkeypatch.setattr(os, "open", refusing)
+    assert values(Store(packed.folder, Packer(), pytest.fail)) == {
+        number: number for number in range(COUNT)
+    }
 
 
 def test_a_damaged_entry_is_reported_once_and_the_others_stay(

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from nodegraph import Across, Storage
-from nodegraph.store import About, Packer, Store, Upkeep, store_folder
+from nodegraph.store import About, Packer, Store, Upkeep, store_folder, upkeep
 
 from .forged import seal
 
@@ -256,7 +256,9 @@ assert len(store.recall("code")) == 1
 """
 
 
-def test_many_programs_share_a_folder(tmp_path: Path, store: Store, files: Files) -> None:
+def test_many_programs_share_a_folder(
+    store: Store, files: Files, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     racing = [
         subprocess.Popen(
@@ -270,7 +272,10 @@ def test_many_programs_share_a_folder(tmp_path: Path, store: Store, files: Files
     for process in racing:
         _, message = process.communicate()
         assert process.returncode == 0, message
-    assert 0 < len(files("entries")) + len(files("packs")) < 20
+    monkeypatch.setattr(upkeep, "_FEW", 5)
+    Upkeep(store.folder).tidy()
+    assert len(files("entries")) < 5
+    assert list(store.folder.glob("format-1/packs/*.pack"))
     assert {listed.entry.key for listed in Upkeep(store.folder).entries()} == {
         key_of(index) for index in range(30)
     }
