@@ -7,14 +7,12 @@ import re
 import shutil
 import subprocess
 import sys
-from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 
 import nodegraph as ng
 from nodegraph.cli.main import main
-from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from tests import readmes
@@ -91,23 +89,6 @@ def test_the_python_code_runs(tmp_path: Path) -> None:
     assert (tmp_path / "runs" / "fill" / "report.html").is_file()
 
 
-def test_the_hook_is_that_of_a_plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    node, hook = blocks("python")[:2]
-    package = tmp_path / "my_package"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "fill.py").write_text(node)
-    (package / "hooks.py").write_text(hook)
-    monkeypatch.syspath_prepend(tmp_path)
-    entry = EntryPoint("mine", "my_package.hooks", "nodegraph")
-    monkeypatch.setattr(loading, "entry_points", lambda *, group: [entry])
-    try:
-        assert [entry.full_name for entry in Registry.installed()] == ["mine:fill.first"]
-    finally:
-        for name in [name for name in sys.modules if name.partition(".")[0] == "my_package"]:
-            del sys.modules[name]
-
-
 def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
@@ -150,7 +131,9 @@ def test_the_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     recording = ng.get_node("synthesize.face")(seconds=3.0).captured
     files = ng.get_node("write.c3d")(recording, name="mine")
     (tmp_path / "mine.c3d").write_bytes(files.content["mine.c3d"])
+    page = (ROOT / "nodegraph" / "site" / "pages" / "reproduce.md").read_text()
     commands = list(readmes.commands(README))
+    commands += [words for words in readmes.commands(page) if words not in commands]
     for words in commands:
         if readmes.is_ours(words):
             readmes.run_command(words)

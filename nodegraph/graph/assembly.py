@@ -123,10 +123,11 @@ class Assembler:
         gathers = any(method.gathers for method in methods.values())
         if spec.over and methods and not gathers:
             self._problems.add(spec.over[0][1], f"{spec.name}: 'over' needs a port that gathers")
-        for method in methods.values():
-            for source in method.references():
-                if source.at and (reason := self._check_fixed_axes(source)):
-                    self._left_out.append(LeftOut(spec.name, reason))
+        sources = (source for method in methods.values() for source in method.references())
+        removed = [self._check_fixed_axes(source) for source in sources if source.at]
+        if labels_removed := list(dict.fromkeys(filter(None, removed))):
+            reason = f"it needs {', '.join(labels_removed)}, which the command has removed"
+            self._left_out.append(LeftOut(spec.name, reason))
         if not all(map(self._is_complete, resolved)):
             self._incomplete.add(spec.name)
         is_certain = gathers and spec.name not in self._incomplete
@@ -195,7 +196,7 @@ class Assembler:
                     self._problems.add(place, f"{node.name}: {message}", instead)
 
     def _check_fixed_axes(self, source: Reference) -> str:
-        """Check the axes that a reference fixes; return why it is left out, if it is."""
+        """Check the axes that a reference fixes; return the label that was removed, if any."""
         if not source.at or source.node in self._incomplete:
             return ""
         return check_fixed_axes(source, self._nodes, self._namespace.axes, self._problems)

@@ -65,21 +65,21 @@ def free_axes(source: Reference, nodes: Mapping[str, GraphNode]) -> tuple[str, .
 def check_fixed_axes(
     source: Reference, nodes: Mapping[str, GraphNode], axes: Mapping[str, Axis], problems: Problems
 ) -> str:
-    """Check the axes and labels in ``at``; return why the source is left out, if it is."""
+    """Check the axes and labels in ``at``; return a label that the command has removed."""
     node = nodes.get(source.node)
     if node is None:
         return ""
-    reason = ""
+    removed = ""
     for name, label in source.at.items():
         if name not in node.axes:
             hint = nearest(name, node.axes, what=f"axes of {source.node}")
             problems.add(source.place, f"{source.node!r} has no axis {name!r}", hint)
         elif label in axes[name].removed:
-            reason = f"made of {name}={label}, which the command has removed"
+            removed = f"{name}={label}"
         elif label not in axes[name].labels and axes[name].labels:
             hint = nearest(label, axes[name].labels, what="labels")
             problems.add(source.place, f"axis {name!r} has no label {label!r}", hint)
-    return reason
+    return removed
 
 
 def _over(

@@ -314,10 +314,7 @@ class Graph:
 
     def reasons_left_out(self) -> dict[str, str]:
         """Return why nodes are left out, by node."""
-        reasons: dict[str, dict[str, None]] = {}
-        for item in self.left_out:
-            reasons.setdefault(item.node, {})[item.reason] = None
-        return {node: "; ".join(several) for node, several in reasons.items()}
+        return {item.node: item.reason for item in self.left_out}
 
     def left_out_together(self) -> dict[str, tuple[str, ...]]:
         """Return which nodes are left out, by the reason that they have in common."""

@@ -84,7 +84,7 @@ def site_files(
     pages = [
         _start(_PICTURE if picture else ""),
         studies,
-        *map(markdown_page, ("tutorial", "live", "clusters", "statistics")),
+        *map(markdown_page, ("tutorial", "reproduce", "live", "clusters", "statistics")),
         *node_pages(registry),
         command_page(parsers),
         language_page(),

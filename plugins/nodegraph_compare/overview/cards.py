@@ -359,6 +359,11 @@ def _table(heads: str, rows: Sequence[str]) -> str:
 
 def scope_line(overview: Overview) -> str:
     """Return what the verdicts hold for, what the numbers are, and how the cards are read."""
+    return scope_sentences(overview) + Markup(_legend(overview))
+
+
+def scope_sentences(overview: Overview) -> Markup:
+    """Return what the verdicts hold for, and what the numbers are."""
     scopes = list(dict.fromkeys(group.scope for group in overview.groups if group.scope))
     metric = overview.metric
     first = scopes[0] if scopes else ""
@@ -382,7 +387,7 @@ def scope_line(overview: Overview) -> str:
     unit = f" ({in_unit([], metric.unit).strip()})" if metric.unit else ""
     over = overview.units if first.startswith("over ") else overview.blocks
     numbers = f"Mean {escape(metric.name)}{unit} over {escape(over)}, {end}."
-    return Markup(f"{holds}{few} {numbers}{_legend(overview)}")
+    return Markup(f"{holds}{few} {numbers}")
 
 
 def _legend(overview: Overview) -> str:

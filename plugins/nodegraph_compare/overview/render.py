@@ -10,7 +10,7 @@ from markupsafe import Markup, escape
 
 from nodegraph import Rendered, json_script
 from nodegraph_compare.left_out import start_text
-from nodegraph_compare.overview.cards import scope_line, verdicts
+from nodegraph_compare.overview.cards import scope_line, scope_sentences, verdicts
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.sentence import sentences
@@ -84,10 +84,11 @@ def _lead(overview: Overview, name: str, meanings: Mapping[str, str]) -> str:
 
 def _answer(overview: Overview) -> tuple[str, ...]:
     """Return the sentences as text, as a terminal shows them."""
-    return tuple(
+    verdict = (
         f"{start_text(label)}{Markup(html).striptags()}"
         for label, html in sentences(overview).items()
     )
+    return (*verdict, scope_sentences(overview).striptags())
 
 
 def _ranking_heading(overview: Overview) -> str:

@@ -129,7 +129,7 @@ report: [table]
     assert graph_of(text).left_out == ()
     graph = graph_of(text, only={"length": (5, 15)})
     assert [(item.node, item.reason) for item in graph.left_out] == [
-        ("one", "made of length=45, which the command has removed"),
+        ("one", "it needs length=45, which the command has removed"),
         ("two", "it needs one, which is left out"),
     ]
     assert list(graph.nodes) == ["capture", "gaps", "fill", "error", "table", "shown"]

@@ -218,6 +218,7 @@ def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
         "oven gas",
         "oven coal",
         "oven wood",
+        "Scope",
     ]
     assert section.lead.count('type="radio"') == section.lead.count("It depends on heat: ") == 3
     assert 'title="Gas, or &lt;coal&gt;."' in section.lead
