@@ -19,8 +19,19 @@ compiled = kernel(fastmath={"reassoc", "contract"})
 
 
 @compiled
-def information(basis: Floats, noise: Floats, missing: Flags) -> Floats:
-    """Return ``I = sum_j c_j c_j' / r_j`` of every frame, over the coordinates that it has.
+def smooth(
+    basis: Floats, noise: Floats, missing: Flags, rows: Floats, first: Floats
+) -> tuple[Floats, Floats]:
+    """Return the state in every frame, all frames being known, and its covariance.
+
+    The state is ``x[t+1] = x[t] + w``, w of covariance 1. What a frame has, values y of the
+    coordinates c with noise r, has the likelihood ``exp(-x' I x / 2 + i' x)`` with
+    ``I = sum_j c_j c_j' / r_j`` and ``i = sum_j c_j y_j / r_j``. The precision of all states is
+    then block tridiagonal, with -1 beside the diagonal. Going forward, W is the inverse of what
+    eliminating the frames before leaves of a diagonal block, ``W[t+1] = inv(2 + I[t+1] - W[t])``
+    and ``h[t+1] = i[t+1] + W[t] h[t]``; going back, ``x[t] = W[t] (h[t] + x[t+1])`` and
+    ``P[t] = W[t] + W[t] P[t+1] W[t]``. This is the Kalman filter and the smoother of Rauch, Tung
+    and Striebel in the form of Cholesky's factors.
 
     Parameters
     ----------
@@ -29,53 +40,8 @@ def information(basis: Floats, noise: Floats, missing: Flags) -> Floats:
     noise : (P,) array of float64
         r.
     missing : (T, P) array of bool
-
-    Returns
-    -------
-    (T, D, D) array
-    """
-    frames, width = missing.shape
-    size = basis.shape[1]
-    information = np.empty((frames, size, size))
-    total = (basis.T / noise) @ basis
-    for t in range(frames):
-        here = information[t]
-        if t and np.array_equal(missing[t], missing[t - 1]):
-            here[:] = information[t - 1]
-            continue
-        # the fewer of what a frame has and what it lacks
-        has = 2 * np.count_nonzero(missing[t]) > width
-        here[:] = 0.0
-        if not has:
-            here[:] = total
-        for j in range(width):
-            if missing[t, j] != has:
-                row, weight = basis[j], (1.0 if has else -1.0) / noise[j]
-                for i in range(size):
-                    line, factor = here[i], weight * row[i]
-                    for k in range(size):
-                        line[k] += factor * row[k]
-    return information
-
-
-@compiled
-def smooth(information: Floats, vectors: Floats, first: Floats) -> tuple[Floats, Floats]:
-    """Return the state in every frame, all frames being known, and its covariance.
-
-    The state is ``x[t+1] = x[t] + w``, w of covariance 1. What is measured in a frame has the
-    likelihood ``exp(-x' I x / 2 + i' x)``. The precision of all states is then block
-    tridiagonal, with -1 beside the diagonal. Going forward, W is the inverse of what eliminating
-    the frames before leaves of a diagonal block, ``W[t+1] = inv(2 + I[t+1] - W[t])`` and
-    ``h[t+1] = i[t+1] + W[t] h[t]``; going back, ``x[t] = W[t] (h[t] + x[t+1])`` and
-    ``P[t] = W[t] + W[t] P[t+1] W[t]``. This is the Kalman filter and the smoother of Rauch, Tung
-    and Striebel in the form of Cholesky's factors.
-
-    Parameters
-    ----------
-    information : (T, D, D) array of float64
-        I.
-    vectors : (T, D) array of float64
-        i.
+    rows : (T, P) array of float64
+        y, zero where missing.
     first : (D, D) array of float64
         Covariance of the state before the first frame; its mean is 0. May be singular.
 
@@ -84,21 +50,38 @@ def smooth(information: Floats, vectors: Floats, first: Floats) -> tuple[Floats,
     states : (T, D) array
     covariances : (T, D, D) array
     """
-    states, covariances = vectors.copy(), np.empty_like(information)
-    last, identity = len(states) - 1, np.eye(len(first))
-    start = _symmetric(np.linalg.solve(identity + first @ information[0], first))
-    covariances[0] = _symmetric(np.linalg.solve(identity + start, start)) if last else start
+    last, identity = len(rows) - 1, np.eye(len(first))
+    weighted = basis / noise.reshape(-1, 1)
+    total = basis.T @ weighted
+    information = _information(missing[0], basis, weighted, total)
+    states, covariances = rows @ weighted, np.empty((len(rows), *first.shape))
+    start = np.linalg.solve(identity + first @ information, first)
+    covariances[0] = np.linalg.solve(identity + start, start) if last else start
     for t in range(1, last + 1):
         before = covariances[t - 1]
         states[t] += before @ states[t - 1]
-        ahead = 2.0 * identity if t < last else identity
-        covariances[t] = _symmetric(np.linalg.inv(ahead + information[t] - before))
+        if not np.array_equal(missing[t], missing[t - 1]):
+            information = _information(missing[t], basis, weighted, total)
+        block = information - before
+        for i in range(len(block)):
+            block[i, i] += 2.0 if t < last else 1.0
+        covariances[t] = _inverse(block)
     states[last] = covariances[last] @ states[last]
     for t in range(last - 1, -1, -1):
         back = covariances[t]
         states[t] = back @ (states[t] + states[t + 1])
-        covariances[t] = back + _symmetric(back @ covariances[t + 1] @ back)
+        covariances[t] = back + back @ (covariances[t + 1] @ back)
     return states, covariances
+
+
+@compiled
+def _information(missing: Flags, basis: Floats, weighted: Floats, total: Floats) -> Floats:
+    """Return I of a frame, the sum over the coordinates that it has, from that over all."""
+    places = np.flatnonzero(missing)
+    if 2 * len(places) > len(missing):
+        places = np.flatnonzero(~missing)
+        return basis[places].T @ weighted[places]
+    return total - basis[places].T @ weighted[places]
 
 
 @compiled
@@ -155,6 +138,15 @@ def without(
 
 
 @compiled
-def _symmetric(matrix: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return a matrix without what rounding makes it differ from its transpose by."""
-    return (matrix + matrix.T) / 2.0
+def _inverse(matrix: Floats) -> Floats:
+    """Return the inverse of a symmetric positive definite matrix, from Cholesky's factor."""
+    factor = np.linalg.cholesky(matrix)
+    inverse = np.zeros_like(factor)
+    for i in range(len(factor)):
+        line, scale = inverse[i], 1.0 / factor[i, i]
+        for k in range(i):
+            other, share = inverse[k], scale * factor[i, k]
+            for j in range(k + 1):
+                line[j] -= share * other[j]
+        line[i] = scale
+    return inverse.T @ inverse

@@ -194,46 +194,52 @@ class _Mixing:
 
 @dataclass(frozen=True)
 class _Spectrum:
-    """The sum ``f = sum h(d_i)`` and what its derivatives are made of, from ``X' X = V d^2 V'``.
+    """What the derivatives of ``f = sum h(d_i)`` are made of, from ``X' X = V d^2 V'``.
 
     Attributes
     ----------
-    total : float
-        f.
+    squares : (P,) array of float64
+        d^2.
     vectors : (P, P) array of float64
         V.
-    precision : (P, P) array of float64
-        ``K = V k V'``.
-    bend : (P, P) array of float64
-        The divided differences of k as a function of d^2: a change E of X changes K by
-        ``V (bend * V' (E' X + X' E) V) V'``.
+    threshold : float
+        s.
     """
 
-    total: float
+    squares: NDArray[np.float64]
     vectors: NDArray[np.float64]
-    precision: NDArray[np.float64]
-    bend: NDArray[np.float64]
+    threshold: float
 
     @staticmethod
     def of(gram: NDArray[np.float64], threshold: float) -> _Spectrum:
         squares, vectors = np.linalg.eigh(gram)
-        squares = np.maximum(squares, 0.0)
-        values = np.sqrt(squares)
-        large, small = np.maximum(values, threshold), np.minimum(values, threshold)
-        shares = threshold / large
+        return _Spectrum(np.maximum(squares, 0.0), vectors, threshold)
+
+    @property
+    def precision(self) -> NDArray[np.float64]:
+        """``K = V k V'``."""
+        return np.asarray((self.vectors * self._shares) @ self.vectors.T)
+
+    @property
+    def bend(self) -> NDArray[np.float64]:
+        """The divided differences of k as a function of d^2, (P, P).
+
+        A change E of X changes K by ``V (bend * V' (E' X + X' E) V) V'``.
+        """
+        squares, shares, threshold = self.squares, self._shares, self.threshold
+        large = threshold / shares
         bend = -threshold / (np.multiply.outer(large, large) * np.add.outer(large, large))
-        flat = values <= threshold
+        flat = squares <= threshold**2
         if flat.any():
             bend[np.ix_(flat, flat)] = 0.0
-            mixed = flat[:, None] != flat
-            i, j = np.nonzero(mixed)
+            i, j = np.nonzero(flat[:, None] != flat)
             bend[i, j] = (shares[i] - shares[j]) / (squares[i] - squares[j])
-        return _Spectrum(
-            total=float((small * (large - threshold + small / 2.0)).sum()),
-            vectors=vectors,
-            precision=(vectors * shares) @ vectors.T,
-            bend=bend,
-        )
+        return bend
+
+    @property
+    def _shares(self) -> NDArray[np.float64]:
+        """``k = min(1, s / d)``."""
+        return np.asarray(self.threshold / np.maximum(np.sqrt(self.squares), self.threshold))
 
 
 class Entries:

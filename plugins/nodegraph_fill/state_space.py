@@ -52,9 +52,7 @@ class StateSpace:
 
         rows, basis = np.where(matrix.missing, 0.0, matrix.rows - self.middle), self._basis
         states, covariances = kalman_kernel.smooth(
-            kalman_kernel.information(basis, self.noise, matrix.missing),
-            rows / self.noise @ basis,
-            self._first,
+            basis, self.noise, matrix.missing, rows, self._first
         )
         sigma = self._sigma(matrix, covariances) if with_sigma else None
         estimate = Estimate(self._positions(matrix, states), sigma)
