@@ -180,11 +180,14 @@ def _segments(
             means, blocks = _means(values, place, parts * count)
             strata = np.repeat(np.arange(count), parts) if count > 1 else None
             return Units("segments", count, means, place, strata, int(blocks.min()))
-    why = "no block has a number for every method"
-    if relative:
+    parts, needed = _SEGMENTS[-1]
+    if not relative:
+        why = "no block has a number for every method"
+    elif relative[shortest] < needed:
         first, last = spans[shortest]
-        least = _SEGMENTS[-1][1] * lengths[shortest]
-        why = f"too few {unit} ({last - first:.0f} where it takes {least:.0f})"
+        why = f"too few {unit} ({last - first:.0f} where it takes {needed * lengths[shortest]:.0f})"
+    else:
+        why = f"too few blocks ({len(values)} leave one of {parts * count} segments without any)"
     return Units("nothing", count, overall, cluster, why=why)
 
 

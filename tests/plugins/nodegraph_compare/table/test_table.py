@@ -145,6 +145,25 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
     assert " for further trials in this recording; every other method is clearly beh" in sentence
 
 
+@pytest.mark.parametrize(
+    ("last", "expected"),
+    [
+        (995, "too few blocks (20 leave one of 6 segments without any)"),
+        (150, "too few frames (155 where it takes "),
+    ],
+)
+def test_a_recording_without_enough_segments_is_said_to_lack_what_it_lacks(
+    last: int, expected: str
+) -> None:
+    random = np.random.default_rng(0)
+    start = np.append(np.arange(19) * 7, last)
+    scores = {
+        name: scored(random.lognormal(size=20)).assign(start=start, frames=5) for name in ("a", "b")
+    }
+    (sentence,) = info_of(table_of(Across.of(scores, axis="fill")).table).answer
+    assert expected in sentence
+
+
 def test_the_answer_names_who_is_not_clearly_behind() -> None:
     near = [1.0, 1.2, 0.9, 1.1, 1.2, 1.0, 0.9, 1.1]
     tables = {"a": near, "b": [1.3, 1.0, 0.9, 1.2] * 2, "far": [9.0, 9.1, 9.2, 9.0] * 2, "a2": near}
