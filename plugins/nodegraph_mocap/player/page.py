@@ -15,8 +15,14 @@ from importlib.resources import files
 
 from nodegraph import Rendered, Renderer, standalone_page
 from nodegraph_mocap.playback import Panel, Playback
-from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.recording import Origin, Trajectories
 
+_ORIGINS = {
+    Origin.MEASURED: "captured",
+    Origin.FILLED: "recovered",
+    Origin.REPAIRED: "repaired",
+    Origin.MISSING: "missing",
+}
 _SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "player")
 
 
@@ -66,7 +72,15 @@ def _content(panel: Panel) -> str:
         else f"a head of {len(shown.head.vertices)} vertices, {len(shown.head.names)} morph targets"
     )
     name = panel.label or "without a label"
-    return f"{name}: {what}, {shown.frames} frames at {shown.rate:g} Hz ({panel.seconds:.2f} s)"
+    origins = f"; samples: {_origins(shown)}" if isinstance(shown, Trajectories) else ""
+    length = f"{shown.frames} frames at {shown.rate:g} Hz ({panel.seconds:.2f} s)"
+    return f"{name}: {what}, {length}{origins}"
+
+
+def _origins(recording: Trajectories) -> str:
+    """Return how many samples come from where: ``1,200 captured, 40 recovered, 3 missing``."""
+    counts = {word: int((recording.origin == origin).sum()) for origin, word in _ORIGINS.items()}
+    return ", ".join(f"{count:,} {word}" for word, count in counts.items() if count)
 
 
 @cache
