@@ -184,7 +184,9 @@ def run(
         graph = build(graph.spec, _registry(plugins) or graph.registry, choices)
     opened = open_store(graph.registry, Path(store) if store else None, _warn) if cache else None
     how = HowToRun(executor, jobs, scheduler, timeout, memory)
-    return run_graph(graph, how, store=opened, until=until, listeners=listeners)
+    finished = run_graph(graph, how, store=opened, until=until, listeners=listeners)
+    finished.tidy()
+    return finished
 
 
 def run_graph(

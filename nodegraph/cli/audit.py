@@ -45,6 +45,7 @@ def audit(arguments: Namespace) -> int:
     print(columns(list(_rows(run, by_method, audited))))
     for line in (*_notes(audited.values(), writable=store.writable), *run.not_stored()):
         print(f"\n{line}")
+    run.tidy()
     return 0 if all(result.grade.passes for result in audited.values()) else 1
 
 

@@ -44,4 +44,5 @@ def lock(arguments: Namespace) -> int:
     write_and_print(path, text.encode())
     if not run.ok:
         say("some steps failed; the lock records that")
+    run.tidy()
     return 0 if run.ok else 1

@@ -101,4 +101,6 @@ def run(arguments: Namespace) -> int:
         import webbrowser
 
         webbrowser.open((folder.path / REPORT).resolve().as_uri())
+    sys.stdout.flush()
+    finished.tidy()
     return 0 if written.study.ok and not written.lost else 1

@@ -52,7 +52,11 @@ def verify(arguments: Namespace) -> int:
         say(text)
     store = open_store(registry, arguments.store, say)
     with _store_for_run(store, rerun=arguments.rerun) as run_store:
-        return _compare(lock, run_of(arguments, graph, store=run_store), store)
+        run = run_of(arguments, graph, store=run_store)
+        status = _compare(lock, run, store)
+        if not arguments.rerun:
+            run.tidy()
+        return status
 
 
 @contextmanager

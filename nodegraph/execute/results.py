@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ from nodegraph.execute.threads import serial
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
-from nodegraph.store import Packer
+from nodegraph.store import Packer, Upkeep
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -95,6 +96,17 @@ class Run:
         """Return why results are not stored: ``2 results are not stored: why``."""
         reasons = self.cache.not_stored if self.cache is not None else {}
         return [f"{count} results are not stored: {reason}" for reason, count in reasons.items()]
+
+    def tidy(self) -> None:
+        """Pack the small results that were stored, and keep the bound on the size of the store.
+
+        It may take seconds, so that a command shows the answer first. Ctrl-C ends it early; what is
+        left is done after a later run.
+        """
+        store = self.cache.store if self.cache is not None else None
+        with suppress(KeyboardInterrupt):
+            if store is not None and store.saved and (removed := Upkeep(store.folder).tidy()):
+                store.say(removed)
 
     def values_of(self, index: int) -> tuple[Any, ...]:
         """Return a step's values: from memory, from the store, or computed again.

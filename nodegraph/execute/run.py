@@ -18,7 +18,7 @@ from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Plan
 from nodegraph.state import State
-from nodegraph.store import Packer, Store, Upkeep
+from nodegraph.store import Packer, Store
 
 _SECONDS = "seconds"
 """Under this name a store remembers how long a step of each node takes."""
@@ -81,8 +81,6 @@ def execute(
             )
         if store is not None and (means := log.means()):
             store.remember(_SECONDS, earlier | means)
-        if store is not None and store.saved and (removed := Upkeep(store.folder).tidy()):
-            store.say(removed)
     except BaseException:
         log.interrupted()
         raise

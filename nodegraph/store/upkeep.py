@@ -118,11 +118,12 @@ class Upkeep:
         str
             A line that says what was removed; empty if nothing was.
         """
-        try:
+        with suppress(OSError):  # a disk that is full, or not to be written to
             self._pack()
+        try:
             most = shutil.disk_usage(self._root).total // _SHARE
             removed = self.prune(keep=most) if self.size().size > most else _NONE
-        except OSError:  # a disk that is full, or not to be written to, is the run's to report
+        except OSError:
             return ""
         if removed == _NONE:
             return ""

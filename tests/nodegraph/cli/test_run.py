@@ -13,6 +13,7 @@ import pytest
 import nodegraph_dask
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
+from nodegraph.store import Upkeep
 from tests.records import read_record
 
 Command = Callable[..., tuple[int, str, str]]
@@ -28,6 +29,23 @@ def test_a_run_writes_its_folder_and_ends_with_0(command: Command) -> None:
     for name in ("report.html", "run.json", "steps.jsonl.gz", "graph.yaml", "events.jsonl"):
         assert (Path("runs/toy") / name).is_file()
     assert Path("runs/toy/graph.yaml").read_text() == Path("toy.yaml").read_text()
+
+
+def test_results_are_packed_after_the_answer_and_an_interrupt_loses_nothing(
+    command: Command, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = []
+
+    def tidy(_: Upkeep) -> str:
+        before.append(capsys.readouterr().out)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Upkeep, "tidy", tidy)
+    status, out, err = command("run", "toy.yaml")
+    assert (status, out, err) == (0, "", "")
+    (shown,) = before
+    assert "runs/toy/report.html" in shown
+    assert command("run", "toy.yaml")[1].count("stored") > 0
 
 
 def test_a_run_with_other_settings_keeps_the_first(command: Command) -> None:

@@ -83,7 +83,7 @@ def test_a_node_that_is_left_out_has_a_reason(run_of: Callable[..., Run]) -> Non
     )
     run = run_of(text, only={"k": (1,)})
     with pytest.raises(
-        NodegraphError, match=r"'x' is left out: made of k=2, which the command has"
+        NodegraphError, match=r"'x' is left out: it needs k=2, which the command has"
     ):
         _ = run["x"]
 

@@ -246,7 +246,9 @@ def test_a_store_is_bounded_and_a_run_says_so_once(
         nodes = "nodes: {a: {use: words.word, with: {number: $x}}}"
         text = f"nodegraph: 1\n{axes}\n{nodes}"
         graph = build(read_graph_text(text, "words.yaml", tmp_path), registry)
-        assert execute(plan(graph), store=Store(folder, Packer(), lines.append)).ok
+        run = execute(plan(graph), store=Store(folder, Packer(), lines.append))
+        run.tidy()
+        assert run.ok
 
     run(0, 7)
     assert lines == []
