@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.hook_types import Rendered
-from nodegraph.runs.folder import RECORD, STUDY
+from nodegraph.runs.folder import RECORD, STUDY, content_of
 from nodegraph.validation import first_error
 
 if TYPE_CHECKING:
@@ -349,11 +349,7 @@ def read_study(folder: Path) -> Study:
 
     path = folder / STUDY
     try:
-        with gzip.open(path) as file:
-            content = file.read(_MOST_BYTES + 1)
-        if len(content) > _MOST_BYTES:
-            raise ValueError(f"it has more than {_MOST_BYTES / 1e6:.0f} MB")
-        data = json.loads(content)
+        data = json.loads(content_of(path, _MOST_BYTES))
         return _adapter().validate_python(data)
     except (FileNotFoundError, NotADirectoryError):
         if (folder / RECORD).is_file():

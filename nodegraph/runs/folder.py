@@ -5,12 +5,13 @@ from __future__ import annotations
 import gzip
 import json
 import shutil
+import stat
 import warnings
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from datetime import datetime
-from io import FileIO
+from io import BufferedIOBase, FileIO
 from itertools import chain
 from operator import itemgetter
 from pathlib import Path
@@ -27,6 +28,8 @@ EVENTS = "events.jsonl"
 STUDY = "study.json.gz"
 REPORT = "report.html"
 _GRAPH = "graph.yaml"
+_MOST_BYTES = 2**29
+"""Of a file as text: more than a million steps have."""
 _LONGEST_NUMBER = len(".9999")
 _HOW = ("executor", "jobs", "scheduler")
 """Settings that decide no result."""
@@ -41,6 +44,44 @@ def graph_name(used: Iterable[str]) -> str:
         The paths of the graph files that it uses, which keep their names.
     """
     return portable_name(_GRAPH, exact=_GRAPH not in map(fold, used))
+
+
+def content_of(path: Path, most: int = _MOST_BYTES) -> bytes:
+    """Return the content of a file of a run folder; what ends in ``.gz`` is decompressed.
+
+    Raises
+    ------
+    OSError, EOFError, zlib.error
+        If it cannot be read or decompressed.
+    ValueError
+        If it is a device or a pipe, or longer than `most` bytes.
+    """
+    with _opened(path) as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise _too_long(most)
+    return content
+
+
+def lines_of(path: Path) -> Iterator[bytes]:
+    """Yield the lines of a file of a run folder; errors are those of `content_of`."""
+    left = _MOST_BYTES
+    with _opened(path) as file:
+        while line := file.readline(left + 1):
+            left -= len(line)
+            if left < 0:
+                raise _too_long(_MOST_BYTES)
+            yield line
+
+
+def _opened(path: Path) -> BufferedIOBase:
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise ValueError("it is not a regular file")
+    return gzip.open(path) if path.suffix == ".gz" else path.open("rb")
+
+
+def _too_long(most: int) -> ValueError:
+    return ValueError(f"it has more than {most / 1e6:.0f} MB")
 
 
 class RunFolder:
@@ -183,12 +224,14 @@ def _files_in(folder: Path) -> set[Path]:
 def _identity(folder: Path) -> object | None:
     """Return what two folders of the same run share; None if a result has no key or is lost."""
     try:
-        record = json.loads((folder / RECORD).read_bytes())
+        record = json.loads(content_of(folder / RECORD))
         settings = {name: value for name, value in record["settings"].items() if name not in _HOW}
-        with gzip.open(folder / STEPS) as lines:
-            steps = [itemgetter("node", "labels", "key")(json.loads(line)) for line in lines]
+        steps = [
+            itemgetter("node", "labels", "key")(json.loads(line))
+            for line in lines_of(folder / STEPS)
+        ]
         lost = record.get("not_shown") or record.get("not_written")
-        graph = (folder / graph_name(record["included"])).read_bytes()
+        graph = content_of(folder / graph_name(record["included"]))
     except (OSError, EOFError, zlib.error, ValueError, LookupError):
         return None
     except (TypeError, AttributeError, RecursionError):  # JSON, but no record

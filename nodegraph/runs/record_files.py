@@ -17,15 +17,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.runs.folder import RECORD, STEPS
+from nodegraph.runs.folder import RECORD, STEPS, content_of, lines_of
 from nodegraph.runs.record import FORMAT, Cell, NotShown, Record, RecordedStep
 from nodegraph.validation import first_error
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
-
-_MOST_BYTES = 2**29
-"""Of the steps as text: more than a million steps have."""
 
 
 def record_bytes(record: Record) -> bytes:
@@ -56,7 +53,7 @@ def read_record(folder: Path) -> Record:
     """
     path = folder / RECORD
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(content_of(path))
     except (FileNotFoundError, NotADirectoryError):
         raise NodegraphError(
             f"{path}: there is no finished run; run the graph, or name the folder of a run"
@@ -79,15 +76,9 @@ def read_record(folder: Path) -> Record:
 
 def _read_steps(path: Path) -> list[RecordedStep]:
     steps: list[RecordedStep] = []
-    left = _MOST_BYTES
     try:
-        with gzip.open(path) as file:
-            while line := file.readline(left + 1):
-                left -= len(line)
-                if left < 0:
-                    raise _unreadable(path, f"it has more than {_MOST_BYTES / 1e6:.0f} MB")
-                place = f"line {len(steps) + 1}"
-                steps.append(_validated(RecordedStep, json.loads(line), path, place))
+        for number, line in enumerate(lines_of(path), 1):
+            steps.append(_validated(RecordedStep, json.loads(line), path, f"line {number}"))
     except FileNotFoundError:
         raise NodegraphError(
             f"{path}: it was not written when the run ended; run the graph again"

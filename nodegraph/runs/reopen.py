@@ -24,7 +24,7 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step, plan
 from nodegraph.plugin.registry import Registry
-from nodegraph.runs.folder import graph_name
+from nodegraph.runs.folder import content_of, graph_name
 from nodegraph.runs.record import Record, RecordedStep
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.runs.settings import RunSettings
@@ -79,7 +79,7 @@ def saved_graph(
     """
     path = folder / graph_name(included or ())
     try:
-        text = path.read_text(encoding="utf-8")
+        text = content_of(path).decode()
     except (OSError, ValueError) as error:
         raise NodegraphError(f"{path} cannot be read: {error}") from error
     spec = read_graph_text(text, settings.graph, (origin / settings.graph).parent, included)

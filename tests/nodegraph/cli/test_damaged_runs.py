@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import gzip
 import json
+import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -15,7 +16,7 @@ import pytest
 from nodegraph import NodegraphError
 from nodegraph.report import study
 from nodegraph.report.study import read_study
-from nodegraph.runs import record_files
+from nodegraph.runs import folder
 from nodegraph.runs.saved_run import SavedRun
 from tests.records import read_record, write_steps
 
@@ -148,6 +149,25 @@ def test_a_file_that_is_not_a_record_is_an_error(command: Command, ran: Path) ->
 
 
 @pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("run.json", READERS[0]),
+        ("steps.jsonl.gz", READERS[2]),
+        ("study.json.gz", ("report", "ran")),
+    ],
+)
+def test_a_device_or_a_pipe_is_not_read(
+    command: Command, ran: Path, name: str, words: tuple[str, ...]
+) -> None:
+    (ran / name).unlink()
+    (ran / name).symlink_to("/dev/zero")
+    assert "it is not a regular file" in read_by(command, (words,))
+    (ran / name).unlink()
+    os.mkfifo(ran / name)
+    assert "it is not a regular file" in read_by(command, (words,))
+
+
+@pytest.mark.parametrize(
     ("content", "reason"),
     [
         (None, "was not written when the run ended"),
@@ -161,7 +181,7 @@ def test_a_file_that_is_not_a_record_is_an_error(command: Command, ran: Path) ->
 def test_a_file_that_has_no_steps_is_an_error(
     ran: Path, content: bytes | None, reason: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(record_files, "_MOST_BYTES", 100_000)
+    monkeypatch.setattr(folder, "_MOST_BYTES", 100_000)
     (ran / "steps.jsonl.gz").unlink()
     if content is not None:
         (ran / "steps.jsonl.gz").write_bytes(content)
