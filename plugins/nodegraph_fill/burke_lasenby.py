@@ -23,7 +23,7 @@ def burke_lasenby(
     recording: Trajectories,
     *,
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.0025,
-    noise: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 0.001,
+    noise: Annotated[float, Field(ge=1e-6, allow_inf_nan=False), Unit("mm")] = 0.001,
     ends: Ends = "as_published",
     max_gap: MaxGap = None,
 ) -> Trajectories:
@@ -62,7 +62,8 @@ def burke_lasenby(
     tolerance
         Share of the sum of the singular values that is left out.
     noise
-        What stands for the variance of a coordinate's noise.
+        What stands for the variance of a coordinate's noise. With less than the least allowed,
+        rounding would decide what is filled where many markers are missing.
     ends
         as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
         estimate, is spread linearly over the gap, all of it at that end and none at the other;
