@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import NodegraphError
+from nodegraph_live.packet_reader import as_doubles
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories, Weights
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FARTHEST = 1e9  # mm
+_MISSING, _MEASURED = int(Origin.MISSING), int(Origin.MEASURED)
 
 
 def recording_header(names: Sequence[str], rate: float) -> Trajectories:
@@ -30,13 +32,13 @@ def weights_header(names: Sequence[str], rate: float) -> Weights:
     return Weights(values=np.empty((0, len(names))), names=tuple(names), rate=rate)
 
 
-def marker_frame(positions: NDArray[np.float64], *, zeros_missing: bool = False) -> MarkerFrame:
+def marker_frame(numbers: NDArray[np.floating], *, zeros_missing: bool = False) -> MarkerFrame:
     """Return one frame of a recording.
 
     Parameters
     ----------
-    positions
-        (M, 3) millimetres, which it may write into. A marker is missing if a coordinate is NaN.
+    numbers
+        (M, 3) millimetres, float32 or float64. A marker is missing if a coordinate is NaN.
     zeros_missing
         Whether a marker at exactly (0, 0, 0) is missing too.
 
@@ -45,14 +47,15 @@ def marker_frame(positions: NDArray[np.float64], *, zeros_missing: bool = False)
     ValueError
         If a position is infinite or beyond 1e9 mm.
     """
-    missing = np.isnan(positions).any(axis=1)
-    if zeros_missing:
-        missing |= ~positions.any(axis=1)
-    positions[missing] = np.nan
-    if (np.abs(positions) > _FARTHEST).any():
+    from nodegraph_live import marker_frame_kernel
+
+    frame = MarkerFrame(np.empty(numbers.shape), np.empty(len(numbers), dtype=np.uint8))
+    is_near = marker_frame_kernel.read_markers(
+        numbers, zeros_missing, _FARTHEST, frame.positions, frame.origin, _MISSING, _MEASURED
+    )
+    if not is_near:
         raise ValueError("a position is beyond 1e9 mm")
-    origin = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
-    return MarkerFrame(positions, origin)
+    return frame
 
 
 def weights_frame(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -72,11 +75,11 @@ def count_of_numbers(header: Trajectories | Weights) -> int:
     return len(names_of(header)) * (3 if isinstance(header, Trajectories) else 1)
 
 
-def payload_of(header: Trajectories | Weights, numbers: NDArray[np.float64]) -> Any:
+def payload_of(header: Trajectories | Weights, numbers: NDArray[np.floating]) -> Any:
     """Return a frame from its numbers: x, y and z of each marker, or weights."""
     if isinstance(header, Trajectories):
         return marker_frame(numbers.reshape(-1, 3))
-    return weights_frame(numbers)
+    return weights_frame(as_doubles(numbers))
 
 
 def numbers_of(payload: Any) -> NDArray[np.float64]:

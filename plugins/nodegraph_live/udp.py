@@ -35,7 +35,6 @@ import numpy as np
 from nodegraph import Frame, NodegraphError
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT, DatagramSink, DatagramSource
-from nodegraph_live.packet_reader import as_doubles
 from nodegraph_live.payloads import (
     count_of_numbers,
     names_of,
@@ -51,6 +50,7 @@ PORT = 51140
 _HEAD = struct.Struct("<4sBBHIIQq")
 _MAGIC = b"NGL1"
 _DESCRIPTION, _FRAME, _END = range(3)
+_FRAME_KIND = bytes([_FRAME])
 _LARGEST = 65507  # bytes in a UDP packet
 _FLOATS: dict[int, np.dtype[Any]] = {4: np.dtype("<f4"), 8: np.dtype("<f8")}
 
@@ -139,6 +139,9 @@ class UdpSource(DatagramSource):
         """
         stream = -1
         for packet in super().packets():
+            if packet[4:5] == _FRAME_KIND:
+                yield packet
+                continue
             try:
                 parts = decode(packet)
             except ValueError:
@@ -170,8 +173,8 @@ class UdpSource(DatagramSource):
         count = count_of_numbers(header)
         if len(content) != count * width:
             raise ValueError(f"{len(content)} bytes, not {count} numbers of {width} bytes")
-        numbers = as_doubles(np.frombuffer(content, _FLOATS[width]))
-        return (Frame(number, captured, arrived, payload_of(header, numbers)),)
+        payload = payload_of(header, np.frombuffer(content, _FLOATS[width]))
+        return (Frame(number, captured, arrived, payload),)
 
 
 class UdpSink:
