@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_align.poses import Poses, Scale, fit, moved
+from nodegraph_align.poses import Poses, Scale, fit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class Fitting:
 
     def placed(self, poses: Poses) -> NDArray[np.float64]:
         """Return the landmarks, (T, L, 3), as the poses move them."""
-        return moved(self.points, *poses.affine())
+        return poses.moved(self.points, None).positions
 
     def distances(self, poses: Poses) -> NDArray[np.float64]:
         """Return how far, (T, L) mm, each landmark is from its place; infinite where missing."""

@@ -46,6 +46,8 @@ class Moved(NamedTuple):
 class Poses(NamedTuple):
     """What takes the points x of each frame to where they belong: ``s R (x - centre) + goal``.
 
+    All arrays are contiguous, for which the kernel is compiled.
+
     Attributes
     ----------
     rotations : (T, 3, 3) array of float64
@@ -77,14 +79,6 @@ class Poses(NamedTuple):
         for part, other in zip(parts, others, strict=True):
             part[frames] = other
 
-    def affine(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return A (T, 3, 3) and b (T, 3) of ``A x + b``; identity where nothing is fitted."""
-        known = self.known
-        scales = np.where(known, self.scales, 1.0)[:, None, None]
-        matrices = scales * np.where(known[:, None, None], self.rotations, np.eye(3))
-        offsets = np.where(known[:, None], self.goals - _times(matrices, self.centres), 0.0)
-        return matrices, offsets
-
     def move(self, recording: Trajectories) -> tuple[Trajectories, HeadMotion]:
         """Return the recording with each fitted frame where it belongs, and how to go back.
 
@@ -98,16 +92,12 @@ class Poses(NamedTuple):
 
     def moved(self, positions: NDArray[np.float64], sigma: NDArray[np.float64] | None) -> Moved:
         """Return (T, M, 3) positions and (T, M) sigma of the same frames, moved as by `move`."""
-        matrices, offsets = self.affine()
-        scales = np.where(self.known, self.scales, 1.0)
-        back = matrices.transpose(0, 2, 1) / scales[:, None, None]
-        return Moved(
-            moved(positions, matrices, offsets),
-            None if sigma is None else sigma * scales[:, None],
-            back,
-            0.0 - _times(back, offsets) / scales[:, None],
-            1.0 / scales,
-        )
+        from nodegraph_align import rigid_kernel
+
+        there, *back = rigid_kernel.move(for_kernel(positions), *self)
+        if sigma is not None:
+            sigma = sigma * np.where(self.known, self.scales, 1.0)[:, None]
+        return Moved(there, sigma, *back)
 
 
 def fitted(
@@ -239,7 +229,3 @@ def _doubts(poses: Poses, recording: Trajectories, reference: Reference) -> Iter
 
 def _frames(which: NDArray[np.bool_]) -> str:
     return f"{np.count_nonzero(which)} of {len(which)} frames (first {np.argmax(which)})"
-
-
-def _times(matrices: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray((matrices @ vectors[:, :, None])[:, :, 0])

@@ -13,7 +13,16 @@ from pydantic_core import PydanticCustomError
 
 from nodegraph import Refusal, StateForm, node
 from nodegraph_align.landmarks import FEWEST, Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, fit, fitted, for_kernel, warn
+from nodegraph_align.poses import (
+    MIRRORED,
+    Aligned,
+    Poses,
+    Scale,
+    fit,
+    fitted,
+    for_kernel,
+    warn,
+)
 from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
 
@@ -65,7 +74,7 @@ class _Stream:
         sigma = None if frame.sigma is None else frame.sigma[None]
         poses = fit(positions, *self._places, self._scale, reflection=self._reflection)
         poses, _ = _wanted(poses, self._onto, self._steps, self._scale, restore=self._restore)
-        if not poses.known[0]:
+        if poses.states[0] > MIRRORED:
             warnings.warn(
                 f"a frame stays as it is, with fewer than {FEWEST} landmarks or all on a line",
                 stacklevel=2,
@@ -197,7 +206,7 @@ def _carried_out(poses: Poses, steps: Sequence[Step], scale: Scale) -> Poses:
     if "scale" not in steps:
         poses = poses._replace(scales=np.ones_like(poses.scales))
     if "rotate" not in steps:
-        poses = poses._replace(rotations=np.broadcast_to(np.eye(3), poses.rotations.shape))
+        poses = poses._replace(rotations=np.tile(np.eye(3), (len(poses.scales), 1, 1)))
     return poses
 
 

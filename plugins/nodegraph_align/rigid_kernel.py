@@ -86,6 +86,51 @@ def fit(
 
 
 @compiled
+def move(
+    positions: Floats,
+    rotations: Floats,
+    scales: Floats,
+    centres: Floats,
+    goals: Floats,
+    states: Codes,
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Move every point x of each frame to ``scale R (x - centre) + goal``, and return the way back.
+
+    Parameters
+    ----------
+    positions : (T, M, 3) array of float64
+    rotations, scales, centres, goals, states
+        As from `fit`.
+
+    Returns
+    -------
+    positions (T, M, 3), rotations (T, 3, 3), translations (T, 3), scales (T,)
+        What was moved, and what takes it back where it was, ``scale R x + translation``.
+    """
+    out, back, offsets = np.empty(positions.shape), np.empty(rotations.shape), np.empty(goals.shape)
+    shrinkage, matrix, offset = np.empty(len(scales)), np.empty((3, 3)), np.empty(3)
+    for frame in range(len(positions)):
+        scale = scales[frame] if states[frame] < FEW else 1.0
+        for i in range(3):
+            offset[i] = goals[frame, i] if states[frame] < FEW else 0.0
+            for j in range(3):
+                matrix[i, j] = scale * rotations[frame, i, j]
+                if states[frame] >= FEW:
+                    matrix[i, j] = 1.0 if i == j else 0.0
+                else:
+                    offset[i] -= matrix[i, j] * centres[frame, j]
+        _move(out[frame], positions[frame], matrix, offset)
+        for i in range(3):
+            offsets[frame, i] = 0.0
+            for j in range(3):
+                back[frame, i, j] = matrix[j, i] / scale
+                offsets[frame, i] -= back[frame, i, j] * offset[j]
+            offsets[frame, i] /= scale
+        shrinkage[frame] = 1.0 / scale
+    return out, back, offsets, shrinkage
+
+
+@compiled
 def move_into(out: Floats, positions: Floats, matrices: Floats, offsets: Floats) -> None:
     """Write ``matrix x + offset`` for every point x of a frame.
 
@@ -96,12 +141,17 @@ def move_into(out: Floats, positions: Floats, matrices: Floats, offsets: Floats)
     offsets : (T, 3) array of float64
     """
     for frame in range(len(positions)):
-        a, b = matrices[frame], offsets[frame]
-        for marker in range(positions.shape[1]):
-            x, y, z = positions[frame, marker]
-            out[frame, marker, 0] = a[0, 0] * x + a[0, 1] * y + a[0, 2] * z + b[0]
-            out[frame, marker, 1] = a[1, 0] * x + a[1, 1] * y + a[1, 2] * z + b[1]
-            out[frame, marker, 2] = a[2, 0] * x + a[2, 1] * y + a[2, 2] * z + b[2]
+        _move(out[frame], positions[frame], matrices[frame], offsets[frame])
+
+
+@inlined
+def _move(out: Floats, points: Floats, a: Floats, b: Floats) -> None:
+    """Write ``a x + b`` for every point x."""
+    for marker in range(len(points)):
+        x, y, z = points[marker]
+        out[marker, 0] = a[0, 0] * x + a[0, 1] * y + a[0, 2] * z + b[0]
+        out[marker, 1] = a[1, 0] * x + a[1, 1] * y + a[1, 2] * z + b[1]
+        out[marker, 2] = a[2, 0] * x + a[2, 1] * y + a[2, 2] * z + b[2]
 
 
 @inlined
