@@ -65,10 +65,10 @@ def repaired_frame(frame: MarkerFrame, positions: NDArray[np.float64]) -> Marker
     """
     differs = positions != frame.positions
     changed = differs[:, 0] | differs[:, 1] | differs[:, 2]
-    changed &= frame.origin != Origin.MISSING
+    changed &= frame.present
     return MarkerFrame(
         positions.copy(),
-        np.where(changed, np.uint8(Origin.REPAIRED), frame.origin),
+        frame.marked(changed, Origin.REPAIRED),
         None if frame.sigma is None else np.where(changed, np.nan, frame.sigma),
     )
 

@@ -67,7 +67,7 @@ class _Stream:
     def _filtered(self, frame: MarkerFrame, wanted: NDArray[np.bool_]) -> MarkerFrame:
         from nodegraph_fill import neighbour_kalman_kernel
 
-        present = frame.origin != Origin.MISSING
+        present = frame.present
         for marker in np.flatnonzero(~present & ~np.isnan(self._before[:, 0])):
             self._seen[marker] = self._before
         self._before = frame.positions
@@ -91,7 +91,7 @@ class _Stream:
         )
         return MarkerFrame(
             np.where(filled[:, None], self._position, frame.positions),
-            np.where(filled, np.uint8(Origin.FILLED), frame.origin),
+            frame.marked(filled, Origin.FILLED),
             frame.sigma,
         )
 

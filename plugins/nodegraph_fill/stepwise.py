@@ -314,7 +314,7 @@ class _Stream:
         positions[1], state[1], self._wanted[1] = frame.positions, _STATES[frame.origin], wanted
         stepwise_kernel.run(positions, state, self._wanted, False, *self._arguments, self._ring)
         filled = wanted & (state[1] != stepwise_kernel.MISSING)
-        origin = np.where(filled, np.uint8(Origin.FILLED), frame.origin)
+        origin = frame.marked(filled, Origin.FILLED)
         self._predicted.append(MarkerFrame(positions[1].copy(), origin, frame.sigma))
         if self._ramps:
             self._close(wanted, np.flatnonzero((self._gap > 0) & ~wanted))

@@ -37,7 +37,7 @@ class Limit:
 
     def push(self, frame: MarkerFrame) -> tuple[MarkerFrame, NDArray[np.bool_]] | None:
         """Take the next frame; return the one `max_gap` before it, and what is to be filled."""
-        missing = frame.origin == Origin.MISSING
+        missing = ~frame.present
         if self._max_gap is None:
             return frame, missing
         self._missing = np.where(missing, self._missing + 1, 0)
@@ -101,10 +101,10 @@ class _Stream:
         self._positions[self._stop] = frame.positions
         self._stop += 1
         self._waiting.append((frame, []))
-        missing = frame.origin == Origin.MISSING
-        self._fill(~missing, 1)
+        present = frame.present
+        self._fill(present, 1)
         self._missing += 1
-        self._missing *= missing
+        self._missing *= ~present
         self._count += 1
         return self._next() if len(self._waiting) > self._max_gap else None
 

@@ -51,11 +51,11 @@ class _Stream:
         known = frame.origin if truth is None else truth.origin[self._order]
         measured = (frame.origin == Origin.MEASURED) | (frame.origin == Origin.REPAIRED)
         hidden = (left > 0) & measured & (known != Origin.MISSING)
-        self._free = (left == 0) & (frame.origin != Origin.MISSING)
+        self._free = (left == 0) & frame.present
         self._left = np.maximum(left - 1, 0)
         gappy = MarkerFrame(
             np.where(hidden[:, None], np.nan, frame.positions),
-            np.where(hidden, np.uint8(Origin.MISSING), frame.origin),
+            frame.marked(hidden, Origin.MISSING),
             None if frame.sigma is None else np.where(hidden, np.nan, frame.sigma),
         )
         return gappy, frame if truth is None else truth, hidden

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_MISSING = int(Origin.MISSING)
+"""A plain number: comparing an array with a member of an enumeration takes five times as long."""
+
+
 class MarkerFrame(NamedTuple):
     """One frame of a recording.
 
@@ -34,6 +38,18 @@ class MarkerFrame(NamedTuple):
     positions: NDArray[np.float64]
     origin: NDArray[np.uint8]
     sigma: NDArray[np.float64] | None = None
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """(M,), True where the marker is not missing."""
+        present: NDArray[np.bool_] = self.origin != _MISSING
+        return present
+
+    def marked(self, which: NDArray[np.bool_], origin: Origin) -> NDArray[np.uint8]:
+        """Return the origins with another one for some markers, (M,)."""
+        marked = self.origin.copy()
+        marked[which] = int(origin)
+        return marked
 
     def at(self, frame: int) -> MarkerFrame:
         """Return one frame of a window, of whose arrays the first axis is the frames."""

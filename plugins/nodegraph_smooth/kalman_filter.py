@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import StateForm, Unit, node, read_only
-from nodegraph_mocap import MarkerFrame, Origin, Trajectories
+from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.cutoff import Cutoff
 from nodegraph_smooth.kalman import Motion, components, density_of
 from nodegraph_smooth.present_runs import Runs, smooth_runs
@@ -42,7 +42,7 @@ class _Stream:
     def push(self, frame: MarkerFrame) -> MarkerFrame:
         from nodegraph_smooth import kalman_kernel
 
-        present = frame.origin != Origin.MISSING
+        present = frame.present
         begins = present & np.isnan(self._first[:, 0])
         self._age = np.where(begins, 0, self._age + 1)
         self._first[~present] = np.nan

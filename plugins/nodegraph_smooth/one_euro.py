@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import StateForm, Unit, node
-from nodegraph_mocap import MarkerFrame, Origin, Trajectories
+from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.present_runs import smooth_runs
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class _Stream:
     def push(self, frame: MarkerFrame) -> MarkerFrame:
         from nodegraph_smooth import one_euro_kernel
 
-        present = frame.origin != Origin.MISSING
+        present = frame.present
         begins = present & np.isnan(self._origin[:, 0])
         self._origin[~present] = np.nan
         self._origin[begins] = frame.positions[begins]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Refusal, Window
-from nodegraph_mocap import MarkerFrame, Origin, Trajectories
+from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 
 if TYPE_CHECKING:
@@ -168,9 +168,7 @@ def smoothed_at(
 
     frames, now = window.frames, window.frames.at(window.now)
     out = np.empty_like(frames.positions)
-    smooth_into(
-        out, frames.positions, Runs(*weights_kernel.runs_of(frames.origin != Origin.MISSING))
-    )
+    smooth_into(out, frames.positions, Runs(*weights_kernel.runs_of(frames.present)))
     positions, sigma = out[window.now].copy(), now.sigma
     if sigma is not None:
         sigma = np.where(np.any(positions != now.positions, axis=1), np.nan, sigma)

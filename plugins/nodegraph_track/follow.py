@@ -31,6 +31,9 @@ Patience = Annotated[int, Field(ge=0), Unit("frames")]
 Shortest = Annotated[int, Field(ge=1), Unit("frames")]
 
 
+_MISSING, _MEASURED = int(Origin.MISSING), int(Origin.MEASURED)
+
+
 def lookahead(settings: Mapping[str, Any]) -> int | None:
     """Return the look-ahead of a tracker: what makes a point a ghost lies ahead of it."""
     # a gate that is not set is made from points of the whole take
@@ -378,6 +381,9 @@ class _Stream:
             rate=detections.rate,
             marker_set=reference.marker_set,
         )
+        count = len(reference.markers)
+        self._nowhere = np.full((count, 3), np.nan)
+        self._missing = np.full(count, _MISSING, dtype=np.uint8)
 
     def push(self, points: NDArray[np.float64]) -> MarkerFrame:
         from nodegraph_track import tracks_kernel
@@ -385,9 +391,8 @@ class _Stream:
         points = tracks_kernel.in_order(points)
         owner = np.empty(len(points), dtype=np.intp)
         self._tracker.link(points, owner)
-        positions = np.full((len(self.header.markers), 3), np.nan)
-        origin = np.full(len(positions), Origin.MISSING, dtype=np.uint8)
-        tracks_kernel.place(points, owner, positions, origin, int(Origin.MEASURED))
+        positions, origin = self._nowhere.copy(), self._missing.copy()
+        tracks_kernel.place(points, owner, positions, origin, _MEASURED)
         return MarkerFrame(positions, origin)
 
     def drain(self) -> Iterable[MarkerFrame]:

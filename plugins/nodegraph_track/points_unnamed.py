@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import StateForm, node
-from nodegraph_mocap import Detections, MarkerFrame, Origin, Trajectories
+from nodegraph_mocap import Detections, MarkerFrame, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +23,7 @@ class _Stream:
     def push(self, frame: MarkerFrame) -> NDArray[np.float64]:
         from nodegraph_track import tracks_kernel
 
-        return tracks_kernel.in_order(frame.positions[frame.origin != Origin.MISSING])
+        return tracks_kernel.in_order(frame.positions[frame.present])
 
     def drain(self) -> Iterable[NDArray[np.float64]]:
         return ()

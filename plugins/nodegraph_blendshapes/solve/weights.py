@@ -15,7 +15,7 @@ from nodegraph_blendshapes.solve.bounded import System
 from nodegraph_blendshapes.solve.frames import columns_of, solve_frames
 from nodegraph_blendshapes.solve.problem import SEEN, Problem
 from nodegraph_blendshapes.solve.smooth import solve_take
-from nodegraph_mocap import BlendshapeModel, MarkerFrame, Origin, Table, Trajectories, Weights
+from nodegraph_mocap import BlendshapeModel, MarkerFrame, Table, Trajectories, Weights
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ class _Stream:
         self.header = (Weights(values=values, names=model.names, rate=recording.rate), None)
 
     def push(self, frame: MarkerFrame) -> tuple[NDArray[np.float64], None]:
-        there = frame.origin.take(self._markers) != Origin.MISSING
+        there = frame.present.take(self._markers)
         if not there.any():
             return np.full(len(self._problem.shapes), np.nan), None
         shapes, further, system = self._system(there)
