@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from nodegraph.api import load, run
     from nodegraph.kernels import kernel
     from nodegraph.live.forms import fold
-    from nodegraph.live.running import RunningNumbers
+    from nodegraph.live.running_numbers import RunningNumbers
     from nodegraph.plugin.formats import formats
     from nodegraph.plugin.hook_types import (
         Command,
@@ -127,7 +127,7 @@ _LATE = {
     "run": "nodegraph.api",
     "Frame": "nodegraph.plugin.streaming",
     "LiveView": "nodegraph.plugin.streaming",
-    "RunningNumbers": "nodegraph.live.running",
+    "RunningNumbers": "nodegraph.live.running_numbers",
     "Sink": "nodegraph.plugin.streaming",
     "Source": "nodegraph.plugin.streaming",
     "Streamable": "nodegraph.plugin.streaming",

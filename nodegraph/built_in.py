@@ -40,7 +40,7 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
 @hookimpl
 def nodegraph_streamables() -> Iterable[Streamable]:
     """Return how numbers that are current in every frame are split into frames."""
-    from nodegraph.live.running import STREAMABLE
+    from nodegraph.live.running_numbers import STREAMABLE
 
     return [STREAMABLE]
 
@@ -48,7 +48,7 @@ def nodegraph_streamables() -> Iterable[Streamable]:
 @hookimpl
 def nodegraph_renderers() -> Iterable[Renderer]:
     """Return how these numbers are written."""
-    from nodegraph.live.running import RENDERER
+    from nodegraph.live.running_numbers import RENDERER
 
     return [RENDERER]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from nodegraph.draw.frames import frames_of, last_part, outline, short_name
+from nodegraph.draw.box_frames import frames_of, last_part, outline, short_name
+from nodegraph.draw.box_shape import clean, escaped
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
-from nodegraph.draw.shape import clean, escaped
 
 
 def dot(picture: Picture) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from nodegraph.draw.box_shape import shortened
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
-from nodegraph.draw.shape import shortened
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import networkx as nx
 
-from nodegraph.draw.frames import (
+from nodegraph.draw.box_frames import (
     Frame,
     Member,
     Path,
@@ -21,10 +21,10 @@ from nodegraph.draw.frames import (
     short_name,
     without_cycles,
 )
-from nodegraph.draw.layered import Arrangement, arrange
-from nodegraph.draw.layering import PIN, Cell, Point, Wire
+from nodegraph.draw.box_shape import Shape, shape, shortened, width
+from nodegraph.draw.layers import PIN, Cell, Point, Wire
 from nodegraph.draw.picture import Arrow, Box, Picture
-from nodegraph.draw.shape import Shape, shape, shortened, width
+from nodegraph.draw.sugiyama import Arrangement, arrange
 
 LABEL_SIZE = 13.0
 LABEL_HEIGHT = 26.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 
-from nodegraph.draw.frames import frames_of, last_part, outline, short_name
+from nodegraph.draw.box_frames import frames_of, last_part, outline, short_name
+from nodegraph.draw.box_shape import clean
 from nodegraph.draw.picture import Arrow, Box, Picture
-from nodegraph.draw.shape import clean
 
 _PLAIN = frozenset(" _.,:-=")
 _SHAPES = {"node": ('["', '"]'), "input": ('(["', '"])'), "report": ('[["', '"]]')}

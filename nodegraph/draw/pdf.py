@@ -7,8 +7,8 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
+from nodegraph.draw.box_shape import clean
 from nodegraph.draw.picture import Picture
-from nodegraph.draw.shape import clean
 from nodegraph.draw.svg import svg
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from itertools import pairwise
 
-from nodegraph.draw.layering import Point
+from nodegraph.draw.box_shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
+from nodegraph.draw.layers import Point
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, FrameBox, layout
 from nodegraph.draw.picture import Arrow, Picture
-from nodegraph.draw.shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2

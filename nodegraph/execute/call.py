@@ -15,7 +15,7 @@ from types import CodeType
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
-from nodegraph.execute.unkeyed import Reads, reads_of_call
+from nodegraph.execute.undeclared_reads import Reads, reads_of_call
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Port
@@ -89,7 +89,7 @@ class Outcome:
         For a failed step, the line of the node's own file: ``mine.py:12``.
     key : str
         Under which the result is stored, or would be; empty if it cannot be.
-    unkeyed : tuple of str
+    undeclared_reads : tuple of str
         What the node has read that is not in its key: names of files, ``$VARIABLE``.
     """
 
@@ -104,7 +104,7 @@ class Outcome:
     digests: tuple[str, ...] = ()
     place: str = ""
     key: str = ""
-    unkeyed: tuple[str, ...] = ()
+    undeclared_reads: tuple[str, ...] = ()
 
     @property
     def status(self) -> State:
@@ -149,7 +149,7 @@ def perform(call: Call) -> Outcome:
         reads_of_call.reset(noted)
     outcome.seconds = time.perf_counter() - start
     if reads is not None and reads.names:
-        outcome.unkeyed = tuple(map(printable, reads.names))
+        outcome.undeclared_reads = tuple(map(printable, reads.names))
     if messages:
         outcome.warnings = tuple(dict.fromkeys(map(printable, messages)))
     return outcome

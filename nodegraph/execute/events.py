@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from nodegraph.execute.call import Outcome
-from nodegraph.execute.remaining import Remaining
+from nodegraph.execute.remaining_time import RemainingTime
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
 
@@ -103,7 +103,7 @@ class EventLog:
         self._steps = len(plan.steps)
         self._interval = max(1, self._steps // _PROGRESS_EVENTS)
         self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
-        self._remaining = Remaining((), {})
+        self._remaining = RemainingTime((), {})
         self._first: float | None = None
         steps = Counter(step.node for step in plan.steps)
         self._emit(
@@ -138,7 +138,7 @@ class EventLog:
             What `means` returned in earlier runs.
         """
         self._left = left
-        self._remaining = Remaining(steps if self.listeners else (), seconds)
+        self._remaining = RemainingTime(steps if self.listeners else (), seconds)
 
     def means(self) -> dict[str, float]:
         """Return the mean seconds of the steps that were computed, by node and method."""

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, collecting_warnings
 from nodegraph.execute.executor import HowToRun
-from nodegraph.execute.frames import frame
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.execute.threads import serial
+from nodegraph.execute.value_table import value_table
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
@@ -251,7 +251,7 @@ class Values:
         output = plan.graph.nodes[self.node].first.node.outputs[0].name
         names = (self.port or self.node, output, f"{self.node}_{output}")
         column = next((name for name in names if name not in axes), names[-1])
-        return frame(self.node, column, axes, values, absent)
+        return value_table(self.node, column, axes, values, absent)
 
     def shown(self) -> Iterator[tuple[dict[str, Label], Any]]:
         """Yield labels and values, or stand-ins that are stored of values to be shown."""

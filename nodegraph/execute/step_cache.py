@@ -165,9 +165,9 @@ class StepCache:
             self._entries.pop(step.index, None)
             self._count("a file changed while it was read")
             return outcome
-        if outcome.unkeyed:
+        if outcome.undeclared_reads:
             self._entries.pop(step.index, None)
-            names = ", ".join(outcome.unkeyed)
+            names = ", ".join(outcome.undeclared_reads)
             self._count(
                 f"{step.method.node.name} reads {names}, which no setting names, so that nothing "
                 "would say when it changes"

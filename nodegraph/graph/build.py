@@ -23,14 +23,14 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
     """
     # these import networkx, for which commands without a graph should not wait
     from nodegraph.graph.assembly import Assembler
-    from nodegraph.graph.graph_files import GraphFiles
     from nodegraph.graph.leaks import check_leaks
     from nodegraph.graph.mixing import mixing_notices
     from nodegraph.graph.settings import check_names_in_settings
+    from nodegraph.graph.used_graphs import UsedGraphs
 
     written = spec.written or spec
     problems = Problems(written.problems)
-    flat = GraphFiles(written.graphs, registry, problems).flat(written, problems)
+    flat = UsedGraphs(written.graphs, registry, problems).flat(written, problems)
     for name, port in flat.ports.items():
         message = (
             f"{flat.spec.file} takes {name!r} ({port.type.__name__}) from the graph that uses it; "

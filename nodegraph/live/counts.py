@@ -7,7 +7,7 @@ from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from nodegraph.live.running import Latest
+from nodegraph.live.running_numbers import Latest
 
 _BITS = 5
 """Latencies are counted in steps of 1/32 of their size, in memory that does not grow."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.execute.call import values_of
-from nodegraph.live.running import RunningStream
+from nodegraph.live.running_numbers import RunningStream
 from nodegraph.node.decorator import Node
 from nodegraph.node.live_form import (
     FrameForm,

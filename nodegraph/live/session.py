@@ -40,7 +40,7 @@ from nodegraph.live.engine import Engine, Receiver, Tap
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.packets import PacketWriter
 from nodegraph.live.plan import LivePlan, live_plan
-from nodegraph.live.running import Latest
+from nodegraph.live.running_numbers import Latest
 from nodegraph.plan import Output, plan
 from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.loading import error_text

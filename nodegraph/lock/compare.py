@@ -11,8 +11,8 @@ from enum import StrEnum
 from nodegraph.execute import Run
 from nodegraph.lock.array_parts import part_difference
 from nodegraph.lock.changes import Change, Changes
+from nodegraph.lock.locked_result import LockedResult
 from nodegraph.lock.lockfile import Lock
-from nodegraph.lock.recorded import Recorded
 from nodegraph.lock.results import Cell, Results, cells_of
 from nodegraph.runs.diff import Spread
 from nodegraph.state import State
@@ -157,7 +157,7 @@ class _Comparison:
             sources = self._network.pred[cell.index]
             compared.add(moved, cell.node, cell.index, sources, changed=bool(moved.change.own))
 
-    def _match(self, cell: Cell, was: Recorded) -> Match:
+    def _match(self, cell: Cell, was: LockedResult) -> Match:
         ending = self._results.ending(cell.index)
         if ending or was.ending:
             if _without_decimals(ending) == _without_decimals(was.ending):
@@ -170,7 +170,7 @@ class _Comparison:
         same = self._results.opaque_digest(cell.index) == was.opaque
         return match if same else self._match_drawing(cell, match)
 
-    def _match_values(self, cell: Cell, was: Recorded) -> Match:
+    def _match_values(self, cell: Cell, was: LockedResult) -> Match:
         digest = self._results.digest(cell.index)
         if digest == was.digest:
             known = digest or was.opaque
@@ -196,7 +196,7 @@ class _Comparison:
         self._compared.drawn[cell.node] += 1
         return values
 
-    def _distance(self, cell: Cell, was: Recorded) -> float:
+    def _distance(self, cell: Cell, was: LockedResult) -> float:
         sketch = self._results.sketch(cell.index)
         if sketch is None or was.projections is None:
             return 0.0

@@ -15,9 +15,9 @@ from pydantic import (
 )
 
 from nodegraph.lock.array_parts import Parts
-from nodegraph.lock.recorded import Recorded
+from nodegraph.lock.locked_result import LockedResult
 
-_T = TypeVar("_T", Parts, Recorded)
+_T = TypeVar("_T", Parts, LockedResult)
 
 
 def _text_keys(value: object) -> Any:
@@ -44,7 +44,7 @@ def _parser(kind: type[_T]) -> PlainValidator:
     return PlainValidator(parse)
 
 
-def _text(value: Parts | Recorded) -> str:
+def _text(value: Parts | LockedResult) -> str:
     return value.text
 
 
@@ -54,7 +54,7 @@ _Label = str | int | float | bool
 _Plain = Annotated[Any, BeforeValidator(_text_keys)]
 _Texts = dict[_Key, str]
 _Size = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-_Recorded = Annotated[Recorded, _parser(Recorded), PlainSerializer(_text)]
+_Recorded = Annotated[LockedResult, _parser(LockedResult), PlainSerializer(_text)]
 _Parts = Annotated[Parts, _parser(Parts), PlainSerializer(_text)]
 
 
@@ -97,7 +97,7 @@ class LockedResults(_Model):
         The axes whose labels name a combination.
     scale : dict of place to float
         Usual size of the floats there.
-    steps : dict of labels to Recorded
+    steps : dict of labels to LockedResult
     """
 
     along: list[str] = []
@@ -165,7 +165,7 @@ class LockedStudy(Provenance, _Study):
     parts: dict[str, dict[str, dict[_Key, _Parts]]]
     text: Annotated[dict[_Name, str], Field(min_length=1)]
 
-    def recorded(self, group: str, labels: str) -> Recorded | None:
+    def recorded(self, group: str, labels: str) -> LockedResult | None:
         """Return the result of a combination, if the lock has it."""
         results = self.results.get(group)
         return results.steps.get(labels) if results is not None else None

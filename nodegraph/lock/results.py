@@ -15,7 +15,7 @@ from typing import Any
 from nodegraph.execute import Run
 from nodegraph.formatting import name_at
 from nodegraph.lock.array_parts import Axes, Parts, parts_of
-from nodegraph.lock.recorded import Recorded
+from nodegraph.lock.locked_result import LockedResult
 from nodegraph.lock.sketch import FLOOR, Sketch, sketch
 from nodegraph.node.ports import Port
 from nodegraph.node.values import Files
@@ -301,7 +301,7 @@ def scales(cells: Iterable[Cell], results: Results, run: Run) -> dict[str, dict[
     return by_group
 
 
-def recorded(cell: Cell, results: Results, scale: Mapping[str, float]) -> Recorded:
+def recorded(cell: Cell, results: Results, scale: Mapping[str, float]) -> LockedResult:
     """Return what a lock holds of a combination.
 
     Parameters
@@ -312,9 +312,9 @@ def recorded(cell: Cell, results: Results, scale: Mapping[str, float]) -> Record
         Usual size of the floats at each place of its values.
     """
     if ending := results.ending(cell.index):
-        return Recorded(ending)
+        return LockedResult(ending)
     summary = results.sketch(cell.index)
-    return Recorded(
+    return LockedResult(
         digest=results.digest(cell.index),
         exact=results.exact(cell.index),
         projections=summary.against(scale).projections if summary and summary.leaves else None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome
-from nodegraph.execute.frames import frame
+from nodegraph.execute.value_table import value_table
 from nodegraph.formatting import name_at
 from nodegraph.node.ports import Label
 from nodegraph.plan import Combination
@@ -106,7 +106,7 @@ class SavedRun:
             if not isinstance(values[combination], pd.DataFrame):
                 break
         else:
-            return frame(node, port or node, axes, values, absent)
+            return value_table(node, port or node, axes, values, absent)
         free = [axis for axis in axes if axis not in at]
         several = [axis for axis in free if len({cell[axis] for cell, _ in matches}) > 1]
         hint = " ".join(f"{axis} ({', '.join(map(str, labels[axis]))})" for axis in several)

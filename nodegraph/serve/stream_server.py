@@ -19,7 +19,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.routing import Route
 
 from nodegraph.live.counts import NUMBERS, Counts
-from nodegraph.live.running import Latest
+from nodegraph.live.running_numbers import Latest
 from nodegraph.serve.pages import html_response
 from nodegraph.serve.server import LocalServer
 

@@ -19,7 +19,7 @@ from nodegraph.node.decorator import Node
 from nodegraph.node.values import Value
 from nodegraph.testing.arrays import first_infinite, first_shared, oddities
 from nodegraph.testing.faults import Faults
-from nodegraph.testing.surroundings import surroundings
+from nodegraph.testing.side_effects import side_effects
 
 _LIBRARIES = {"numpy", "scipy", "pandas", "sklearn", "numba", "pywt", "matplotlib", "networkx"}
 
@@ -108,10 +108,10 @@ class Trial:
         return self._by_port(returned)
 
     def _call(self) -> tuple[Any, Mapping[str, str]]:
-        """Return what the node returned or raised, and its effects on its surroundings."""
+        """Return what the node returned or raised, and its side effects."""
         returned: Any = None
         for _ in range(2):
-            with surroundings(1) as effects:
+            with side_effects(1) as effects:
                 try:
                     returned = self.node.function(**self.inputs, **self.settings)
                 except (Exception, SystemExit) as error:
@@ -141,7 +141,7 @@ class Trial:
 
     def _is_repeatable(self, outputs: Mapping[str, Any]) -> bool:
         try:
-            with surroundings(2):
+            with side_effects(2):
                 returned = self.node.function(*self._positional(), **self.settings)
         except (Exception, SystemExit) as error:
             self.add_fault(_FAILS_BY_POSITION, _with_line(error))

@@ -141,7 +141,7 @@ class Response:
             "values": (),
             "warnings": tuple(fields["warnings"]),
             "digests": (),
-            "unkeyed": tuple(fields["unkeyed"]),
+            "undeclared_reads": tuple(fields["undeclared_reads"]),
         }
         return cls(ResponseKind(kind), Outcome(**fields), differences, bytes(frames[1]), frames[2:])
 

@@ -17,8 +17,8 @@ from playwright.sync_api import Page
 
 import nodegraph as ng
 from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
+from nodegraph.draw.box_shape import clean
 from nodegraph.draw.from_graph import picture_of
-from nodegraph.draw.shape import clean
 from tests.browser import load
 from tests.studies import ROOT
 

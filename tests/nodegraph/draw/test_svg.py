@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, svg
-from nodegraph.draw.shape import width
+from nodegraph.draw.box_shape import width
 
 SVG = "{http://www.w3.org/2000/svg}"
 HOSTILE = "\"><script>alert(1)</script>&amp;\x00'\ud800]]>"

@@ -20,20 +20,20 @@ from nodegraph.lock.compare import (
     group_by_change,
     verdict,
 )
+from nodegraph.lock.locked_result import LockedResult
 from nodegraph.lock.lockfile import Lock, lock_text, read_lock
-from nodegraph.lock.recorded import Recorded
 from nodegraph.lock.results import Cell, Results
 
 Frozen = tuple[Run, Lock]
 
 
-def with_results(lock: Lock, group: str, steps: dict[str, Recorded]) -> Lock:
+def with_results(lock: Lock, group: str, steps: dict[str, LockedResult]) -> Lock:
     results = dict(lock.study.results)
     results[group] = results[group].model_copy(update={"steps": steps})
     return replace(lock, study=lock.study.model_copy(update={"results": results}))
 
 
-def compared(frozen: Frozen, **changes: Recorded) -> Compared:
+def compared(frozen: Frozen, **changes: LockedResult) -> Compared:
     """Compare a run with its lock after changes of results at the length 3 in the lock."""
     run, lock = frozen
     for name, recorded in changes.items():
@@ -42,7 +42,7 @@ def compared(frozen: Frozen, **changes: Recorded) -> Compared:
     return compare(lock, run, Results(run))
 
 
-def off(frozen: Frozen, group: str, by: float, at: str = "3", **more: Any) -> Recorded:
+def off(frozen: Frozen, group: str, by: float, at: str = "3", **more: Any) -> LockedResult:
     """Return a result of the lock, changed by so many times its usual size."""
     was = frozen[1].study.results[group].steps[at]
     assert was.projections is not None
@@ -83,7 +83,7 @@ def test_combinations_with_the_same_change_are_grouped(frozen: Frozen) -> None:
 
 def test_combinations_of_only_the_lock_or_the_run_are_listed(frozen: Frozen) -> None:
     run, lock = frozen
-    steps = {"3": lock.study.results["cut"].steps["3"], "9": Recorded()}
+    steps = {"3": lock.study.results["cut"].steps["3"], "9": LockedResult()}
     result = compare(with_results(lock, "cut", steps), run, Results(run))
     assert result.only_locked == ["cut at 9"]
     assert result.only_now == ["cut(length=7)"]
@@ -111,7 +111,7 @@ def test_states_and_reasons_are_compared_without_decimal_numbers(
 
 
 def test_a_result_in_place_of_a_refusal_has_moved(frozen: Frozen) -> None:
-    [moved] = compared(frozen, cut=Recorded("refused: too small")).origins
+    [moved] = compared(frozen, cut=LockedResult("refused: too small")).origins
     assert "refused: too small, now done" in moved.match.text
 
 

@@ -18,9 +18,9 @@ FIGURE = (
 )
 TABLE = '<figure class="table"><table><tbody><tr><td>muscle</td></tr></tbody></table></figure>'
 CORNERS = """
-[...document.querySelectorAll(".result .one")].map((one) => {
-  const box = one.getBoundingClientRect();
-  return [one.querySelector("h3").textContent, Math.round(box.left), Math.round(box.top)];
+[...document.querySelectorAll(".result .section")].map((section) => {
+  const box = section.getBoundingClientRect();
+  return [section.querySelector("h3").textContent, Math.round(box.left), Math.round(box.top)];
 })
 """
 

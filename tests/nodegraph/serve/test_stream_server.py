@@ -12,7 +12,7 @@ import numpy as np
 from nodegraph import Frame
 from nodegraph.execute.worker.client import kill, start
 from nodegraph.live.counts import Counts
-from nodegraph.live.running import Latest
+from nodegraph.live.running_numbers import Latest
 from nodegraph.serve.stream_server import Update
 
 MINUTES = 15

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import accumulate, pairwise
 from math import inf
 
-from nodegraph.draw.layering import BEND_WIDTH, Net, Segment
+from nodegraph.draw.layers import BEND_WIDTH, Net, Segment
 
 # Effort spent on the order: sweeps, sweeps without gain, rounds of exchanges in each sweep; a
 # quarter of it for a net of many segments.

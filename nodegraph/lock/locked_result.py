@@ -15,7 +15,7 @@ _WITHOUT_VALUE = (State.REFUSED, State.FAILED, State.SKIPPED)
 
 
 @dataclass(frozen=True)
-class Recorded:
+class LockedResult:
     """What a lock holds of one result.
 
     Attributes
@@ -45,7 +45,7 @@ class Recorded:
         return self.ending or " ".join(words) or _NOTHING
 
     @classmethod
-    def read(cls, text: str) -> Recorded:
+    def read(cls, text: str) -> LockedResult:
         """Return the result of a line.
 
         Raises

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from nodegraph.execute import Run
-from nodegraph.execute.remaining import Remaining
+from nodegraph.execute.remaining_time import RemainingTime
 from nodegraph.plan import Step
 
 TEXT = """
@@ -31,7 +31,7 @@ def took(step: Step) -> float:
 
 @pytest.mark.parametrize("at_once", [1, 2])
 def test_after_a_tenth_it_is_right_within_a_tenth(steps: tuple[Step, ...], at_once: int) -> None:
-    remaining = Remaining(steps, {})
+    remaining = RemainingTime(steps, {})
     done = steps[: len(steps) // 10]
     for step in done:
         remaining.add(step, took(step))
@@ -43,7 +43,7 @@ def test_after_a_tenth_it_is_right_within_a_tenth(steps: tuple[Step, ...], at_on
 def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, ...]) -> None:
     cheap = [step for step in steps if step.node != "c"]
     for earlier, seconds in [({"c strict.positive": 0.4}, 40.0), ({}, 0.5)]:
-        remaining = Remaining(steps, earlier)
+        remaining = RemainingTime(steps, earlier)
         for step in cheap:
             remaining.add(step, took(step))
         elapsed = sum(took(step) + 0.002 for step in cheap)
@@ -51,12 +51,12 @@ def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, 
 
 
 def test_nothing_is_known_before_a_step_has_ended(steps: tuple[Step, ...]) -> None:
-    remaining = Remaining(steps, {"c strict.positive": 1.0})
+    remaining = RemainingTime(steps, {"c strict.positive": 1.0})
     assert remaining.estimate(3.0) is None
 
 
 def test_steps_that_are_skipped_take_no_time(steps: tuple[Step, ...]) -> None:
-    remaining = Remaining(steps, {})
+    remaining = RemainingTime(steps, {})
     remaining.add(steps[0], 1.0)
     for step in steps[1:]:
         remaining.drop(step)

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import isotonic_regression
 
-from nodegraph.draw.layering import Net, Segment
-from nodegraph.draw.positions import crossings, order_layers, spread
+from nodegraph.draw.layers import Net, Segment
+from nodegraph.draw.ordering import crossings, order_layers, spread
 
 
 @given(st.integers(1, 12), st.data())

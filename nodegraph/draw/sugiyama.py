@@ -9,8 +9,8 @@ from functools import cached_property
 from heapq import heappop, heappush
 from itertools import pairwise
 
-from nodegraph.draw.layering import Cell, Net, Point, Segment, Wire, ends_of, layers_of, net
-from nodegraph.draw.positions import order_layers, place_cells
+from nodegraph.draw.layers import Cell, Net, Point, Segment, Wire, ends_of, layers_of, net
+from nodegraph.draw.ordering import order_layers, place_cells
 
 LANE = 10.0
 """The distance between lanes."""

@@ -22,7 +22,7 @@ from nodegraph.node.ports import Port
 from nodegraph.plugin.registry import Registry
 
 
-class GraphFiles:
+class UsedGraphs:
     """The graph files that a graph uses, each of which is checked once.
 
     Parameters

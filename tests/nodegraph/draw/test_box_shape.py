@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph.draw.shape import clean, rows, shortened, width
+from nodegraph.draw.box_shape import clean, rows, shortened, width
 
 
 def test_texts_that_xml_cannot_hold_are_marked() -> None:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import networkx as nx
 
-from nodegraph.draw.layering import depths_of
+from nodegraph.draw.layers import depths_of
 
 
 def test_a_box_stands_below_all_that_feeds_it() -> None:

@@ -11,7 +11,7 @@ _OVERHEAD = 0.002
 """Seconds that a step takes beside its function: its key, its inputs, storing its result."""
 
 
-class Remaining:
+class RemainingTime:
     """Weighs the steps that are left by what steps of their node and method took.
 
     Parameters

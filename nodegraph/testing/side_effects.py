@@ -47,7 +47,7 @@ class _Shared:
 
 
 @contextmanager
-def surroundings(seed: int) -> Iterator[dict[str, str]]:
+def side_effects(seed: int) -> Iterator[dict[str, str]]:
     """Watch a call, restore what it changes, and fill a mapping of fault to detail at the end.
 
     Parameters

@@ -5,8 +5,8 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph.draw.layered import lanes
-from nodegraph.draw.layering import Segment
+from nodegraph.draw.layers import Segment
+from nodegraph.draw.sugiyama import lanes
 
 
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(10, 19)), max_size=30, unique=True))

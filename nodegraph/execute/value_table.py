@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _SCALARS = (bool, int, float, str)
 
 
-def frame(
+def value_table(
     node: str,
     column: str,
     axes: Mapping[str, Sequence[Label]],
