@@ -66,13 +66,14 @@ class Namespace:
 
     def check_choices(self) -> None:
         """Record choices of unknown names, and axes and inputs that nothing uses."""
-        self._check_known("--set", "input", self._choices.inputs, tuple(self._spec.inputs))
-        for name in self._valued:
-            if name in self._choices.inputs:
-                message = f"{name!r} is set, and is an axis as well"
-                self._problems.add(Place(f"--set {name}"), message, f"leave out --axis {name}")
-        self._check_known("--axis", "axis", self._choices.axes, tuple(self.axes))
-        self._check_known("--only", "axis", self._choices.only, tuple(self.axes))
+        for name, value in self._choices.inputs.items():
+            self._check_set(name, value)
+        for option, names in (("--axis", self._choices.axes), ("--only", self._choices.only)):
+            for name in names:
+                if name not in self.axes:
+                    message = f"the graph has no axis {name!r}"
+                    hint = nearest(name, self.axes)
+                    self._problems.add(Place(f"{option} {name}"), message, hint)
         # refused already: a method is no value
         methods = {method.use for node in self._spec.nodes.values() for method in node.methods}
         for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
@@ -172,10 +173,21 @@ class Namespace:
         removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
         return Axis(axis.name, labels or axis.labels, axis.values, removed)
 
-    def _check_known(
-        self, option: str, kind: str, names: Iterable[str], known: tuple[str, ...]
-    ) -> None:
-        for name in names:
-            if name not in known:
-                message = f"the graph has no {kind} {name!r}"
-                self._problems.add(Place(f"{option} {name}"), message, nearest(name, known))
+    def _check_set(self, name: str, value: object) -> None:
+        node, dot, setting = name.partition(".")
+        if name in self._spec.inputs and name not in self._valued:
+            return
+        if name in self._spec.inputs:
+            message = f"{name!r} is set, and is an axis as well"
+            hint = f"leave out --set {name} or --axis {name}"
+        elif name in self._valued:
+            message, hint = f"{name!r} is an axis", f"write --axis {name}={value}"
+        elif name in self.axes:
+            message, hint = f"{name!r} is a node", f"write --only {name}={value}"
+        elif dot and node in self._spec.nodes:
+            message = f"{name!r} is a setting of a node, and the graph has no such input"
+            hint = f"write with: {{{setting}: {value}}} at the node, or make it an input"
+        else:
+            message = f"the graph has no input {name!r}"
+            hint = nearest(name, self._spec.inputs)
+        self._problems.add(Place(f"--set {name}"), message, hint)

@@ -24,7 +24,7 @@ from nodegraph.graph.model import (
 from nodegraph.graph.namespace import Namespace
 from nodegraph.graphfile.spec import Variable, Written
 from nodegraph.node.decorator import Node
-from nodegraph.node.description import setting_kind
+from nodegraph.node.description import setting_kind, value_text
 from nodegraph.node.ports import ColumnOf, Label, LabelOf, Port
 from nodegraph.plugin.registry import Registry
 
@@ -193,6 +193,8 @@ class SettingsReader:
             self._problems.add(self._namespace.place(written), message)
             return None
         hint = nearest(path.name, _names_beside(path), what="in that folder there is")
+        if any(sign in text for sign in "*?"):
+            hint = f'a pattern is an axis with a label for each file: {{files: "{text}"}}'
         self._problems.add(self._namespace.place(written), f"{where}: no such file: {text}", hint)
         return None
 
@@ -209,15 +211,16 @@ def _messages(where: str, node: Node, error: ValidationError) -> Iterator[tuple[
             yield "", f"{where}: settings of {node.name}: {detail['msg']}", ""
             continue
         name = str(detail["loc"][0])
-        if detail["type"] in _LIST_TYPES and isinstance(detail["input"], (str, int, float)):
-            message = f"{where}: setting {name!r} of {node.name} is a list"
-            yield name, message, f"it is {setting_kind(node, name)}: write [{detail['input']}]"
-            continue
-        reason = _REASONS.get(detail["type"])
-        reason = reason or f"{_clause(detail['msg'])}, got {detail['input']!r}"
+        value = detail["input"]
+        reason = _REASONS.get(detail["type"]) or f"{_clause(detail['msg'])}, got {value!r}"
         setting = node.settings.get(name)
-        unit = f" {setting.unit}" if setting is not None and setting.unit else ""
-        hint = f"it is {setting_kind(node, name)}{unit}" if setting is not None else ""
+        unit = f", {setting.unit}" if setting is not None and setting.unit else ""
+        hint = f"expected: {setting_kind(node, name)}{unit}" if setting is not None else ""
+        if detail["type"] in _LIST_TYPES and isinstance(value, (str, int, float)):
+            reason, hint = "is a list", f"{hint}; write [{value}]"
+        elif isinstance(value, list) and len(detail["loc"]) == 1:
+            axis = f"{name}: {value_text(value)}"
+            hint = f"{hint}; several values are an axis: axes: {{{axis}}}, and ${name} here"
         yield name, f"{where}: setting {name!r} of {node.name} {reason}", hint
 
 

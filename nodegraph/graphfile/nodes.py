@@ -144,7 +144,7 @@ class NodeReader:
             self._problems.add(item.place, message, "give one of the two")
         if alternatives is not None:
             return self._alternatives(name, alternatives)
-        if use is None or not self._is_word(use, "'use' names a node"):
+        if use is None or not self._is_word(use, "'use' names a node", "write alternatives: [...]"):
             return ()
         if use.value.endswith(".*"):
             message = f"{use.value!r} stands only among alternatives"
@@ -265,19 +265,22 @@ class NodeReader:
     def _is_mapping(self, item: Located, what: str, keys: Iterable[str]) -> bool:
         if not isinstance(item.value, dict):
             hint = space_hint(item.value, keys) or nearest("", keys, what="keys")
+            if not hint.startswith("put") and "use" in keys and isinstance(item.value, str):
+                hint = f"write {{use: {item.value}}}"
             self._problems.add(item.place, f"{what} must be a mapping", hint)
             return False
         for key in item.value:
             if key not in keys:
                 message = f"{what}: unknown key {key!r}"
-                hint = space_hint(key, keys) or nearest(key, keys)
+                hint = space_hint(key, keys) or f"{nearest(key, keys)}; settings stand under 'with'"
                 self._problems.add(item.keys[key], message, hint)
         return True
 
-    def _is_word(self, item: Located, message: str) -> bool:
+    def _is_word(self, item: Located, message: str, of_list: str = "") -> bool:
         if isinstance(item.value, str) and item.value:
             return True
-        self._problems.add(item.place, f"{message}, not {item.plain()!r}")
+        hint = of_list if isinstance(item.value, list) else ""
+        self._problems.add(item.place, f"{message}, not {item.plain()!r}", hint)
         return False
 
 

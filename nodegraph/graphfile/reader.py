@@ -87,10 +87,13 @@ def _text_of(path: Path) -> str:
             raise GraphError([Problem(place, "too large to be a graph file")])
         return path.read_text(encoding="utf-8")
     except FileNotFoundError as error:
-        hint = nearest(path.name, [file.name for file in _graph_files(path.parent)])
-        problem = Problem(place, "no such graph file", f"in that folder {hint}")
+        names = [file.name for file in _graph_files(path.parent)]
+        hint = nearest(path.name, names, what="in that folder there is")
+        problem = Problem(place, "no such graph file", hint)
         raise GraphError([problem]) from error
-    except (OSError, ValueError) as error:  # a name may be too long, a text not UTF-8
+    except UnicodeDecodeError as error:
+        raise GraphError([Problem(place, "cannot be read: it is no text, as YAML is")]) from error
+    except (OSError, ValueError) as error:  # a name may be too long
         raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
 
 
@@ -107,6 +110,11 @@ def _read_spec(text: str, file: str, folder: Path) -> GraphSpec:
     except GraphError as error:
         raise GraphError([*problems.all(), *error.problems]) from error
     return replace(spec, problems=problems.all())
+
+
+def _has_nodes(root: Located) -> bool:
+    nodes = root.value.get("nodes")
+    return nodes is not None and nodes.value not in (None, {})
 
 
 class _SpecReader:
@@ -146,10 +154,11 @@ class _SpecReader:
         for key in root.value:
             if key not in TOP_LEVEL:
                 hint = space_hint(key, TOP_LEVEL) or nearest(key, TOP_LEVEL)
+                if isinstance(root.value[key].value, dict) and not _has_nodes(root):
+                    hint = "indent it, if it is one of 'nodes'"
                 self._problems.add(root.keys[key], f"unknown key {key!r}", hint)
         self._check_format(root)
-        nodes = root.value.get("nodes")
-        if nodes is None or nodes.value in (None, {}):
+        if not _has_nodes(root):
             place = root.keys.get("nodes", root.place)
             self._problems.add(place, "no 'nodes': a graph needs at least one")
         return {key: item for key, item in root.value.items() if item.value is not None}

@@ -452,6 +452,9 @@ def _input_port(node_name: str, argument: inspect.Parameter, hint: object) -> Po
         inner = get_args(inner)[0]
         truth = truth or _has_mark(inner, TruthMark)
     kind = _single_type(node_name, f"port {argument.name!r}", inner)
+    if argument.default is not _NO_DEFAULT and argument.default is not None:
+        form = f"*, {argument.name}: {kind.__name__} = {argument.default!r}"
+        raise NodeError(f"{node_name}: {argument.name!r} is a setting: write it after '*', {form}")
     if (argument.default is not _NO_DEFAULT) != optional:
         form = f"{argument.name}: {kind.__name__} | None = None"
         raise NodeError(f"{node_name}: an optional port is written {form}")

@@ -222,12 +222,14 @@ def _kind(schema: Mapping[str, Any]) -> str:
         return "one of " + ", ".join(map(value_text, schema.get("enum", [schema.get("const")])))
     if schema.get("type") == "array":
         items = schema.get("items", {})
+        if "enum" in items:
+            return _kind(items).replace("one of", "list of", 1)
         return f"list of {_kind(items)}s" if items.get("type") else "list"
     signs = {"minimum": ">=", "exclusiveMinimum": ">", "maximum": "<=", "exclusiveMaximum": "<"}
     names = {"integer": "whole number", "string": "text", "boolean": "true or false"}
     kind = "path" if schema.get("format") == "path" else schema.get("type", "value")
     bounds = [f"{sign} {schema[key]:g}" for key, sign in signs.items() if key in schema]
-    return " ".join([names.get(kind, kind), *bounds])
+    return f"{names.get(kind, kind)} {' and '.join(bounds)}".strip()
 
 
 def _meaning(node: Node, name: str) -> str:

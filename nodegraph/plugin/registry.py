@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
-from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, nearest
+from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, closest, listed, nearest
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import loading
 from nodegraph.plugin.hook_results import HookResults, declared_hooks
@@ -197,11 +197,15 @@ class Registry:
 
     def _nearest(self, name: str) -> str:
         """Return a hint: methods of the name's family if there are any, else families."""
-        family = name.partition(".")[0]
+        family, dot, _ = name.partition(".")
+        names = sorted(self._by_name)
         if family in self.families:
-            methods = [each for each in sorted(self._by_name) if each.startswith(f"{family}.")]
-            return nearest(name, methods)
-        return nearest(family, self.families, what=f"no family {family!r}; families")
+            methods = [each for each in names if each.startswith(f"{family}.")]
+            return nearest(name, methods) if dot else f"it is a family: {listed(methods)}"
+        same = " or ".join(each for each in names if each.endswith(f".{name}"))
+        close = same or closest(name, names)
+        guess = f"did you mean {close}? " if close else ""
+        return f"{guess}families: {listed(self.families)}"
 
 
 @lru_cache(maxsize=1)

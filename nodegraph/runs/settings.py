@@ -134,7 +134,11 @@ def read_value(option: str, text: str) -> Any:
 
 def read_labels(option: str, text: str) -> Any:
     """Return the labels that an option such as ``--axis k`` has: ``1,2``, or YAML."""
-    return read_yaml(text if text.startswith(("[", "{")) else f"[{text}]", option).plain()
+    if not text.startswith(("[", "{")):
+        labels = text.split(",")
+        # *.c3d is an alias in YAML
+        text = f"[{','.join(_yaml(each) if each[:1] == '*' else each for each in labels)}]"
+    return read_yaml(text, option).plain()
 
 
 def _value_text(value: Any) -> str:

@@ -75,6 +75,13 @@ def test_an_input_may_be_set(graph_of: Callable[..., Graph]) -> None:
             {"inputs": {"strat": 1}},
             "--set strat: the graph has no input 'strat'\n    did you mean 'start'?",
         ),
+        ({"inputs": {"k": 5}}, "--set k: 'k' is an axis\n    write --axis k=5"),
+        ({"inputs": {"fill": "x"}}, "--set fill: 'fill' is a node\n    write --only fill=x"),
+        (
+            {"inputs": {"a.start": 2}},
+            "--set a.start: 'a.start' is a setting of a node, and the graph has no such input\n"
+            "    write with: {start: 2} at the node, or make it an input",
+        ),
         ({"axes": {"kk": [1]}}, "--axis kk: the graph has no axis 'kk'"),
         ({"axes": {"k": 1}}, "--axis k: an axis cannot be 1"),
         ({"axes": {"k": []}}, "--axis k: axis 'k' has no label"),

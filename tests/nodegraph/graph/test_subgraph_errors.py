@@ -37,7 +37,7 @@ def outer(clean: str) -> str:
     [
         (
             "{use: @@./claen.yaml, in: n}",
-            "./claen.yaml: no such graph file | in that folder did you mean 'clean.yaml'?",
+            "./claen.yaml: no such graph file | did you mean 'clean.yaml'? in that folder",
         ),
         (
             "{use: @@nowhere/clean.yml, in: n}",

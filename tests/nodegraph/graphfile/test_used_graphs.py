@@ -70,7 +70,7 @@ def test_an_unreadable_file_is_an_error_at_each_use(tmp_path: Path) -> None:
     ]
     assert {problem.message for problem in spec.problems} == {"leef.yaml: no such graph file"}
     assert {problem.instead for problem in spec.problems} == {
-        "in that folder did you mean 'leaf.yaml'? there is: leaf.yaml, outer.yaml"
+        "did you mean 'leaf.yaml'? in that folder there is: leaf.yaml, outer.yaml"
     }
     assert not spec.uses
 

@@ -237,7 +237,7 @@ def hidden_setting(x: float, *, _secret: int = 1) -> float:
         (any_output, "output 'output' needs one type"),
         (many, "name each one"),
         (words, "name each one"),
-        (defaulted, r"written x: float \| None = None"),
+        (defaulted, r"'x' is a setting: write it after '\*', \*, x: float = 1\.0"),
         (undefaulted, r"written x: float \| None = None"),
         (positional, "'x'"),
         (unknown_type, "cannot be read: name 'Missing'"),

@@ -57,8 +57,8 @@ def described() -> Node:
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("length", "whole number >= 1 <= 9"),
-        ("size", "number > 0 < 1"),
+        ("length", "whole number >= 1 and <= 9"),
+        ("size", "number > 0 and < 1"),
         ("way", "one of up, down"),
         ("name", "text"),
         ("flag", "true or false"),
@@ -76,7 +76,7 @@ def test_settings_come_with_unit_default_and_meaning() -> None:
     texts = {setting.name: setting for setting in describe_settings(described())}
     assert list(texts)[:3] == ["length", "size", "way"]
     assert texts["length"] == SettingText(
-        "length", "whole number >= 1 <= 9", "frames", "5", "How long, in all."
+        "length", "whole number >= 1 and <= 9", "frames", "5", "How long, in all."
     )
     assert (texts["size"].default, texts["size"].meaning) == ("required", "Both of them.")
     assert texts["way"].meaning == "Both of them."

@@ -60,7 +60,13 @@ def test_a_name_claimed_by_two_plugins_names_both(install: Install) -> None:
 
 @pytest.mark.parametrize(
     ("name", "hint"),
-    [("fill.hodl", r"'fill\.hold'"), ("fil.hold", "did you mean 'fill'"), ("a.b", "--plugin")],
+    [
+        ("fill.hodl", r"'fill\.hold'"),
+        ("fil.hold", r"did you mean fill\.hold"),
+        ("hold", r"did you mean fill\.hold"),
+        ("fill", r"it is a family: fill\.hold"),
+        ("a.b", "--plugin"),
+    ],
 )
 def test_an_unknown_name_hints_at_what_there_is(install: Install, name: str, hint: str) -> None:
     with pytest.raises(UnknownNodeError, match=f"{name}.*{hint}"):
