@@ -6,10 +6,12 @@ microseconds, of which paths as objects would take most.
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import itertools
 import os
 import secrets
+import stat
 from collections.abc import Iterable
 from contextlib import suppress
 from io import IOBase
@@ -25,17 +27,27 @@ if TYPE_CHECKING:
 FORMAT = "format-1"
 UNFINISHED = ".part"
 _PIECE = 2**20
-_READ = os.O_RDONLY | getattr(os, "O_BINARY", 0)
+# without waiting: a pipe in place of a file is empty
+_READ = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
+_LONGEST = 2**28
 _WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 _own = secrets.token_hex(4)
 _numbers = itertools.count()
 
 
 def read(path: str) -> tuple[bytes, float]:
-    """Return the content of a small file, and when it was last changed."""
+    """Return the content of a small file, and when it was last changed.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, or is far from small.
+    """
     opened = os.open(path, _READ)
     try:
         status = os.fstat(opened)
+        if status.st_size > _LONGEST:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), path)
         content = os.read(opened, status.st_size + 1)
         while len(content) < status.st_size and (more := os.read(opened, status.st_size)):
             content += more
@@ -55,8 +67,14 @@ def write(folder: str, name: str, content: Any) -> None:
     write_parts(folder, name, (content,))
 
 
-def write_parts(folder: str, name: str, parts: Iterable[Any]) -> None:
+def write_parts(folder: str, name: str, parts: Iterable[Any], *, durable: bool = False) -> None:
     """Write a file, part after part, as `write` does.
+
+    Parameters
+    ----------
+    folder, name, parts
+    durable
+        Whether to return only when it would outlast a loss of power.
 
     Raises
     ------
@@ -73,9 +91,13 @@ def write_parts(folder: str, name: str, parts: Iterable[Any]) -> None:
         try:
             for part in parts:
                 _write_all(opened, part)
+            if durable:
+                os.fsync(opened)
         finally:
             os.close(opened)
         os.replace(unfinished, f"{folder}/{name}")
+        if durable:
+            _sync_folder(folder)
     except BaseException:
         with suppress(OSError):
             os.unlink(unfinished)
@@ -90,7 +112,7 @@ def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
     import numpy as np
 
     summed = hashlib.sha256()
-    with open(path, "rb", buffering=0) as opened:
+    with open(os.open(path, _READ), "rb", buffering=0) as opened:
         if os.fstat(opened.fileno()).st_size != size:
             return None
         memory = np.empty(size, np.uint8)
@@ -105,8 +127,10 @@ def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
 
 
 def is_whole(path: str, name: str) -> bool:
-    """Return whether the SHA-256 of a file's content is its name."""
-    with open(path, "rb") as opened:
+    """Return whether the SHA-256 of a file's content is its name; a device or a pipe is not."""
+    with open(os.open(path, _READ), "rb") as opened:
+        if not stat.S_ISREG(os.fstat(opened.fileno()).st_mode):
+            return False
         return hashlib.file_digest(opened, "sha256").hexdigest() == name
 
 
@@ -123,12 +147,28 @@ def unseal(content: bytes) -> bytes | None:
     return rest if whole and content[64:65] == b"\n" else None
 
 
-def locked(file: IOBase) -> bool:
-    """Lock a file for as long as it is open; return False if another program holds it."""
+def _sync_folder(folder: str) -> None:
+    with suppress(OSError):  # not every system opens folders
+        opened = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(opened)
+        finally:
+            os.close(opened)
+
+
+def locked(file: IOBase, *, wait: bool = False) -> bool:
+    """Lock a file for as long as it is open; return False if another program holds it.
+
+    Parameters
+    ----------
+    file
+    wait
+        Whether to wait until no other program holds it.
+    """
     try:
         import fcntl
 
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
     except BlockingIOError:
         return False
     except (ImportError, OSError):

@@ -32,6 +32,12 @@ _HOUR_AT = 12
 _HOUR = 3600.0
 _CAN_PACK = hasattr(os, "pread")
 """Whether this system reads at a place of a file that others read as well; Windows does not."""
+_MOST_ENTRIES = 2**23
+"""Of a pack; what claims more is none."""
+_LONGEST = 2**28
+"""Bytes of an entry; what claims more is damaged."""
+_MOST_PACKS = 256
+"""That are open at a time. Few more than the logarithm of the number of entries are written."""
 _LATELY = 2.0
 """Seconds in which a folder may change again without another time of change."""
 
@@ -88,7 +94,7 @@ class Pack:
         header = os.pread(self._file, _HEADER.size, 0)
         magic, count = _HEADER.unpack(header) if len(header) == _HEADER.size else (b"", 0)
         self._count: int = count
-        if magic != _MAGIC or _start(self._count) > self.size:
+        if magic != _MAGIC or count > _MOST_ENTRIES or _start(count) > self.size:
             raise ValueError(f"{path} is no pack")
         self._keys = os.pread(self._file, self._count * _KEY, _HEADER.size)
         self._records = _HEADER.size + self._count * _KEY
@@ -117,8 +123,8 @@ class Pack:
         whole = len(records) // _RECORD.size * _RECORD.size  # another program may have cut it
         for index, parts in enumerate(_RECORD.iter_unpack(records[:whole])):
             record = Record(*parts)
-            is_whole = record.offset + record.length <= self.size and record.length <= left
-            if record.hour and is_whole:
+            is_whole = record.offset + record.length <= self.size
+            if record.hour and is_whole and record.length <= min(left, _LONGEST):
                 left -= record.length
                 yield Packed(self, index, record)
 
@@ -128,7 +134,7 @@ class Pack:
 
     def read(self, record: Record) -> bytes:
         """Return the content of an entry; less of it where the pack ends before."""
-        if record.offset + record.length > self.size:
+        if record.length > _LONGEST or record.offset + record.length > self.size:
             return b""
         return os.pread(self._file, record.length, record.offset)
 
@@ -194,7 +200,7 @@ class Packs:
         except FileNotFoundError:
             changed = 0
         if changed != self._changed or time.time() - changed / 1e9 < _LATELY:
-            paths = [each.path for each in files.files_in(self.folder)]
+            paths = sorted(each.path for each in files.files_in(self.folder))[:_MOST_PACKS]
             kept = {path: self._open.get(path) or _opened(path) for path in paths}
             self._open = {path: pack for path, pack in kept.items() if pack is not None}
             self._changed = changed  # last: another thread may look meanwhile
@@ -211,14 +217,21 @@ class Packs:
         listed = sorted(entries, key=lambda entry: entry.key)
         if listed:
             name = f"{secrets.token_hex(8)}{_SUFFIX}"
-            files.write_parts(self.folder, name, _parts(listed))
+            # what was packed is removed next
+            files.write_parts(self.folder, name, _parts(listed), durable=True)
 
     @contextmanager
-    def alone(self) -> Iterator[bool]:
-        """Keep other programs from packing meanwhile; give whether nobody does so already."""
+    def alone(self, *, wait: bool = False) -> Iterator[bool]:
+        """Keep other programs from packing meanwhile; give whether this one may pack.
+
+        Parameters
+        ----------
+        wait
+            Whether to wait for a program that packs already.
+        """
         os.makedirs(self.folder, exist_ok=True)
         with open(f"{self.folder}/lock", "ab") as lock:
-            yield _CAN_PACK and files.locked(lock)
+            yield files.locked(lock, wait=wait) and _CAN_PACK
 
 
 def _opened(path: str) -> Pack | None:

@@ -6,8 +6,8 @@ import os
 import shutil
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence, Set
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -23,6 +23,10 @@ _FEW = 4096
 """Entries that may lie in files of their own."""
 _MANY = 65536
 """Entries that are read to be packed at a time."""
+_SMALL = 16384
+"""Bytes of an entry that is packed; a larger one wastes little of the disk."""
+_LARGEST = 2**22
+"""Entries up to which packs are merged."""
 _SHARE = 5
 """All stored results have at most one part of the disk in so many."""
 
@@ -146,6 +150,10 @@ class Upkeep:
         keep
             Entries go until all that is needed has at most so many bytes.
         """
+        with self._alone():
+            return self._pruned(older_than, keep)
+
+    def _pruned(self, older_than: float | None, keep: int | None) -> Amount:
         now = time.time()
         there = sorted(self._placed(), key=lambda entry: _past(entry.used, now))
         aged = [
@@ -162,11 +170,15 @@ class Upkeep:
         removed += self._without_damaged(whole, now)
         removed += self._without_unneeded(needed, now) + self._without_unfinished(now)
         with suppress(OSError):  # a disk that is full: what is removed goes with the next packing
-            self._pack({entry.place.pack for entry in gone if isinstance(entry.place, Packed)})
+            self._pack_all({entry.place.pack for entry in gone if isinstance(entry.place, Packed)})
         return removed
 
     def clear(self) -> Amount:
         """Remove all that is stored."""
+        with self._alone():
+            return self._cleared()
+
+    def _cleared(self) -> Amount:
         removed = _NONE
         for entry in self._entry_files():
             removed += _removed(entry.path, Amount(1, 0, _size(entry)))
@@ -180,26 +192,25 @@ class Upkeep:
                 removed += _removed(item.path, Amount(0, 0, _size(item)))
         return removed + self._without_unfinished(float("inf"))
 
-    def _pack(self, anew: Iterable[Pack] = ()) -> None:
-        """Put entries in files of their own together, once there are many.
+    def _alone(self) -> AbstractContextManager[object]:
+        """Wait for a program that packs, which else would keep what is removed meanwhile."""
+        is_there = os.path.isdir(self._packs.folder)
+        return self._packs.alone(wait=True) if is_there else nullcontext()
 
-        Parameters
-        ----------
-        anew
-            Packs from which entries were removed, and which are written anew.
-        """
-        old, first = set(anew), True
-        while first or old:
-            paths = [item.path for item in islice(self._entry_files(), _MANY)]
-            if len(paths) < _FEW:
-                paths = []
-            if not old and not paths:
-                return
+    def _pack(self) -> None:
+        """Put entries in files of their own together, once there are many, unless another does."""
+        if len(list(islice(self._small_files(), _FEW))) == _FEW:
             with self._packs.alone() as alone:
-                if not alone:
-                    return
+                if alone:
+                    self._pack_all(set())
+
+    def _pack_all(self, old: Set[Pack]) -> None:
+        """Put entries together, and write packs from which entries were removed again."""
+        left = self._small_files()
+        while (paths := list(islice(left, _MANY))) or old:
+            if old or len(paths) >= _FEW:
                 self._pack_together(paths, old)
-            old, first = set(), len(paths) == _MANY
+            old = set()
 
     def _pack_together(self, paths: Sequence[str], old: Set[Pack]) -> None:
         loose = {path: small for path in paths if (small := _small(path)) is not None}
@@ -207,7 +218,7 @@ class Upkeep:
         merged, count = set(old), len(loose)
         # packs of like sizes, so that there are few, and each entry is written few times
         for pack in sorted(packs, key=len):
-            if count >= len(pack):
+            if len(pack) <= count <= _LARGEST - len(pack):
                 merged.add(pack)
                 count += len(pack)
         there = {
@@ -234,6 +245,9 @@ class Upkeep:
         for packed in self._packed():
             has_blobs = packed.record.blobs > 0
             entry = read_entry(packed.content(), packed.key.hex()) if has_blobs else None
+            if has_blobs and entry is None:  # damaged
+                packed.remove()
+                continue
             blobs = tuple(entry.blobs()) if entry is not None else ()
             yield _Placed(packed, packed.used, packed.record.length, blobs)
 
@@ -242,6 +256,10 @@ class Upkeep:
 
     def _entry_files(self) -> Iterator[os.DirEntry[str]]:
         return (item for item in self._all(self._entries) if item.name.endswith(_ENTRY))
+
+    def _small_files(self) -> Iterator[str]:
+        """Yield the paths of entries that share a pack with others."""
+        return (item.path for item in self._entry_files() if _size(item) <= _SMALL)
 
     def _blob_files(self) -> Iterator[os.DirEntry[str]]:
         items = self._all(self._blobs)

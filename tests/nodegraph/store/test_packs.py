@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import shutil
 import struct
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -193,6 +195,76 @@ def test_a_pack_that_claims_more_than_it_holds_does_not_grow(packed: Store) -> N
         save(packed, number)
     Upkeep(packed.folder).tidy()
     assert sum(each.stat().st_size for each in packs(packed)) < 4 * size
+
+
+def test_a_pack_that_claims_more_than_memory_holds_is_none(packed: Store) -> None:
+    (path,) = packs(packed)
+    content = bytearray(path.read_bytes())
+    for count in (2**32, 2**62):
+        forged = path.with_name(f"{count}.pack")
+        forged.write_bytes(struct.pack("<16sQ", content[:16], count))
+        os.truncate(forged, 2**43)  # without taking room on the disk
+    first = 24 + COUNT * 32
+    content[first + 8 : first + 12] = struct.pack("<I", 2**32 - 1)
+    path.write_bytes(content)
+    os.truncate(path, 2**34)
+    assert len(values(packed)) == COUNT - 1
+    Upkeep(packed.folder).prune(keep=0)
+    assert values(packed) == {}
+
+
+def test_many_packs_leave_room_for_other_files(packed: Store) -> None:
+    (path,) = packs(packed)
+    for number in range(400):
+        shutil.copy(path, path.with_name(f"{number}.pack"))
+    before = len(os.listdir("/proc/self/fd"))
+    assert len(values(packed)) == COUNT
+    assert len(os.listdir("/proc/self/fd")) - before < 300
+
+
+def test_a_damaged_entry_in_a_pack_goes_with_the_next_pruning(packed: Store) -> None:
+    (path,) = packs(packed)
+    path.write_bytes(path.read_bytes().replace(b'"step":"s7"', b'"step":"s8"'))
+    assert Upkeep(packed.folder).prune(older_than=1000 * DAY).entries == 0
+    assert Upkeep(packed.folder).size().entries == COUNT - 1
+
+
+def devour(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+@pytest.mark.parametrize("put", [os.mkfifo, devour])
+def test_a_pipe_or_device_in_place_of_a_file_is_damage(
+    store: Store, files: Files, put: Callable[[Path], None]
+) -> None:
+    save(store, 1, np.zeros(1000))
+    entry = store.find(key_of(1))
+    assert entry is not None
+    (path,) = files("blobs")
+    path.unlink()
+    put(path)
+    with pytest.raises(DamagedEntry):
+        store.load(entry)
+    save(store, 1, np.zeros(1000))
+    (path,) = files("entries")
+    path.unlink()
+    put(path)
+    assert store.find(key_of(1)) is None
+    Upkeep(store.folder).prune(keep=0)
+
+
+@pytest.mark.parametrize("remove", [Upkeep.clear, lambda upkeep: upkeep.prune(keep=0)])
+def test_what_is_removed_while_another_program_packs_is_gone(
+    packed: Store, remove: Callable[[Upkeep], object]
+) -> None:
+    with (packed.folder / "format-1/packs/lock").open("ab") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        waiting = Thread(target=remove, args=(Upkeep(packed.folder),))
+        waiting.start()
+        waiting.join(0.1)
+        assert len(values(packed)) == COUNT
+    waiting.join()
+    assert values(packed) == {}
 
 
 def test_a_pack_is_read_on_a_disk_where_nothing_can_be_written(
