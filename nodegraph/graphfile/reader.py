@@ -87,8 +87,8 @@ def _text_of(path: Path) -> str:
             raise GraphError([Problem(place, "too large to be a graph file")])
         return path.read_text(encoding="utf-8")
     except FileNotFoundError as error:
-        names = [file.name for file in _graph_files(path.parent)]
-        hint = nearest(path.name, names, what="in that folder there is")
+        others = [file.name for file in _graph_files(path.parent)]
+        hint = nearest(path.name, others, what="in that folder there is")
         problem = Problem(place, "no such graph file", hint)
         raise GraphError([problem]) from error
     except UnicodeDecodeError as error:

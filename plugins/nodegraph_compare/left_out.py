@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections import defaultdict
 from typing import TYPE_CHECKING
@@ -26,6 +27,7 @@ MOST_GROUPS = 12
 _LISTED = 8
 _REASONS = 2
 _NOTED = 40
+_COMBINATION = re.compile(r"^([\w.]+)\(.*?\) (?=(?:failed|refused): )")  # of fill(k=1) failed: why
 _MOST_LACKING = 3
 
 
@@ -178,7 +180,8 @@ def end_text(question: Question) -> str:
 
 
 def _because(why: list[str]) -> str:
-    reasons = [reason for reason in dict.fromkeys(why) if reason]
+    without_labels = (_COMBINATION.sub(r"\1 ", reason) for reason in why)
+    reasons = [reason for reason in dict.fromkeys(without_labels) if reason]
     more = len(reasons) - _REASONS
-    rest = f"; and {more} more reasons" if more > 0 else ""
+    rest = f"; and {more} more reason{'s' * (more > 1)}" if more > 0 else ""
     return f" ({'; '.join(reasons[:_REASONS])}{rest})" if reasons else ""

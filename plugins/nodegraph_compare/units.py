@@ -185,9 +185,13 @@ def _segments(
         why = "no block has a number for every method"
     elif relative[shortest] < needed:
         first, last = spans[shortest]
-        why = f"too few {unit} ({last - first:.0f} where it takes {needed * lengths[shortest]:.0f})"
+        least = needed * lengths[shortest]
+        why = f"too few {unit}, {last - first:.0f} where {least:.0f} are needed"
     else:
-        why = f"too few blocks ({len(values)} leave one of {parts * count} segments without any)"
+        why = (
+            f"too few blocks ({len(values)}, none of them in one of {parts * count} segments); "
+            "further repetitions help"
+        )
     return Units("nothing", count, overall, cluster, why=why)
 
 

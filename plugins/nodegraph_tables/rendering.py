@@ -272,6 +272,8 @@ def _latex(caption: str, columns: Sequence[Column], notes: Sequence[str]) -> str
     rows = [" & ".join(_cell_latex(cell) for cell in row) + r" \\" for row in _rows(columns)]
     head = " & ".join(column.head.translate(_LATEX) for column in columns) + r" \\"
     # An empty line would end the caption's paragraph, which LaTeX refuses.
+    if notes and caption[-1:] not in ".?!":
+        caption = f"{caption};"
     caption = " ".join(" ".join([caption, *notes]).split())
     return "\n".join(
         [

@@ -367,10 +367,12 @@ def scope_sentences(overview: Overview) -> Markup:
     scopes = list(dict.fromkeys(group.scope for group in overview.groups if group.scope))
     metric = overview.metric
     first = scopes[0] if scopes else ""
+    judged = any(group.stands for group in overview.groups)
     if first.startswith("over "):
         units = strong(f"Scope: {first.removeprefix('over ')}")
-        holds = f"{units}. Holds for further {escape(overview.units)}."
-    elif first and not any(group.stands for group in overview.groups):
+        what = "Holds" if judged else "Only the intervals hold"
+        holds = f"{units}. {what} for further {escape(overview.units)}."
+    elif first and not judged:
         holds = f"{strong('Scope')}: nothing is said {escape(first)}."
     elif first:
         holds = f"{strong('Scope')}: holds {escape(first)}, not for others."

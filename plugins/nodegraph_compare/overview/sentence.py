@@ -63,7 +63,8 @@ def _sentence(overview: Overview) -> str:
     stands = [group for group in known if group.stands]
     if not stands:
         reasons = list(dict.fromkeys(why_none(group) for group in known))
-        more = f" (and {len(reasons) - 1} more reasons)" if len(reasons) > 1 else ""
+        others = len(reasons) - 1
+        more = f" (and {others} more reason{'s' * (others > 1)})" if others else ""
         what = (
             f"what each {escape(overview.compare)} does"
             if overview.is_sequence

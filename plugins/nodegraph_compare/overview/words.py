@@ -54,11 +54,18 @@ def strong(text: object) -> str:
 
 
 def method_names(overview: Overview, places: Iterable[int]) -> list[str]:
-    """Return the names of methods, each marked with what it is a name of."""
+    """Return the names of methods, each marked with what it is a name of.
+
+    A number is named with what it is a value of: ``threshold 2``.
+    """
     return [
-        f'<strong data-method="{escape(name)}">{escape(name)}</strong>'
-        for name in (str(overview.methods[place]) for place in places)
+        f'<strong data-method="{escape(str(label))}">{escape(_name(overview, label))}</strong>'
+        for label in (overview.methods[place] for place in places)
     ]
+
+
+def _name(overview: Overview, label: Label) -> str:
+    return str(label) if isinstance(label, str) else f"{overview.compare} {label}"
 
 
 def few(texts: Sequence[str], most: int = _NAMED) -> str:

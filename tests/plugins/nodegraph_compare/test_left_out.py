@@ -81,6 +81,8 @@ def test_skipped_combinations_are_noted_without_a_warning() -> None:
 def test_absent_combinations_are_counted_by_label_with_two_of_their_reasons() -> None:
     absent = [Absent({"fill": "b"}, "refused", why) for why in ("x", "y", "x", "z", "w")]
     assert absences(absent, "fill") == ["b: 5 combinations refused (x; y; and 2 more reasons)"]
+    each = [Absent({"fill": "b"}, "failed", f"fill(k={k}, fill=b) failed: (x)") for k in range(3)]
+    assert absences(each, "fill") == ["b: 3 combinations failed (fill failed: (x))"]
     assert absences(absent[:1], None) == ["1 combination refused (x)"]
 
 

@@ -148,8 +148,8 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
 @pytest.mark.parametrize(
     ("last", "expected"),
     [
-        (995, "too few blocks (20 leave one of 6 segments without any)"),
-        (150, "too few frames (155 where it takes "),
+        (995, "(20, none of them in one of 6 segments); further repetitions help"),
+        (150, "too few frames, 155 where "),
     ],
 )
 def test_a_recording_without_enough_segments_is_said_to_lack_what_it_lacks(
