@@ -172,7 +172,8 @@ def _summary(counts: Counts) -> Iterator[str]:
         unsent = counts.unsent[sink]
         yield f"{sink}: {counts.written[sink]} frames" + (f", {unsent} unsent" if unsent else "")
     for what, causes in (("refused", counts.refused), ("warned", counts.warnings)):
-        yield from (f"{what} {count} times: {text}" for text, count in causes)
+        for text, count in causes:
+            yield f"{what}{f' {count} times' * (count > 1)}: {text}"
     by_columns: dict[tuple[str, ...], list[tuple[str, ...]]] = {}
     for name, latest in counts.running.items():
         current = latest.as_json().values()

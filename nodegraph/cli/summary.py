@@ -219,7 +219,8 @@ def _failure(group: NoteGroup) -> str:
 
 def _more(count: int, *, full: bool) -> Iterator[str]:
     if count > _MOST_GROUPS and not full:
-        yield f"{count - _MOST_GROUPS} more kinds: --full, or the report"
+        more = count - _MOST_GROUPS
+        yield f"{more} more kind{'s' * (more > 1)}: --full, or the report"
 
 
 def _files(study: Study, folder: Path, lost: Collection[str]) -> str:

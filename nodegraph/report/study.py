@@ -357,7 +357,7 @@ def read_study(folder: Path) -> Study:
                 f"{path}: it was not written when the run ended; run the graph again"
             ) from None
         raise NodegraphError(
-            f"{path}: there is no finished run; run the graph, or name the folder of a run"
+            f"{folder}: there is no finished run; run the graph, or name the folder of a run"
         ) from None
     except ValidationError as error:
         reason = first_error(error, data)

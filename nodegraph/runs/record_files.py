@@ -56,7 +56,7 @@ def read_record(folder: Path) -> Record:
         data = json.loads(content_of(path))
     except (FileNotFoundError, NotADirectoryError):
         raise NodegraphError(
-            f"{path}: there is no finished run; run the graph, or name the folder of a run"
+            f"{folder}: there is no finished run; run the graph, or name the folder of a run"
         ) from None
     except (OSError, ValueError, RecursionError) as error:
         raise _unreadable(path, error) from error

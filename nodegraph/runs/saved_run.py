@@ -109,9 +109,11 @@ class SavedRun:
             return value_table(node, port or node, axes, values, absent)
         free = [axis for axis in axes if axis not in at]
         several = [axis for axis in free if len({cell[axis] for cell, _ in matches}) > 1]
-        hint = " ".join(f"{axis} ({', '.join(map(str, labels[axis]))})" for axis in several)
+        texts = (f"{axis} ({', '.join(map(str, labels[axis]))})" for axis in several)
+        example = ",".join(f"{axis}={labels[axis][0]}" for axis in several)
         raise NodegraphError(
-            f"{name_at(node, at)} has {len(matches)} values; choose with --at: {hint}"
+            f"{name_at(node, at)} has {len(matches)} values; choose a label of each axis, such as "
+            f"--at {example}; axes: {', '.join(texts)}"
         )
 
     def _node_and_port(self, name: str) -> tuple[str, str]:

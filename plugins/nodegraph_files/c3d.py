@@ -168,14 +168,15 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         positions, lost = _samples(path, description)
     except ValueError as error:
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
-    positions = mark_missing(positions, lost, zeros_missing=zeros_missing)
+    markers = unique_names(_labels(description.parameters), positions.shape[1])
+    positions = mark_missing(positions, lost, markers, zeros_missing=zeros_missing)
     length_unit = unit_from(unit, _unit(description.parameters))
     if description.scales:
         positions *= _scale(description.scales, extent_of(positions), length_unit.name)
     length_unit.convert(positions)
     return Trajectories(
         positions=positions,
-        markers=unique_names(_labels(description.parameters), positions.shape[1]),
+        markers=markers,
         rate=description.rate,
     )
 

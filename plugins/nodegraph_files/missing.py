@@ -11,11 +11,17 @@ import numpy as np
 from nodegraph_mocap.frame_ranges import chunks
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
 
 def mark_missing(
-    positions: NDArray[np.float64], lost: NDArray[np.bool_], *, zeros_missing: bool
+    positions: NDArray[np.float64],
+    lost: NDArray[np.bool_],
+    markers: Sequence[str],
+    *,
+    zeros_missing: bool,
 ) -> NDArray[np.float64]:
     """Return positions in which a sample is there or missing as a whole.
 
@@ -28,13 +34,15 @@ def mark_missing(
         (T, M, 3) as read; changed in place, because a long recording has no room for two.
     lost
         (T, M), samples that the file itself calls missing.
+    markers
+        Their names, for warnings.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) is missing.
     """
     infinite, partly, zero = (
-        _Counted("are infinite"),
-        _Counted("lack a coordinate"),
-        _Counted("are at exactly (0, 0, 0)"),
+        _Counted("are infinite", markers),
+        _Counted("lack a coordinate", markers),
+        _Counted("are at exactly (0, 0, 0)", markers),
     )
     for piece in chunks(len(positions), positions[:1].nbytes):
         some, known = positions[piece], lost[piece]
@@ -78,6 +86,7 @@ class _Counted:
     """How many samples are missing for one reason, and the first of them."""
 
     what: str
+    markers: Sequence[str]
     count: int = 0
     first: str = ""
 
@@ -86,7 +95,7 @@ class _Counted:
         count = int(np.count_nonzero(samples))
         if count and not self.count:
             frame, marker = np.argwhere(samples)[0]
-            self.first = f"in frame {frame + before}, marker number {marker + 1}"
+            self.first = f"in frame {frame + before}, marker {self.markers[marker]}"
         self.count += count
 
     def warn(self) -> None:

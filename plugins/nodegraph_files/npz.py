@@ -188,9 +188,10 @@ def _recording(arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit) ->
     positions = np.asarray(arrays["positions"], dtype=np.float64)
     if positions.ndim != 3 or positions.shape[2] != 3:
         raise ValueError(f"positions must be (frames, markers, 3), got {positions.shape}")
+    markers = tuple(str(name) for name in np.atleast_1d(arrays["markers"]))
     if "origin" not in arrays:
         nothing = np.zeros(positions.shape[:2], dtype=np.bool_)
-        positions = mark_missing(positions, nothing, zeros_missing=zeros_missing)
+        positions = mark_missing(positions, nothing, markers, zeros_missing=zeros_missing)
     unit.convert(positions)
     sigma = None if "sigma" not in arrays else np.asarray(arrays["sigma"], dtype=np.float64)
     if sigma is not None:
@@ -198,7 +199,7 @@ def _recording(arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit) ->
     described = arrays.get("marker_set")
     return Trajectories(
         positions=positions,
-        markers=tuple(str(name) for name in np.atleast_1d(arrays["markers"])),
+        markers=markers,
         rate=float(arrays["rate"]),
         marker_set=None if described is None else marker_set_of(json.loads(str(described))),
         origin=arrays.get("origin"),  # type: ignore[arg-type]

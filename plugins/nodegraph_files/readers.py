@@ -126,7 +126,7 @@ def read_truth(
     if file.name not in truth_names or Path(path) == file:
         warnings.warn(
             f"{path}: no noise-free truth, errors are measured to the captured samples, which "
-            "carry noise and impulses of their own",
+            "may carry noise and impulses of their own",
             stacklevel=2,
         )
     return _read(path, file, known, marker_set, unit=unit, zeros_missing=zeros_missing)

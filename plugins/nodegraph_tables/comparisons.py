@@ -49,7 +49,7 @@ def compare_tables(before: Table, now: Table) -> Iterator[str]:
         was, values = before[column].to_numpy(), now[column].to_numpy()
         differs = differences(was, values)
         if differs.any():
-            yield f"{column}: {_rows(differs, both)}: {_change(was, values, differs)}"
+            yield f"{column}: {_change(was, values, differs, both)}"
 
 
 def _row_names(before: Table, now: Table) -> tuple[list[str], list[str]] | None:
@@ -93,18 +93,20 @@ def name_differences(what: str, before: Sequence[str], now: Sequence[str]) -> It
         yield f"{what} in another order"
 
 
-def _rows(differs: NDArray[np.bool_], names: Sequence[str]) -> str:
-    changed = [names[place] for place in np.flatnonzero(differs).tolist()]
-    return f"row{'s' if len(changed) > 1 else ''} {listed(changed, _NAMED)}"
-
-
-def _change(was: NDArray[Any], now: NDArray[Any], differs: NDArray[np.bool_]) -> str:
-    """Return the largest change, or the first where there are no numbers."""
+def _change(
+    was: NDArray[Any], now: NDArray[Any], differs: NDArray[np.bool_], names: Sequence[str]
+) -> str:
+    """Return in how many rows a column differs, and the largest change, or the first of texts."""
     place = int(np.argmax(differs))
+    count = np.count_nonzero(differs)
+    texts = f"{was[place]}, now {now[place]}"
+    most = "the first"
     if was.dtype.kind in "fiu" and now.dtype.kind in "fiu":
         size = np.abs(now.astype(float) - was.astype(float))
         size[~np.isfinite(size)] = 0.0
         if size.any():
             place = int(np.argmax(size))
-            return f"by up to {size[place]:.3g} ({was[place]:.6g}, now {now[place]:.6g})"
-    return f"{was[place]}, now {now[place]}"
+            most, texts = "the most", f"{was[place]:.6g}, now {now[place]:.6g}"
+    if count == 1:
+        return f"row {names[place]}: {texts}"
+    return f"{count} of {len(names)} rows, {most} in {names[place]}: {texts}"

@@ -158,11 +158,12 @@ def recording_of(
     positions = np.array(coordinates, order="C").reshape(len(coordinates), count, 3)
     x, y, z = (coordinates[:, axis::3] for axis in range(3))
     empty = np.ascontiguousarray(np.isnan(x) & np.isnan(y) & np.isnan(z))
-    positions = mark_missing(positions, empty, zeros_missing=zeros_missing)
+    markers = unique_names(labels, count)
+    positions = mark_missing(positions, empty, markers, zeros_missing=zeros_missing)
     unit.convert(positions)
     return Trajectories(
         positions=positions,
-        markers=unique_names(labels, count),
+        markers=markers,
         rate=rate,
     )
 

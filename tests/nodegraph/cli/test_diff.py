@@ -111,4 +111,4 @@ def test_a_folder_without_a_run_is_named(command: Command, runs: tuple[str, str]
     ran(command)
     status, _, err = command("diff", *runs)
     assert status == 2
-    assert "nothing/run.json: there is no finished run" in err
+    assert "nothing: there is no finished run" in err

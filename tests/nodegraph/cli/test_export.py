@@ -78,7 +78,7 @@ def test_a_combination_of_a_shared_step_is_exported(ran: Path, command: Command)
         (("gaps.truht", "--out", "a.txt"), "'gaps' has no output 'truht'; did you mean 'truth'?"),
         (
             ("fill", "--at", "fill=hold", "--out", "a.txt"),
-            "has 2 values; choose with --at: length (",
+            "has 2 values; choose a label of each axis, such as --at length=",
         ),
         (("fill", "--at", "fil=hold", "--out", "a.txt"), "'fill' has no axis 'fil'"),
         (("fill", "--at", "length=2", "--out", "a.txt"), "'length' has no label '2'; there is: 1"),
@@ -120,7 +120,7 @@ def test_what_was_refused_or_failed_has_no_value(command: Command) -> None:
 def test_a_folder_without_a_run_is_an_error(command: Command) -> None:
     status, _, err = command("export", ".", "a", "--out", "a.txt")
     assert status == 2
-    assert "run.json: there is no finished run" in err
+    assert ": there is no finished run" in err
 
 
 def test_without_its_plugin_a_value_stays_in_the_store(command: Command) -> None:

@@ -89,4 +89,4 @@ def test_a_study_that_is_damaged_is_named(
 def test_a_folder_without_a_run_is_named(command: Command) -> None:
     status, _, err = command("report", "nowhere", nodes=False)
     assert status == 2
-    assert "nowhere/study.json.gz: there is no finished run" in err
+    assert "nowhere: there is no finished run" in err

@@ -84,7 +84,7 @@ def test_a_residual_tells_whether_a_sample_is_missing(
 def test_zeros_are_missing_unless_told_otherwise(build_c3d: Build, samples: Samples) -> None:
     samples[3, 1] = samples[5, 1] = 0
     path = build_c3d(samples)
-    with pytest.warns(UserWarning, match=r"^2 samples are at exactly.*frame 3, marker number 2"):
+    with pytest.warns(UserWarning, match=r"^2 samples are at exactly.*frame 3, marker \w+$"):
         read = read_c3d(path)
     assert not read.present[[3, 5], 1].any()
     assert read_c3d(path, zeros_missing=False).present.all()

@@ -177,4 +177,6 @@ def test_the_rows_of_a_score_at_all_labels_are_exported_as_one_table(
     assert "3 gaps of 5000 frames" in rows["reason"][6]
     capsys.readouterr()
     assert main(["export", "runs/scores", "gaps", "--store", "kept", "--out", "gappy.csv"]) == 2
-    assert "gaps has 3 values; choose with --at: length (5, 9, 5000)" in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert "gaps has 3 values; choose a label of each axis, such as --at length=5; " in err
+    assert "axes: length (5, 9, 5000)" in err

@@ -70,8 +70,12 @@ def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
 @pytest.mark.parametrize(
     ("other", "message"),
     [
-        ({"rmse": [1.0, 2.5, np.nan]}, "rmse: row 1: by up to 0.5 (2, now 2.5)"),
-        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: rows 1, 2: 2.0, now nan"),
+        ({"rmse": [1.0, 2.5, np.nan]}, "rmse: row 1: 2, now 2.5"),
+        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: 2 of 3 rows, the first in 1: 2.0, now nan"),
+        (
+            {"rmse": [1.25, 2.5, np.nan]},
+            "rmse: 2 of 3 rows, the most in 1: 2, now 2.5",
+        ),
         ({"rmse": [1.0, 2.0]}, "had 3 rows, now 2"),
         ({"error": [1.0, 2.0, np.nan]}, "columns only before: rmse"),
     ],
@@ -95,7 +99,7 @@ def test_rows_are_compared_by_their_names() -> None:
     assert told(table, other) == (
         "rows only before: a, 1",
         "rows only now: c, 1",
-        "rmse: row b, 1: by up to 0.5 (3, now 3.5)",
+        "rmse: row b, 1: 3, now 3.5",
     )
 
 
