@@ -34,8 +34,8 @@ _CAN_PACK = hasattr(os, "pread")
 """Whether this system reads at a place of a file that others read as well; Windows does not."""
 _MOST_ENTRIES = 2**23
 """Of a pack; what claims more is none."""
-_LONGEST = 2**28
-"""Bytes of an entry; what claims more is damaged."""
+LONGEST = 16384
+"""Bytes of an entry in a pack; a longer one wastes little of the disk in a file of its own."""
 _MOST_PACKS = 256
 """That are open at a time. Few more than the logarithm of the number of entries are written."""
 _LATELY = 2.0
@@ -124,7 +124,7 @@ class Pack:
         for index, parts in enumerate(_RECORD.iter_unpack(records[:whole])):
             record = Record(*parts)
             is_whole = record.offset + record.length <= self.size
-            if record.hour and is_whole and record.length <= min(left, _LONGEST):
+            if record.hour and is_whole and record.length <= min(left, LONGEST):
                 left -= record.length
                 yield Packed(self, index, record)
 
@@ -134,7 +134,7 @@ class Pack:
 
     def read(self, record: Record) -> bytes:
         """Return the content of an entry; less of it where the pack ends before."""
-        if record.length > _LONGEST or record.offset + record.length > self.size:
+        if record.length > LONGEST or record.offset + record.length > self.size:
             return b""
         return os.pread(self._file, record.length, record.offset)
 

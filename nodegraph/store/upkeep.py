@@ -14,7 +14,7 @@ from pathlib import Path
 
 from nodegraph.formatting import size_text
 from nodegraph.store import files
-from nodegraph.store.packs import Pack, Packed, Packs, Small
+from nodegraph.store.packs import LONGEST, Pack, Packed, Packs, Small
 from nodegraph.store.store import Entry, read_entry
 
 _HOUR = 3600.0
@@ -23,8 +23,6 @@ _FEW = 4096
 """Entries that may lie in files of their own."""
 _MANY = 65536
 """Entries that are read to be packed at a time."""
-_SMALL = 16384
-"""Bytes of an entry that is packed; a larger one wastes little of the disk."""
 _LARGEST = 2**22
 """Entries up to which packs are merged."""
 _SHARE = 5
@@ -225,6 +223,7 @@ class Upkeep:
             packed.key: Small(packed.key, packed.used, packed.record.blobs, packed)
             for pack in merged
             for packed in pack
+            if files.unseal(packed.content()) is not None  # what is damaged ends here
         }
         newest = {small.key: small for small in loose.values()}
         self._packs.add({**there, **newest}.values())
@@ -259,7 +258,7 @@ class Upkeep:
 
     def _small_files(self) -> Iterator[str]:
         """Yield the paths of entries that share a pack with others."""
-        return (item.path for item in self._entry_files() if _size(item) <= _SMALL)
+        return (item.path for item in self._entry_files() if _size(item) <= LONGEST)
 
     def _blob_files(self) -> Iterator[os.DirEntry[str]]:
         items = self._all(self._blobs)
