@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _LEVEL, _REACH = 0.95, 1.959963984540054
 """An interval that holds this share of errors reaches so many standard deviations."""
 _ALIKE = 20
-"""Held-out gaps, those of the nearest length, that a gap is judged by."""
+"""So many held-out gaps, those of the nearest lengths, a gap is judged by at least."""
 _LEAST = 10
 
 
@@ -30,9 +30,11 @@ def calibrated(
     its beginning, wherever the marker is present there and on both sides. The samples that they
     hide are filled, too, all others being known but for the gaps. The sigma of a gap is
     multiplied by ``q / 1.96``, with q the 95 % quantile of ``|error| / sigma`` over the
-    coordinates in the 20 held-out gaps whose length is nearest to its own, by the logarithm: no
-    distribution of the errors is assumed, but that gaps err as those held out do. It is the
-    normalized score of split conformal prediction (Lei et al., 2018), per length of gap.
+    coordinates in the held-out gaps of the lengths nearest to its own, by the logarithm: as many
+    lengths as it takes for 20 gaps, and all gaps of these, for some of them would be those of the
+    first markers. No distribution of the errors is assumed, but that gaps err as those held out
+    do. It is the normalized score of split conformal prediction (Lei et al., 2018), per length of
+    gap.
 
     Parameters
     ----------
@@ -90,8 +92,8 @@ def _scale(
 
     def of(length: int) -> float:
         apart = np.abs(np.log(held.length / length))
-        alike = np.argsort(apart, kind="stable")[:_ALIKE]
-        return float(np.quantile(errors[np.isin(gap, alike)], _LEVEL)) / _REACH
+        alike = apart <= np.sort(apart)[:_ALIKE][-1]
+        return float(np.quantile(errors[alike[gap]], _LEVEL)) / _REACH
 
     def scale(lengths: NDArray[np.intp]) -> NDArray[np.float64]:
         known, which = np.unique(lengths, return_inverse=True)
