@@ -1,6 +1,6 @@
 """Compare methods that process facial motion capture: nodes, graphs, runs, reports."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import import_time  # noqa: F401 - first, it records the time
 from nodegraph.errors import (
@@ -140,7 +140,7 @@ _LATE = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     # every command imports this package, and few need more of it than the errors
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import execute
 from nodegraph.errors import NodegraphError
@@ -95,8 +95,8 @@ def load(
     graph: str | Path,
     *,
     plugins: Iterable[str | Path] = (),
-    set: Mapping[str, Any] | None = None,
-    axis: Mapping[str, Any] | None = None,
+    set: Mapping[str, object] | None = None,
+    axis: Mapping[str, object] | None = None,
     only: Mapping[str, Label | Iterable[Label]] | None = None,
 ) -> Graph:
     """Read and validate a graph file.
@@ -130,8 +130,8 @@ def run(
     graph: Graph | str | Path,
     *,
     plugins: Iterable[str | Path] = (),
-    set: Mapping[str, Any] | None = None,
-    axis: Mapping[str, Any] | None = None,
+    set: Mapping[str, object] | None = None,
+    axis: Mapping[str, object] | None = None,
     only: Mapping[str, Label | Iterable[Label]] | None = None,
     until: Iterable[str] = (),
     executor: str = "threads",
@@ -228,8 +228,8 @@ def _registry(plugins: Iterable[str | Path]) -> Registry | None:
 
 
 def _choices(
-    inputs: Mapping[str, Any] | None,
-    axes: Mapping[str, Any] | None,
+    inputs: Mapping[str, object] | None,
+    axes: Mapping[str, object] | None,
     only: Mapping[str, Label | Iterable[Label]] | None,
 ) -> Choices:
     labels = {

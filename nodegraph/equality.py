@@ -59,7 +59,7 @@ def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) ->
     return next(filter(None, differences), "")
 
 
-def _parts(value: object) -> Mapping[str, Any] | None:
+def _parts(value: object) -> Mapping[str, object] | None:
     """Return the parts of a value by the expressions that reach them; None if it has none."""
     if is_dataclass(value) and not isinstance(value, type):
         return {f".{field.name}": getattr(value, field.name) for field in fields(value)}
@@ -74,7 +74,7 @@ def _parts(value: object) -> Mapping[str, Any] | None:
     return _library_parts(value)
 
 
-def _library_parts(value: Any) -> Mapping[str, Any] | None:
+def _library_parts(value: Any) -> Mapping[str, object] | None:
     # by name, so that neither pandas nor matplotlib is imported for values of other types
     kinds = {f"{kind.__module__.partition('.')[0]}.{kind.__name__}" for kind in type(value).mro()}
     if "pandas.DataFrame" in kinds:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import unquote, urljoin, urlsplit
 
 from platformdirs import user_cache_path
@@ -149,7 +149,7 @@ def _fetch(url: str, digest: str, path: Path) -> NodegraphError | None:
     return None
 
 
-def _download(url: str, output_file: str, pooch: Any) -> None:
+def _download(url: str, output_file: str, pooch: object) -> None:
     """Download an address into a file, as pooch asks its downloaders to do."""
     import requests
 
@@ -182,7 +182,7 @@ def _url_of_doi(doi: str) -> str:
     return url
 
 
-def _check_redirect(response: requests.Response, **rest: Any) -> None:
+def _check_redirect(response: requests.Response, **rest: object) -> None:
     if response.is_redirect:
         url = urljoin(response.url, response.headers["location"])
         is_other = urlsplit(url).scheme != urlsplit(response.url).scheme

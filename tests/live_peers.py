@@ -85,7 +85,7 @@ class QtmServer:
         Hz.
     """
 
-    def __init__(self, names: Sequence[str], positions: NDArray[Any], rate: float) -> None:
+    def __init__(self, names: Sequence[str], positions: NDArray[np.generic], rate: float) -> None:
         labels = "".join(f"<Label><Name>{name}</Name></Label>" for name in names)
         self._xml = (
             f"<QTM_Parameters_Ver_1.25><General><Frequency>{rate:g}</Frequency></General>"
@@ -169,7 +169,7 @@ class NatNetServer:
     def __init__(
         self,
         marker_sets: Mapping[str, Sequence[str]],
-        positions: NDArray[Any],
+        positions: NDArray[np.generic],
         protocol: tuple[int, int],
         rate: float,
     ) -> None:

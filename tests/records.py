@@ -15,12 +15,12 @@ def read_record(folder: Path | str) -> dict[str, Any]:
     return data | {"steps": steps_of(Path(folder, "steps.jsonl.gz").read_bytes())}
 
 
-def steps_of(content: bytes) -> list[dict[str, Any]]:
+def steps_of(content: bytes) -> list[dict[str, object]]:
     """Return the steps in the content of their file."""
     return [json.loads(line) for line in gzip.decompress(content).splitlines()]
 
 
-def write_steps(folder: Path | str, steps: Iterable[Any]) -> None:
+def write_steps(folder: Path | str, steps: Iterable[object]) -> None:
     """Write other steps."""
     text = "".join(f"{json.dumps(step)}\n" for step in steps)
     Path(folder, "steps.jsonl.gz").write_bytes(gzip.compress(text.encode()))

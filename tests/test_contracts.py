@@ -75,11 +75,11 @@ BY_NAME = ("sklearn:sklearn.impute.KNNImputer",)
 """Nodes that no plugin lists."""
 
 
-def required(node: Node) -> Mapping[str, Any]:
+def required(node: Node) -> Mapping[str, object]:
     return REQUIRED[node.name]() if node.name in REQUIRED else {}
 
 
-def cases() -> Iterator[Any]:
+def cases() -> Iterator[object]:
     for registered in sorted(INSTALLED, key=lambda registered: registered.full_name):
         for label, choice in variants(registered.node):
             settings = {**SMALL.get(registered.node.name, {}), **choice} if choice else {}
@@ -92,7 +92,7 @@ def test_every_plugin_is_installed_and_imports() -> None:
 
 
 @pytest.mark.parametrize(("node", "settings"), list(cases()))
-def test_node_keeps_its_promises(node: Node, settings: Mapping[str, Any]) -> None:
+def test_node_keeps_its_promises(node: Node, settings: Mapping[str, object]) -> None:
     check_node(node.function, settings={**required(node), **settings})
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
@@ -34,7 +33,7 @@ from nodegraph_mocap import Trajectories
         ("solve.weights", {"ridge": 0.5}),
     ],
 )
-def test_a_stream_gives_what_the_take_gives(name: str, settings: Mapping[str, Any]) -> None:
+def test_a_stream_gives_what_the_take_gives(name: str, settings: Mapping[str, object]) -> None:
     check_node(get_node(name), settings=settings)
 
 
@@ -51,7 +50,7 @@ def test_a_stream_gives_what_the_take_gives(name: str, settings: Mapping[str, An
         ("despike.impulse", {"mean_step": 0.3, "order": "redetect"}),
     ],
 )
-def test_what_needs_the_take_has_no_bound(name: str, settings: Mapping[str, Any]) -> None:
+def test_what_needs_the_take_has_no_bound(name: str, settings: Mapping[str, object]) -> None:
     node = node_of(get_node(name))
     assert node is not None
     assert node.live_lookahead({**node.defaults, **settings}) is None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -36,7 +35,7 @@ FIGURES = [
 ]
 
 
-def relabelled(value: Any, *, truth: bool) -> Any:
+def relabelled(value: object, *, truth: bool) -> object:
     """Return what is gathered with labels that matplotlib reads in ways of its own."""
     if not isinstance(value, Across):
         return value

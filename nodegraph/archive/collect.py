@@ -5,7 +5,6 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
-from typing import Any
 
 from nodegraph.archive.contents import CITATION, METADATA, README, RUN, Contents, readme
 from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read, free_name
@@ -227,7 +226,7 @@ def _lock_mismatch(path: Path, graph: str, text: str, record: Record) -> str:
     return ""
 
 
-def _base(value: object) -> Any:
+def _base(value: object) -> object:
     """Return a value with paths reduced to names of files, since a lock has other folders."""
     if isinstance(value, list):
         return [_base(item) for item in value]

@@ -67,7 +67,7 @@ class _Entities:
             ) from error
         self.crate = ROCrate(version=_VERSION)
 
-    def add(self, identifier: str, kind: str, **properties: Any) -> Any:
+    def add(self, identifier: str, kind: str, **properties: object) -> Any:
         """Return the entity with an identifier, which is added unless it exists."""
         from rocrate.model import ContextEntity
 
@@ -263,7 +263,7 @@ class _Crate:
                 **citation,
             )
 
-    def _describe_action(self, main: object, inputs: list[Any]) -> None:
+    def _describe_action(self, main: object, inputs: list[object]) -> None:
         failed = self._contents.record.counts.get(State.FAILED, 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
         error = {"error": f"{failed} steps failed; see run/run.json"} if failed else {}

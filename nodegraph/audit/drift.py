@@ -141,7 +141,7 @@ def _grade(
     return Grade.CLOSE if distance <= TOLERANCE else Grade.DIFFERS
 
 
-def _stored_form(value: object, packer: Packer) -> tuple[Any, Packed | None]:
+def _stored_form(value: object, packer: Packer) -> tuple[object, Packed | None]:
     """Return a value as a store would return it, and packed."""
     try:
         packed = packer.pack(value)

@@ -10,7 +10,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from tempfile import TemporaryDirectory
 from types import TracebackType
-from typing import Any
 
 from nodegraph.audit.drift import CallResult
 from nodegraph.errors import NodegraphError
@@ -196,7 +195,7 @@ def _numba_threads(count: int) -> Iterator[None]:
         numba.set_num_threads(before)
 
 
-def _lent(value: object, packer: Packer) -> Any:
+def _lent(value: object, packer: Packer) -> object:
     """Return a value for one call, whose changes do not reach later calls."""
     if not isinstance(value, Across):
         return packer.lend(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_pairs, add_plugin, add_run, add_store, labels_at
 from nodegraph.cli.output import refuse_existing, say, write_and_print
@@ -54,7 +54,7 @@ def export(arguments: Namespace) -> int:
     return 0
 
 
-def _files(value: Any, out: Path, registry: Registry) -> Mapping[Path, bytes]:
+def _files(value: object, out: Path, registry: Registry) -> Mapping[Path, bytes]:
     """Return the content of each file: of `out` first, then of those beside it."""
     from nodegraph.filenames import fold, portable_name, portable_paths
     from nodegraph.runs.export import exporters_of

@@ -16,7 +16,7 @@ from importlib import import_module
 from io import TextIOWrapper
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
 from nodegraph.errors import GraphError, NodegraphError, Place, nearest
@@ -217,7 +217,7 @@ def _add_help(parser: ArgumentParser) -> None:
 class _Version(Action):
     """Print the version, which is looked up only then."""
 
-    def __call__(self, parser: ArgumentParser, *rest: Any) -> None:
+    def __call__(self, parser: ArgumentParser, *rest: object) -> None:
         from importlib import metadata
 
         print(f"nodegraph {metadata.version('nodegraph')}")
@@ -237,7 +237,7 @@ def _internal_error(error: Exception) -> str:
     return f"internal error; please report it: {text}; NODEGRAPH_TRACE=1 shows the trace"
 
 
-def _show_warning(message: Warning | str, *rest: Any, **more: Any) -> None:
+def _show_warning(message: Warning | str, *rest: object, **more: object) -> None:
     print(f"warning: {message}", file=sys.stderr)
 
 

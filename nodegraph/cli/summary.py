@@ -8,7 +8,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph.report.notes import NoteGroup, note_kinds
 from nodegraph.report.study import Kind, Section, Study
@@ -96,7 +96,7 @@ def summary_json(study: Study, run: Run, folder: Path) -> str:
     return json.dumps(content, ensure_ascii=False, indent=1)
 
 
-def _grid_data(grid: Grid) -> dict[str, Any]:
+def _grid_data(grid: Grid) -> dict[str, object]:
     return {
         "title": grid.title,
         "head": [name.split("\n") for name in grid.head],

@@ -200,7 +200,7 @@ def collecting_warnings() -> Iterator[None]:
         yield
 
 
-def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
+def values_of(node: Node, returned: object) -> tuple[Any, ...]:
     """Return one value per output port of what a node's function returned, its arrays locked.
 
     Raises
@@ -219,7 +219,7 @@ def values_of(node: Node, returned: Any) -> tuple[Any, ...]:
     return tuple(_locked(node, port, getattr(returned, port.name)) for port in node.outputs)
 
 
-def _locked(node: Node, port: Port, value: Any) -> Any:
+def _locked(node: Node, port: Port, value: object) -> object:
     if not isinstance(value, port.type):
         raise TypeError(
             f"{node.name} returned {type(value).__name__} where its signature promises "

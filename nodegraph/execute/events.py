@@ -57,7 +57,7 @@ class Event:
     labels: Mapping[str, Any] = field(default_factory=dict)
     detail: Mapping[str, Any] = field(default_factory=dict)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return the event as plain data, for a line of JSON."""
         data: dict[str, Any] = {"event": self.kind, "seconds": round(self.seconds, 6)}
         if self.step >= 0:
@@ -65,7 +65,7 @@ class Event:
         return data | {name: plain(value) for name, value in self.detail.items()}
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> Any:
     """Return a value as JSON can write it; anything that JSON does not have becomes text."""
     if isinstance(value, (list, tuple)):
         return [plain(item) for item in value]
@@ -94,7 +94,7 @@ class EventLog:
         self,
         listeners: tuple[Listener, ...],
         plan: Plan,
-        about: Mapping[str, Any] = MappingProxyType({}),
+        about: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         self.listeners = listeners
         self._start = time.perf_counter()
@@ -179,7 +179,7 @@ class EventLog:
         """Report that the run is over."""
         self._emit(EventKind.FINISHED, None, dict(counts))
 
-    def _progress(self) -> dict[str, Any]:
+    def _progress(self) -> dict[str, object]:
         counts = self._counts
         left = self._left()
         elapsed = self.seconds() - (self._first or 0.0)
@@ -193,7 +193,7 @@ class EventLog:
             "to_go": None if to_go is None else round(to_go, 1),
         }
 
-    def _emit(self, kind: str, step: Step | None, detail: Mapping[str, Any]) -> None:
+    def _emit(self, kind: str, step: Step | None, detail: Mapping[str, object]) -> None:
         if not self.listeners:
             return
         event = (

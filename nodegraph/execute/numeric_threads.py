@@ -27,7 +27,7 @@ class SharedContext:
         Create what the first thread to come enters, and the last thread to go leaves.
     """
 
-    def __init__(self, *contexts: Callable[[], AbstractContextManager[Any]]) -> None:
+    def __init__(self, *contexts: Callable[[], AbstractContextManager[object]]) -> None:
         self._contexts = contexts
         self._lock = threading.Lock()
         self._inside = 0
@@ -70,7 +70,7 @@ def one_thread_here() -> Iterator[None]:
         yield
 
 
-def _one_thread(api: str) -> AbstractContextManager[Any]:
+def _one_thread(api: str) -> AbstractContextManager[object]:
     from threadpoolctl import get_cached_controller
 
     # selected, because at its end a limit resets all libraries of its controller

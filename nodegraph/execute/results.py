@@ -128,12 +128,12 @@ class Run:
             return index in self.in_memory
         return self.cache.gives(index, range(len(self.plan.steps[index].method.node.outputs)))
 
-    def shown_of(self, index: int) -> tuple[Any, ...]:
+    def shown_of(self, index: int) -> tuple[object, ...]:
         """Return a step's values, or the stand-ins that are stored of them to be shown."""
         stand_ins = self._loaded(self.plan.steps[index], stand_ins=True)
         return self.values_of(index) if stand_ins is None else stand_ins
 
-    def _loaded(self, step: Step, *, stand_ins: bool = False) -> tuple[Any, ...] | None:
+    def _loaded(self, step: Step, *, stand_ins: bool = False) -> tuple[object, ...] | None:
         if self.cache is None or step.index not in self.cache:
             return None
         outputs = range(len(step.method.node.outputs))
@@ -141,7 +141,7 @@ class Run:
             return None
         return self.cache.load(step.index)
 
-    def _computed(self, step: Step) -> tuple[Any, ...]:
+    def _computed(self, step: Step) -> tuple[object, ...]:
         known = self.cache.stored() if self.cache is not None else {}
         known |= {at: end for at, end in self.outcomes.items() if not end.state.has_value}
         known.pop(step.index, None)
@@ -261,7 +261,7 @@ class Values:
         """Yield the labels of each combination that has a value."""
         return (labels for labels, _ in self._steps())
 
-    def shown_at(self, labels: Mapping[str, Label]) -> Any:
+    def shown_at(self, labels: Mapping[str, Label]) -> object:
         """Return the value at the labels of all axes, or the stand-in that is stored of it."""
         index = self.run.plan.cells[self.node][tuple(labels[axis] for axis in self.axes)]
         return self.run.shown_of(index)[self._position(index)]

@@ -6,7 +6,6 @@ import reprlib
 from collections.abc import Iterable, Mapping
 from contextlib import nullcontext
 from types import MappingProxyType
-from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome, collecting_warnings
@@ -31,7 +30,7 @@ def execute(
     store: Store | None = None,
     keep: Iterable[str] = (),
     listeners: Iterable[Listener] = (),
-    about: Mapping[str, Any] = MappingProxyType({}),
+    about: Mapping[str, object] = MappingProxyType({}),
 ) -> Run:
     """Run every step of a plan that is not stored; a step that fails does not stop the others.
 
@@ -93,7 +92,7 @@ def execute(
     return run
 
 
-def _checked(result: Any, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
+def _checked(result: object, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
     """Return what an executor yielded, which may be a plugin's, if it is a step and its outcome."""
     if isinstance(result, tuple) and len(result) == 2:  # `match` would take five times as long
         index, outcome = result

@@ -284,7 +284,7 @@ class Schedule:
         if self._observer is not None:
             self._observer.settled(step, outcome)
 
-    def _gather(self, source: Gathered) -> Across[Any]:
+    def _gather(self, source: Gathered) -> Across[object]:
         entries = []
         unused: list[tuple[str, ...]] = []
         absent = list(source.skipped())
@@ -307,7 +307,7 @@ class Schedule:
             source.methods,
         )
 
-    def _lend(self, output: Output) -> Any:
+    def _lend(self, output: Output) -> object:
         return self.packer.lend(self.values[output.step][output.position])
 
 

@@ -36,7 +36,7 @@ class Reads:
 
     __slots__ = ("_node", "_settings", "_written", "names")
 
-    def __init__(self, node: Node, settings: Mapping[str, Any]) -> None:
+    def __init__(self, node: Node, settings: Mapping[str, object]) -> None:
         _install()
         self.names: dict[str, None] = {}
         self._node = node
@@ -67,7 +67,7 @@ class Reads:
     def _in_key(self) -> tuple[str, ...]:
         """Return the files that settings name."""
         return tuple(
-            os.path.abspath(self._settings[name])
+            os.path.abspath(str(self._settings[name]))
             for name, setting in self._node.settings.items()
             if setting.is_file and self._settings.get(name) is not None
         )
@@ -109,7 +109,7 @@ def _install() -> None:
     os.environ.__class__ = _Environment
 
 
-def _note(event: str, arguments: tuple[Any, ...]) -> None:
+def _note(event: str, arguments: tuple[object, ...]) -> None:
     if event != "open" or not (reads := reads_of_call.get()):
         return
     path, mode, flags = arguments

@@ -67,7 +67,7 @@ def value_table(
     return body
 
 
-def _rows(table: pd.DataFrame | None, axes: Mapping[str, Any]) -> pd.DataFrame:
+def _rows(table: pd.DataFrame | None, axes: Mapping[str, object]) -> pd.DataFrame:
     """Return the rows of one combination: those of its table, or an empty row without one."""
     import pandas as pd
 
@@ -78,13 +78,13 @@ def _rows(table: pd.DataFrame | None, axes: Mapping[str, Any]) -> pd.DataFrame:
     return table.drop(columns=[axis for axis in axes if axis in table.columns])
 
 
-def _series(values: Sequence[Any]) -> pd.Series[Any]:
+def _series(values: Sequence[object]) -> pd.Series[Any]:
     import pandas as pd
 
     scalars = all(value is None or isinstance(value, _SCALARS) for value in values)
     return pd.Series(values, dtype=None if scalars and values else object)
 
 
-def _repeated(items: Sequence[Any], counts: Sequence[int]) -> list[Any]:
+def _repeated(items: Sequence[object], counts: Sequence[int]) -> list[Any]:
     pairs = zip(items, counts, strict=True)
     return [copy for item, count in pairs for copy in itertools.repeat(item, count)]

@@ -20,7 +20,7 @@ from nodegraph.import_time import LOADED, STARTED
 from nodegraph.plugin.hook_types import Format
 
 
-def edited_since(modules: Iterable[Module], function: Callable[..., Any]) -> Iterator[str]:
+def edited_since(modules: Iterable[Module], function: Callable[..., object]) -> Iterator[str]:
     """Yield what was edited since the program began, or since the module was last read.
 
     A module that was imported later may be up to date all the same; that is not known.
@@ -105,7 +105,7 @@ class Code:
         self._formats = formats
         self._known: dict[int, tuple[object, Reached]] = {}
 
-    def of(self, function: Callable[..., Any]) -> Reached:
+    def of(self, function: Callable[..., object]) -> Reached:
         """Return the code that a function reaches, found once in the life of this object."""
         known = self._known.get(id(function))
         if known is None:
@@ -123,7 +123,7 @@ class Code:
             "distributions": self._distributions.remembered(),
         }
 
-    def _find(self, function: Callable[..., Any]) -> Reached:
+    def _find(self, function: Callable[..., object]) -> Reached:
         live = Live(self._links, self._places)
         reach = live.look_at(function)
         if ":".join(FORMATS) in self._gather(reach)[0]:

@@ -89,7 +89,7 @@ class Describer:
             return self._array(value)
         return self._instance(value)
 
-    def _mapping(self, value: Mapping[Any, Any]) -> tuple[object, ...]:
+    def _mapping(self, value: Mapping[object, object]) -> tuple[object, ...]:
         return tuple((self.of(key), self.of(item)) for key, item in value.items())
 
     def _array(self, value: Any) -> object:
@@ -98,7 +98,7 @@ class Describer:
         content = sha256(value.tobytes()).hexdigest()
         return "array", type(value).__name__, repr(value.dtype.descr), value.shape, content
 
-    def _instance(self, value: Any) -> object:
+    def _instance(self, value: object) -> object:
         if isinstance(value, partial):
             return "partial", self.all((value.func, value.args, value.keywords))
         if isinstance(value, MethodType):
@@ -139,7 +139,7 @@ _SLOTS = (GetSetDescriptorType, MemberDescriptorType, type(namedtuple("_Pair", "
 _NOWHERE = {"<string>", dataclasses.__file__}
 
 
-def bare_members(kind: type) -> dict[str, Any]:
+def bare_members(kind: type) -> dict[str, object]:
     """Return a class's own members as values and functions, with its annotations as texts.
 
     What `dataclasses.dataclass` and `typing.NamedTuple` make follows from the annotations, the
@@ -157,7 +157,7 @@ def bare_members(kind: type) -> dict[str, Any]:
     return members | {"annotations": annotations, "fields": _fields(kind)}
 
 
-def _fields(kind: object) -> list[Any]:
+def _fields(kind: object) -> list[object]:
     """Return the fields of a dataclass: with slots, its defaults are nowhere else."""
     if not dataclasses.is_dataclass(kind):
         return []
@@ -165,7 +165,7 @@ def _fields(kind: object) -> list[Any]:
     return [parameters, *map(_field, dataclasses.fields(kind))]
 
 
-def _field(field: dataclasses.Field[Any]) -> tuple[Any, ...]:
+def _field(field: dataclasses.Field[object]) -> tuple[object, ...]:
     default = () if field.default is dataclasses.MISSING else (field.default,)
     factory = () if field.default_factory is dataclasses.MISSING else (field.default_factory,)
     return (
@@ -180,7 +180,7 @@ def _field(field: dataclasses.Field[Any]) -> tuple[Any, ...]:
     )
 
 
-def _bare(member: object) -> Any:
+def _bare(member: object) -> object:
     if isinstance(member, (staticmethod, classmethod)):
         return type(member).__name__, member.__func__
     if isinstance(member, property):
@@ -327,7 +327,7 @@ class Live:
             self._definitions.add(Definition(module, name))
         return self._describer.all(kind.__bases__), self._describer.of(bare_members(kind))
 
-    def _function(self, function: FunctionType) -> Iterator[tuple[str, Any]]:
+    def _function(self, function: FunctionType) -> Iterator[tuple[str, object]]:
         """Note a function's code; return by name what it captures besides."""
         if _is_renamed(function) and self._is_named(function):
             self._by_version(function.__module__, function)
@@ -418,7 +418,7 @@ class Live:
         self._versioned |= reach.versioned
 
 
-def _closure_of_local(function: FunctionType) -> Iterator[tuple[str, Any]]:
+def _closure_of_local(function: FunctionType) -> Iterator[tuple[str, object]]:
     return captured(function) if "<locals>" in function.__code__.co_qualname else iter(())
 
 
@@ -460,7 +460,7 @@ def _module_name(function: FunctionType) -> str:
     return spec.name if spec else Path(file).stem
 
 
-def _look_up(names: Any, qualified: str) -> Any:
+def _look_up(names: Any, qualified: str) -> object:
     name, *attributes = qualified.split(".")
     value = names.get(name)
     for attribute in attributes:

@@ -233,7 +233,7 @@ def _of_spec(spec: Any) -> Place | None:
     return Place(file or "", tuple(spec.submodule_search_locations or ()))
 
 
-def _search(name: str, folders: list[str] | None) -> Any:
+def _search(name: str, folders: list[str] | None) -> object:
     for finder in sys.meta_path:
         try:
             spec = finder.find_spec(name, folders)

@@ -75,7 +75,7 @@ def short_digest(*texts: object) -> str:
     return hashlib.sha256(repr(texts).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def to_plain(summary: Summary) -> dict[str, Any]:
+def to_plain(summary: Summary) -> dict[str, object]:
     """Return a summary as what JSON can hold."""
     return {
         "parts": [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from nodegraph.errors import Place, Problems
 from nodegraph.graph.methods import labelled
@@ -334,7 +334,7 @@ class _Inlined:
             return self._resolved(written.value, written)
         return replace(written, value=self._substituted(written.value))
 
-    def _substituted(self, value: object) -> Any:
+    def _substituted(self, value: object) -> object:
         if isinstance(value, Variable):
             return self._resolved(value, Written(None, value.place)).value
         if isinstance(value, dict):

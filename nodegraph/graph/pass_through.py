@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
 
 from nodegraph.node.decorator import Node, Setting
 from nodegraph.node.ports import Port
@@ -103,7 +102,7 @@ def port_stand_in(port: Port) -> PassThrough:
     return PassThrough(port.type.__name__, _identity, (), (), (Port("value", port.type),))
 
 
-def _identity(**inputs: Any) -> Any:
+def _identity(**inputs: object) -> object:
     if len(inputs) == 1:
         return next(iter(inputs.values()))
     return SimpleNamespace(**inputs)

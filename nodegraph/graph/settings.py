@@ -136,7 +136,7 @@ class SettingsReader:
         names = {self._namespace.axis_of(variable) for variable in variables}
         return tuple(axis for axis in self._namespace.axes if axis in names) if names else ()
 
-    def _substituted(self, value: object, labels: Mapping[str, Label]) -> Any:
+    def _substituted(self, value: object, labels: Mapping[str, Label]) -> object:
         if isinstance(value, Variable):
             return self._namespace.value(value, labels)
         if isinstance(value, dict):
@@ -335,7 +335,7 @@ class _NameCheck:
         place = self.method.places.get(self.setting, self.method.place)
         self.problems.add(place, f"{where}: {self.setting}: {message}", hint)
 
-    def _values(self) -> Iterable[Mapping[str, Any]]:
+    def _values(self) -> Iterable[Mapping[str, object]]:
         return self.method.settings.values.values()
 
     def _outputs(self) -> Iterator[Port]:

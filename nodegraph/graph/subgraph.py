@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import networkx as nx
 
@@ -294,7 +293,7 @@ class _UseCheck:
         self.problems.add(part.place, f"{self._use.where}: {message}", instead)
 
 
-def field_of(value: object, name: str) -> Any:
+def field_of(value: object, name: str) -> object:
     """Return a field of a value, or of what a variable stands for; without a name, the value.
 
     Raises

@@ -295,7 +295,7 @@ def space_hint(written: object, keys: Iterable[str]) -> str:
     return f"put a space after the colon: {key}: {value}" if colon and key in keys else ""
 
 
-def _with_variables(item: Located) -> Any:
+def _with_variables(item: Located) -> object:
     """Return the plain value of a setting, with a `Variable` for each ``$name`` in it."""
     if isinstance(item.value, dict):
         return {key: _with_variables(each) for key, each in item.value.items()}

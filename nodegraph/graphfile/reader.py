@@ -197,7 +197,7 @@ class _SpecReader:
     def _text(self, key: str) -> str:
         return read_text(key, self._sections.get(key), self._problems)
 
-    def _mapping(self, key: str, read: Callable[[str, Located], Any]) -> dict[str, Any]:
+    def _mapping(self, key: str, read: Callable[[str, Located], object]) -> dict[str, object]:
         section = self._sections.get(key)
         if section is None:
             return {}
@@ -207,7 +207,7 @@ class _SpecReader:
         items = {str(name): read(str(name), item) for name, item in section.value.items()}
         return {name: item for name, item in items.items() if item is not None}
 
-    def _list(self, key: str, read: Callable[[Located], Any]) -> tuple[Any, ...]:
+    def _list(self, key: str, read: Callable[[Located], object]) -> tuple[object, ...]:
         section = self._sections.get(key)
         if section is None:
             return ()

@@ -116,7 +116,7 @@ def _is_strict(schema: Any) -> bool:
     return config is None or bool(config.get("strict"))
 
 
-def _anything(schema: Any) -> JsonSchemaValue:
+def _anything(schema: object) -> JsonSchemaValue:
     return {}
 
 
@@ -187,7 +187,7 @@ def _loosened_parts(schema: Schema, loose: Schema) -> Schema:
     return parts
 
 
-def _equal_to(choices: list[Any]) -> list[Any]:
+def _equal_to(choices: list[object]) -> list[object]:
     """Return booleans and numbers that pydantic takes for one of the choices."""
     listed = {(type(choice), choice) for choice in choices}
     return [

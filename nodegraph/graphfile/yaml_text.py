@@ -221,7 +221,7 @@ class _Parser:
         keys: dict[Any, Place] = {}
         self._open.append(_Open(Located(kind, place, keys), keys, event.anchor))
 
-    def _end(self, event: Any) -> None:
+    def _end(self, event: object) -> None:
         closed = self._open.pop()
         self._add(closed.item, closed.size, closed.height)
         if closed.anchor is not None:

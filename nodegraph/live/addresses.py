@@ -80,7 +80,7 @@ class Outlet:
         self._retry_at: float | None = None
         """When to open it again, if the connection is lost."""
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Open the sink.
 
         Raises
@@ -166,7 +166,7 @@ def _filled(address: str, labels: Mapping[str, Label]) -> str:
     return address
 
 
-def open_end(name: str, opening: Callable[..., T], *arguments: Any) -> T:
+def open_end(name: str, opening: Callable[..., T], *arguments: object) -> T:
     """Call what opens a source or a sink.
 
     Raises

@@ -64,8 +64,8 @@ class Engine:
     def __init__(
         self,
         plan: LivePlan,
-        header: Any,
-        values: Mapping[Output, Any],
+        header: object,
+        values: Mapping[Output, object],
         taps: Iterable[Tap],
         refused: Causes,
     ) -> None:
@@ -152,7 +152,7 @@ class _Delay:
         """Return what does so in one frame."""
         source, target, delay, waiting = self._source, self._target, self._delay, self._waiting
 
-        def step(payloads: list[Any]) -> None:
+        def step(payloads: list[object]) -> None:
             payload = payloads[source]
             if payload is not None:
                 waiting.append(payload)
@@ -161,7 +161,7 @@ class _Delay:
 
         return step
 
-    def drain(self, rest: Mapping[int, list[Any]]) -> dict[int, list[Any]]:
+    def drain(self, rest: Mapping[int, list[object]]) -> dict[int, list[Any]]:
         """Return the last payloads."""
         return {self._target: [*self._waiting, *rest[self._source]]}
 
@@ -190,7 +190,7 @@ class _Runner:
         state: LiveState,
         sources: Sequence[int],
         targets: Sequence[int],
-        missing: tuple[Any, ...],
+        missing: tuple[object, ...],
         refused: Causes,
     ) -> None:
         self._engine = engine
@@ -216,7 +216,7 @@ class _Runner:
         push, failed = self._state.push, self._failed
         (source,), (target,) = self._sources, self._targets
 
-        def step(payloads: list[Any]) -> None:
+        def step(payloads: list[object]) -> None:
             payload = payloads[source]
             if payload is not None:
                 try:
@@ -230,7 +230,7 @@ class _Runner:
         push, failed, take = self._state.push, self._failed, itemgetter(*self._sources)
         first, (target,) = self._first, self._targets
 
-        def step(payloads: list[Any]) -> None:
+        def step(payloads: list[object]) -> None:
             if payloads[first] is not None:  # then the others are there as well
                 try:
                     payloads[target] = push(*take(payloads))
@@ -243,7 +243,7 @@ class _Runner:
         push, failed, first = self._state.push, self._failed, self._first
         sources, targets = self._sources, self._targets
 
-        def step(payloads: list[Any]) -> None:
+        def step(payloads: list[object]) -> None:
             if payloads[first] is not None:
                 try:
                     results = push(*[payloads[source] for source in sources])
@@ -255,7 +255,7 @@ class _Runner:
 
         return step
 
-    def drain(self, rest: Mapping[int, list[Any]]) -> dict[int, list[Any]]:
+    def drain(self, rest: Mapping[int, list[object]]) -> dict[int, list[Any]]:
         """Return the last payloads of each output, from those of the inputs."""
         fed = [rest[source] for source in self._sources if source != _OPEN]
         columns = [
@@ -305,7 +305,7 @@ class _Runner:
 
 
 def _state(
-    live: LiveStep, headers: Mapping[Output, Any], values: Mapping[Output, Any]
+    live: LiveStep, headers: Mapping[Output, object], values: Mapping[Output, object]
 ) -> LiveState:
     node = live.step.method.node
     ports = {port: headers[live.streams[port]] for port in node.streams if port in live.streams}

@@ -82,7 +82,7 @@ class _Take:
         return read_streamable(self._path)
 
     @cached_property
-    def _payloads(self) -> Sequence[Any]:
+    def _payloads(self) -> Sequence[object]:
         return streamable_of(type(self._value)).split(self._value)
 
     def open(self) -> Any:
@@ -97,7 +97,7 @@ class _Take:
                 return
             yield _INDEX.pack(index)
 
-    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         (index,) = _INDEX.unpack(packet)
         rate = getattr(header, "rate", 0.0)
         captured = round(index / rate * 1e9) if rate else 0
@@ -147,7 +147,7 @@ class _Packets:
                 return
             yield packet
 
-    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         return self._decoder.frames(packet, arrived, header)
 
     def close(self) -> None:
@@ -175,7 +175,7 @@ class FileSink:
         self._takes: list[list[Any]] = []
         self._expected = 0
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Check that the value can be written in that format."""
         formats = exporters_of(header, current_registry())
         if self._path.suffix.lower() not in formats:
@@ -208,7 +208,7 @@ class FileSink:
             self._write(path, payloads)
             warnings.warn(f"the stream began anew; what follows is in {path}", stacklevel=2)
 
-    def _write(self, path: Path, payloads: Sequence[Any]) -> None:
+    def _write(self, path: Path, payloads: Sequence[object]) -> None:
         value = streamable_of(type(self._header)).join(self._header, payloads)
         export = exporters_of(value, current_registry())[path.suffix.lower()]
         try:
@@ -220,7 +220,7 @@ class FileSink:
             raise NodegraphError(f"{path}: {message_of(error)}") from error
 
 
-def read_streamable(path: Path) -> Any:
+def read_streamable(path: Path) -> object:
     """Return the value of a file, by the first reader that can read it and gives frames.
 
     Readers are the nodes of the family ``read`` that require nothing but a file.

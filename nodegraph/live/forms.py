@@ -111,12 +111,12 @@ def fold(form: WindowForm | StateForm, *streams: Any, **rest: Any) -> Any:
     )
 
 
-def header_of(value: Any) -> Any:
+def header_of(value: object) -> object:
     """Return a value without its frames."""
     return streamable_of(type(value)).header(value)
 
 
-def rows_of(values: Iterable[Any]) -> Iterator[tuple[Any, ...]]:
+def rows_of(values: Iterable[object]) -> Iterator[tuple[object, ...]]:
     """Yield for each frame the payloads of several values, None for one that is None.
 
     Raises
@@ -132,7 +132,7 @@ def rows_of(values: Iterable[Any]) -> Iterator[tuple[Any, ...]]:
         yield tuple([None if column is None else column[frame] for column in columns])
 
 
-def results(state: LiveState, rows: Iterable[tuple[Any, ...]]) -> Iterator[Any]:
+def results(state: LiveState, rows: Iterable[tuple[object, ...]]) -> Iterator[Any]:
     """Yield what a state gives for all frames of a stream, of which it is at the start."""
     for row in rows:
         result = state.push(*row)
@@ -144,7 +144,9 @@ def results(state: LiveState, rows: Iterable[tuple[Any, ...]]) -> Iterator[Any]:
 class _FrameState:
     """Calls a node's function with values of one frame."""
 
-    def __init__(self, node: Node, headers: Mapping[str, Any], rest: Mapping[str, Any]) -> None:
+    def __init__(
+        self, node: Node, headers: Mapping[str, object], rest: Mapping[str, object]
+    ) -> None:
         self._node = node
         self._rest = rest
         self._inputs = [
@@ -156,16 +158,16 @@ class _FrameState:
         each = tuple(map(header_of, outputs))
         self.header = each if node.splits else each[0]
 
-    def push(self, *payloads: Any) -> Any:
+    def push(self, *payloads: object) -> object:
         outputs = self._call(payloads)
         if not self._node.splits:
             return self._splits[0](outputs[0])[0]
         return tuple(split(value)[0] for split, value in zip(self._splits, outputs, strict=True))
 
-    def drain(self) -> Iterable[Any]:
+    def drain(self) -> Iterable[object]:
         return ()
 
-    def _call(self, payloads: Iterable[Any]) -> tuple[Any, ...]:
+    def _call(self, payloads: Iterable[object]) -> tuple[object, ...]:
         fed = [payload for payload in payloads if payload is not None]
         inputs = {
             name: join(header, [payload])
@@ -181,7 +183,11 @@ class _WindowState:
     """
 
     def __init__(
-        self, form: WindowForm, header: Any, rest: Mapping[str, Any], settings: Mapping[str, Any]
+        self,
+        form: WindowForm,
+        header: object,
+        rest: Mapping[str, object],
+        settings: Mapping[str, object],
     ) -> None:
         before, after = (
             count(settings) if callable(count) else count for count in (form.before, form.after)
@@ -206,7 +212,7 @@ class _WindowState:
         self._ahead = after
         """How many frames are still needed before the first result."""
 
-    def push(self, payload: Any) -> Any:
+    def push(self, payload: object) -> object:
         slot = self._slot = (self._slot + 1) % self._length
         parts = payload if isinstance(payload, tuple) else (payload,)
         for ring, part in zip(self._rings, parts, strict=True):
@@ -218,7 +224,7 @@ class _WindowState:
             return None
         return self._function(self._windows[slot], **self._rest)
 
-    def drain(self) -> Iterable[Any]:
+    def drain(self) -> Iterable[object]:
         # no generator, which would end where the function refuses a frame
         results = map(self.push, repeat(self._missing, self._after))
         return filter(lambda result: result is not None, results)

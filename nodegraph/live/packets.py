@@ -8,7 +8,6 @@ import warnings
 from collections.abc import Iterator
 from io import BufferedWriter
 from pathlib import Path
-from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.formats import current_registry
@@ -42,7 +41,7 @@ class PacketWriter:
         self._file: BufferedWriter | None = None
         self._is_reopened = False
 
-    def note_opening(self, header: Any) -> None:
+    def note_opening(self, header: object) -> None:
         """Note that the source was opened; the first time, begin the file."""
         self._is_reopened = self._file is not None
         if self._file is None:

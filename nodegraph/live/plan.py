@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Literal, get_args, get_origin
+from typing import Literal, get_args, get_origin
 
 from nodegraph.errors import NodegraphError, Place, Problems, listed, nearest
 from nodegraph.graph import Choices, Graph, build
@@ -202,7 +202,7 @@ def not_given(planned: Plan, output: Output) -> str:
     return ""
 
 
-def bounding_settings(node: Node, settings: Mapping[str, Any]) -> str:
+def bounding_settings(node: Node, settings: Mapping[str, object]) -> str:
     """Return the settings that would bound a node's look-ahead: ``max_gap: 30``; empty if none."""
     options = [
         (name, choice)
@@ -218,7 +218,7 @@ def bounding_settings(node: Node, settings: Mapping[str, Any]) -> str:
     return ""
 
 
-def _choices(kind: Any) -> tuple[Any, ...]:
+def _choices(kind: object) -> tuple[object, ...]:
     """Return values of a type that may bound a look-ahead."""
     if get_origin(kind) is Literal:
         return get_args(kind)
@@ -229,7 +229,7 @@ def _choices(kind: Any) -> tuple[Any, ...]:
     return tuple(choice for each in get_args(kind) for choice in _choices(each))
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 

@@ -128,7 +128,7 @@ def session_of(
         )
 
 
-def _held_values(planned: LivePlan, store: Store | None) -> dict[Output, Any]:
+def _held_values(planned: LivePlan, store: Store | None) -> dict[Output, object]:
     """Compute what does not change while the stream runs."""
     nodes = dict.fromkeys(step.node for step in planned.held)
     if not nodes:
@@ -177,7 +177,7 @@ class Session:
     def __init__(
         self,
         plan: LivePlan,
-        values: Mapping[Output, Any],
+        values: Mapping[Output, object],
         source: Source,
         address: str,
         outlets: Sequence[Outlet],
@@ -221,7 +221,7 @@ class Session:
         self._watchers = receivers
 
     @property
-    def headers(self) -> Mapping[Output, Any]:
+    def headers(self) -> Mapping[Output, object]:
         """The values without frames of each streamed output; there are some once frames are."""
         return self._engine.headers
 
@@ -260,7 +260,7 @@ class Session:
             self._compute()
         return self.counts
 
-    def _open_source(self) -> Any:
+    def _open_source(self) -> object:
         header = open_end(self._address, self._source.open)
         step = self.plan.plan.steps[self.plan.source.step]
         port = step.method.node.outputs[self.plan.source.position]
@@ -476,7 +476,7 @@ class Session:
     def _counting_warnings(self) -> Iterator[None]:
         """Count what nodes warn of, which they may do in every frame."""
 
-        def count(message: Warning | str, category: type, file: str, line: int, *_: Any) -> None:
+        def count(message: Warning | str, category: type, file: str, line: int, *_: object) -> None:
             self.counts.warnings.add((file, line), str(message))
 
         with warnings.catch_warnings():

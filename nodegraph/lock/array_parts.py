@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +90,7 @@ class Span:
     most: bool
 
 
-def parts_of(name: str, array: NDArray[Any], axes: int, most: int) -> Parts | None:
+def parts_of(name: str, array: NDArray[np.generic], axes: int, most: int) -> Parts | None:
     """Return the sums of an array; None if its numbers are too large for four bytes.
 
     Parameters

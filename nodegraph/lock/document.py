@@ -20,7 +20,7 @@ from nodegraph.lock.locked_result import LockedResult
 _T = TypeVar("_T", Parts, LockedResult)
 
 
-def _text_keys(value: object) -> Any:
+def _text_keys(value: object) -> object:
     """Return plain data with texts as keys: YAML reads a key of digits as a number."""
     if isinstance(value, dict):
         return {str(key): _text_keys(item) for key, item in value.items()}

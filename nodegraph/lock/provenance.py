@@ -238,7 +238,7 @@ def _method(
     )
 
 
-def _setting(method: Method, name: str, names: FileNames) -> Any:
+def _setting(method: Method, name: str, names: FileNames) -> object:
     """Return a setting's value, or its values by the labels that it depends on."""
     by_labels = {
         ", ".join(map(str, labels)): names.portable(plain(shown.get(name)))

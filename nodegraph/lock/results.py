@@ -101,7 +101,7 @@ class StoredValues:
                     return self._load(key)
         return ()
 
-    def _load(self, key: str) -> tuple[Any, ...]:
+    def _load(self, key: str) -> tuple[object, ...]:
         entry = self._store.find(key)
         try:
             return self._store.load(entry) if entry is not None else ()
@@ -192,7 +192,7 @@ class Results:
 
     def value_pairs(
         self, index: int, digest: str, stored: StoredValues
-    ) -> dict[str, tuple[Any, Any]]:
+    ) -> dict[str, tuple[object, object]]:
         """Return the locked and the present value of each output, if the former are stored.
 
         Parameters
@@ -235,7 +235,7 @@ class Results:
         entry = cache.entry(self._run.plan.steps[index], key) if cache is not None else None
         return entry.digests if entry is not None else ()
 
-    def _values(self, index: int) -> tuple[Any, ...]:
+    def _values(self, index: int) -> tuple[object, ...]:
         """Return the values of a step, the same each time even if the step is random."""
         if index in self._unstored:
             return self._unstored[index]

@@ -201,7 +201,7 @@ class Measured:
 def sketch(outputs: Mapping[str, Packed]) -> Sketch:
     """Return the sketch of the values of named outputs."""
     exact: list[Any] = []
-    floats: dict[str, list[NDArray[Any]]] = {}
+    floats: dict[str, list[NDArray[np.generic]]] = {}
     for name, packed in outputs.items():
         extraction = _FloatExtraction(packed.buffers, floats)
         exact.append([name, extraction.rest(json.loads(packed.head), name)])
@@ -229,7 +229,9 @@ def _leaf(place: str, arrays: list[NDArray[Any]]) -> Leaf:
 class _FloatExtraction:
     """Separates the floats of a packed value from the rest."""
 
-    def __init__(self, buffers: Iterable[Any], floats: dict[str, list[NDArray[Any]]]) -> None:
+    def __init__(
+        self, buffers: Iterable[memoryview], floats: dict[str, list[NDArray[np.generic]]]
+    ) -> None:
         self._buffers = tuple(buffers)
         self._floats = floats
 
@@ -256,14 +258,14 @@ class _FloatExtraction:
             return self._mapping(plain, at)
         return [word, *self._members(plain[1:], at)]
 
-    def _members(self, parts: list[Any], at: str) -> list[Any]:
+    def _members(self, parts: list[object], at: str) -> list[object]:
         few = len(parts) <= _FEW
         return [
             self.rest(part, f"{at}[{number}]" if few else f"{at}[]")
             for number, part in enumerate(parts)
         ]
 
-    def _mapping(self, plain: list[Any], at: str) -> Any:
+    def _mapping(self, plain: list[object], at: str) -> object:
         items = zip(plain[1::2], plain[2::2], strict=True)
         pairs = sorted((json.dumps(key), item) for key, item in items)
         few = len(pairs) <= _FEW
@@ -282,7 +284,7 @@ class _FloatExtraction:
         content = hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
         return ["array", array.dtype.str, list(array.shape), content]
 
-    def _without_numbers(self, array: NDArray[Any], at: str) -> Any:
+    def _without_numbers(self, array: NDArray[np.generic], at: str) -> object:
         """Collect floats; return their type, shape, and which are not finite."""
         flat = array.ravel()
         if flat.dtype.kind == "c":

@@ -509,7 +509,7 @@ def _marks(hint: Any, kind: type[T]) -> Iterator[T]:
     return (mark for mark in metadata if isinstance(mark, kind))
 
 
-def _has_mark(hint: Any, kind: type) -> bool:
+def _has_mark(hint: object, kind: type) -> bool:
     return any(_marks(hint, kind))
 
 

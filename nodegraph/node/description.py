@@ -67,7 +67,7 @@ def summary_of(node: Node) -> str:
 
 
 def describe_declaration(
-    node: Node, settings: Iterable[Mapping[str, Any]] | None = None
+    node: Node, settings: Iterable[Mapping[str, object]] | None = None
 ) -> tuple[str, ...]:
     """Return what a method declares, a phrase each: source, look-ahead, ends, live form.
 
@@ -211,7 +211,9 @@ def _json_schema(node: Node) -> dict[str, Any]:
     from pydantic.json_schema import GenerateJsonSchema
 
     class Lenient(GenerateJsonSchema):
-        def handle_invalid_for_json_schema(self, schema: object, error_info: str) -> dict[str, Any]:
+        def handle_invalid_for_json_schema(
+            self, schema: object, error_info: str
+        ) -> dict[str, object]:
             return {}
 
     return node.model.model_json_schema(schema_generator=Lenient)
@@ -255,7 +257,7 @@ def _documented_parameters(doc: str) -> dict[str, str]:
     }
 
 
-def _example_settings(node: Node) -> dict[str, Any]:
+def _example_settings(node: Node) -> dict[str, object]:
     required = [setting for setting in node.settings.values() if setting.required]
     if required:
         return {setting.name: _example_value(node, setting) for setting in required}
@@ -308,7 +310,7 @@ def _number(schema: Mapping[str, Any], kind: str) -> float:
     return int(number) if kind == "integer" else float(number)
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Return a value in the types of YAML, None for what has none."""
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]

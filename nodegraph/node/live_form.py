@@ -70,7 +70,7 @@ class LiveState(Protocol):
             `lookahead` frames.
         """
 
-    def drain(self) -> Iterable[Any]:
+    def drain(self) -> Iterable[object]:
         """Return what the last `lookahead` frames give, now that no other follows."""
 
 

@@ -69,7 +69,7 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def locked(value: object) -> Any:
+def locked(value: object) -> object:
     """Return a value whose arrays can no longer be written to.
 
     Arrays in tuples and in the fields of a `Value` are locked as well, those in other containers

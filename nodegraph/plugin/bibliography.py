@@ -52,7 +52,7 @@ def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
     return str(BibliographyData(known).to_string("bibtex")) if known else ""
 
 
-def _entries(bibtex: Iterable[str]) -> dict[str, Any]:
+def _entries(bibtex: Iterable[str]) -> dict[str, object]:
     from pybtex.database import parse_string
     from pybtex.exceptions import PybtexError
 

@@ -64,7 +64,7 @@ class Source:
         A `nodegraph.NodegraphError` is a message that the plugin wrote for its users, and passes.
         """
 
-        def guarded(*arguments: Any) -> Any:
+        def guarded(*arguments: object) -> object:
             try:
                 return function(*arguments)
             except NodegraphError:
@@ -90,7 +90,7 @@ class Source:
             What the warning states as the consequence.
         """
 
-        def guarded(*arguments: Any) -> Any:
+        def guarded(*arguments: object) -> object:
             try:
                 return function(*arguments)
             except (Exception, SystemExit) as error:
@@ -106,7 +106,7 @@ def guard_renderer(renderer: Renderer, source: Source) -> Renderer:
     def render(value: object, title: str) -> Any:
         return expect(renderer.render(value, title), Rendered)
 
-    def render_in_run(value: Any, title: str, origin: Any) -> Any:
+    def render_in_run(value: Any, title: str, origin: Any) -> object:
         assert renderer.render_in_run is not None
         return expect(renderer.render_in_run(value, title, origin), Rendered)
 
@@ -128,7 +128,7 @@ def guard_detail(detail: Detail, source: Source) -> Detail:
     def layout(inputs: Any, column: str) -> Any:
         return expect(detail.layout(inputs, column), Mapping | None)
 
-    def nothing(*arguments: Any) -> None:
+    def nothing(*arguments: object) -> None:
         return None
 
     return replace(
@@ -189,7 +189,7 @@ def guard_live_view(view: LiveView, source: Source) -> LiveView:
     """Return a view that raises `PluginError` where another fails."""
     what = f"the view of {view.type.__name__} on a stream"
 
-    def pack(payload: Any) -> Any:
+    def pack(payload: object) -> Any:
         return expect(view.pack(payload), bytes)
 
     return replace(view, begin=source.raising(what, view.begin), pack=source.raising(what, pack))
@@ -242,7 +242,7 @@ def guard_format(form: Format, source: Source) -> Format:
     """
     what = f"the format {form.name}"
 
-    def read(path: Path, **options: Any) -> Any:
+    def read(path: Path, **options: object) -> Any:
         try:
             return expect(form.read(path, **options), form.type)
         except (NodegraphError, ValueError, OSError):
@@ -261,7 +261,7 @@ def guard_executor(name: str, executor: Function, source: Source) -> Function:
     what = f"executor {name!r}"
     start = source.raising(what, lambda *arguments: iter(executor(*arguments)))
 
-    def guarded(schedule: Any, how: Any) -> Iterator[Any]:
+    def guarded(schedule: object, how: object) -> Iterator[object]:
         steps = start(schedule, how)
         following = source.raising(what, lambda: next(steps, _END))
         try:

@@ -180,7 +180,7 @@ class HookResults:
     def _named(
         self,
         hook: str,
-        guard: Callable[[str, Any, Source], Any] = lambda name, value, source: value,
+        guard: Callable[[str, Any, Source], object] = lambda name, value, source: value,
     ) -> dict[str, Any]:
         """Return the items of a hook that returns a mapping; of one name, the first plugin's."""
         named: dict[str, Any] = {}
@@ -244,7 +244,7 @@ class HookResults:
 
 
 @cache
-def declared_hooks() -> Mapping[str, Any]:
+def declared_hooks() -> Mapping[str, object]:
     """Return the type that each hook returns, by the hook's name."""
     return {
         name: get_type_hints(specification)["return"]

@@ -32,7 +32,7 @@ hookimpl = pluggy.HookimplMarker(GROUP)
 
 
 @hookspec
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:  # type: ignore[empty-body]
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:  # type: ignore[empty-body]
     """Return the plugin's nodes: functions decorated with `nodegraph.node`.
 
     Examples

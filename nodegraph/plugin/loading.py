@@ -174,7 +174,7 @@ def error_text(error: BaseException, package: str = "") -> str:
     return f"{text} ({file}:{line})" if file else text
 
 
-def package_of(function: Any) -> str:
+def package_of(function: object) -> str:
     """Return the top-level package of a function's code."""
     return _top_package(getattr(function, "__module__", ""))
 
@@ -185,7 +185,7 @@ def _add_nodes_hook(module: Any, known: Container[Node]) -> None:
     own = tuple(value for value, node in nodes if node is not None and node not in known)
 
     @hooks.hookimpl
-    def nodegraph_nodes() -> tuple[Any, ...]:
+    def nodegraph_nodes() -> tuple[object, ...]:
         return own
 
     module.nodegraph_nodes = nodegraph_nodes

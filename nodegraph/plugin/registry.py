@@ -70,7 +70,7 @@ class Registry:
         return registry
 
     @classmethod
-    def of(cls, functions: Iterable[Callable[..., Any]], *, plugin: str = "given") -> Registry:
+    def of(cls, functions: Iterable[Callable[..., object]], *, plugin: str = "given") -> Registry:
         """Return a registry of these nodes alone, as if a plugin of that name defined them."""
         registry = cls()
         registry._add_nodes(plugin, "", functions)
@@ -185,7 +185,7 @@ class Registry:
         self.loaded.append(plugin)
 
     def _add_nodes(
-        self, plugin: str, distribution: str, functions: Iterable[Callable[..., Any]]
+        self, plugin: str, distribution: str, functions: Iterable[Callable[..., object]]
     ) -> None:
         """Add the nodes of a plugin, all of them or none."""
         nodes: dict[str, Node] = {}
@@ -230,7 +230,7 @@ def get_node(name: str) -> Callable[..., Any]:
     return default_registry().find(name).node.function
 
 
-def _checked_node(function: Callable[..., Any]) -> Node:
+def _checked_node(function: Callable[..., object]) -> Node:
     node = node_of(function)
     if node is None:
         name = getattr(function, "__name__", repr(function))

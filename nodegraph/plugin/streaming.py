@@ -125,7 +125,7 @@ class Source(Protocol):
     def packets(self) -> Iterator[bytes]:
         """Yield what arrives, as it arrives, until the stream ends or `close` is called."""
 
-    def frames(self, packet: bytes, arrived: int, header: Any) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the frames in a packet.
 
         It needs no connection: recorded packets are decoded by a source that was never opened. A
@@ -148,7 +148,7 @@ class Source(Protocol):
 class Sink(Protocol):
     """Where frames go."""
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Connect, before the first frame; the header is a value without frames."""
 
     def write(self, frame: Frame) -> None:

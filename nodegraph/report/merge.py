@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import PurePosixPath
-from typing import Any
 
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.study import Link, Section, SettingRow, Study, numbered
@@ -143,7 +142,7 @@ def _joined(separator: str, studies: Mapping[str, Study], field: str) -> str:
     return separator.join(text for text in texts if text)
 
 
-def _equal(values: Iterable[Any]) -> bool:
+def _equal(values: Iterable[object]) -> bool:
     first, *rest = values
     return all(value == first for value in rest)
 

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath, PureWindowsPath
-from typing import Any
 
 from nodegraph.execute import Run
 from nodegraph.graph import GraphNode, Method
@@ -139,25 +138,25 @@ def _setting(used: _MethodRun, setting: SettingText) -> SettingRow:
     )
 
 
-def _settings(used: _MethodRun) -> list[Mapping[str, Any]]:
+def _settings(used: _MethodRun) -> list[Mapping[str, object]]:
     """Return the settings for which there is a result."""
     shown = used.method.settings.shown.items()
     return [settings for at, settings in shown if at in used.settings]
 
 
-def _values(used: _MethodRun, name: str) -> list[Any]:
+def _values(used: _MethodRun, name: str) -> list[object]:
     """Return the different values of a setting for which there is a result."""
     values = (settings.get(name) for settings in _settings(used))
     return list({value_text(value): value for value in values}.values())
 
 
-def _joined(values: Iterable[Any]) -> str:
+def _joined(values: Iterable[object]) -> str:
     texts = list(map(value_text, values))
     more = f" and {len(texts) - _MOST_VALUES} more" if len(texts) > _MOST_VALUES else ""
     return ", ".join(texts[:_MOST_VALUES]) + more
 
 
-def _without_folders(value: Any) -> Any:
+def _without_folders(value: object) -> object:
     """Return a value with files by their names alone: folders belong to one machine."""
     if isinstance(value, (list, tuple)):
         return [_without_folders(item) for item in value]

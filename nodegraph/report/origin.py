@@ -21,7 +21,7 @@ _KEPT = 32
 """Values kept in memory: the truth of a take, and what each method made of it."""
 
 
-def render_in_run(value: Any, title: str, origin: RunOrigin) -> Rendered | None:
+def render_in_run(value: object, title: str, origin: RunOrigin) -> Rendered | None:
     """Return how a value of a run appears; None if no plugin shows values of its type."""
     for renderer in origin.run.plan.graph.registry.hooks.renderers:
         if isinstance(value, renderer.type):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any
 
 from nodegraph.fingerprint.code import Reached
 from nodegraph.formatting import labels_of
@@ -16,7 +15,7 @@ Code = RecordedCode | Reached
 
 
 def setting_changes(
-    was: Mapping[str, Any], now: Mapping[str, Any], files: Collection[str] = ()
+    was: Mapping[str, object], now: Mapping[str, object], files: Collection[str] = ()
 ) -> Iterator[str]:
     """Yield a text per setting with another value, except those that name files."""
     for name in {**was, **now}:
@@ -62,6 +61,6 @@ def recorded_sources(step: RecordedStep, steps: Mapping[int, RecordedStep]) -> S
     }
 
 
-def source_text(node: str, output: str, labels: Mapping[str, Any]) -> str:
+def source_text(node: str, output: str, labels: Mapping[str, object]) -> str:
     """Return the text for an output that feeds a port: ``fill.output as fill=muscle``."""
     return f"{node}.{output}" + (f" as {labels_of(labels)}" if labels else "")

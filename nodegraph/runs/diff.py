@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from nodegraph.equality import difference
 from nodegraph.formatting import name_at
@@ -221,7 +221,9 @@ def _ending(step: RecordedStep) -> str:
     return f"{step.state} ({step.reason})" if step.reason else step.state
 
 
-def value_differences(value: Any, other: Any, comparisons: Iterable[Comparison]) -> tuple[str, ...]:
+def value_differences(
+    value: object, other: object, comparisons: Iterable[Comparison]
+) -> tuple[str, ...]:
     """Return a sentence per difference of two values; nothing if they are equal.
 
     Parameters

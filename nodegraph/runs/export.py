@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import PurePosixPath
-from typing import Any
 
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import Files
@@ -22,7 +21,7 @@ Exporter = Callable[[], Mapping[str, bytes]]
 _FAMILY = "write"
 
 
-def exporters_of(value: Any, registry: Registry) -> dict[str, Exporter]:
+def exporters_of(value: object, registry: Registry) -> dict[str, Exporter]:
     """Return an exporter of a value for each suffix, such as ``.c3d``."""
     if isinstance(value, Files):
         return {
@@ -32,7 +31,7 @@ def exporters_of(value: Any, registry: Registry) -> dict[str, Exporter]:
     return {**_from_renderer(value, registry), **dict(_from_writers(value, registry))}
 
 
-def _from_renderer(value: Any, registry: Registry) -> dict[str, Exporter]:
+def _from_renderer(value: object, registry: Registry) -> dict[str, Exporter]:
     for renderer in registry.hooks.renderers:
         if isinstance(value, renderer.type):
             files = renderer.render(value, "").files
@@ -40,7 +39,7 @@ def _from_renderer(value: Any, registry: Registry) -> dict[str, Exporter]:
     return {}
 
 
-def _from_writers(value: Any, registry: Registry) -> Iterator[tuple[str, Exporter]]:
+def _from_writers(value: object, registry: Registry) -> Iterator[tuple[str, Exporter]]:
     for entry in registry.family(_FAMILY).values():
         port = _port_for(value, entry.node)
         if port:
@@ -48,7 +47,7 @@ def _from_writers(value: Any, registry: Registry) -> Iterator[tuple[str, Exporte
             yield suffix, partial(_write, entry.node, port, value, suffix)
 
 
-def _port_for(value: Any, node: Node) -> str:
+def _port_for(value: object, node: Node) -> str:
     """Return the port that takes a value if the node requires nothing else, or nothing."""
     ports = [port for port in node.inputs if isinstance(value, port.type) and not port.across]
     required = [port for port in node.inputs if port not in ports[:1] and not port.optional]
@@ -64,7 +63,7 @@ def _with_suffix(files: Mapping[str, bytes], suffix: str) -> Mapping[str, bytes]
     return {name: content for name, content in files.items() if _suffix(name) == suffix}
 
 
-def _write(node: Node, port: str, value: Any, suffix: str) -> Mapping[str, bytes]:
+def _write(node: Node, port: str, value: object, suffix: str) -> Mapping[str, bytes]:
     content: Mapping[str, bytes] = node.function(**{port: value}).content
     return dict(sorted(content.items(), key=lambda file: _suffix(file[0]) != suffix))
 

@@ -414,6 +414,6 @@ def _sources(run: Run, fed: StepInput) -> Source | list[Source]:
     ]
 
 
-def _source(run: Run, output: Output, labels: Mapping[str, Any]) -> Source:
+def _source(run: Run, output: Output, labels: Mapping[str, object]) -> Source:
     ports = run.plan.steps[output.step].method.node.outputs
     return Source(output.step, ports[output.position].name, plain(labels))

@@ -102,7 +102,7 @@ def _unreadable(path: Path, reason: object) -> NodegraphError:
 
 
 @cache
-def _adapter(kind: type) -> TypeAdapter[Any]:
+def _adapter(kind: type) -> TypeAdapter[object]:
     from pydantic import TypeAdapter
 
     return TypeAdapter(kind)

@@ -183,7 +183,7 @@ class ReopenedRun(Run):
         assert self.cache is not None
         return self.cache
 
-    def _loaded(self, step: Step, *, stand_ins: bool = False) -> tuple[Any, ...] | None:
+    def _loaded(self, step: Step, *, stand_ins: bool = False) -> tuple[object, ...] | None:
         entry = self.steps.entry(step, self.outcomes[step.index].key)
         if entry is None or all(entry.faithful) == stand_ins:
             return None
@@ -192,7 +192,7 @@ class ReopenedRun(Run):
         except DamagedEntry:
             return None
 
-    def _computed(self, step: Step) -> tuple[Any, ...]:
+    def _computed(self, step: Step) -> tuple[object, ...]:
         raise NotStored([step])
 
     @cached_property

@@ -164,7 +164,7 @@ class SavedRun:
                 raise NodegraphError(f"{axis!r} has no label {label!r}; {nearest(label, labels)}")
 
 
-def stored_values(step: RecordedStep, store: Store) -> tuple[Any, ...]:
+def stored_values(step: RecordedStep, store: Store) -> tuple[object, ...]:
     """Return the values of a step; nothing if they are not stored."""
     entry = store.find(step.key) if step.key else None
     try:

@@ -124,7 +124,7 @@ def _path_from(folder: Path, path: Path) -> str:
     return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
 
 
-def read_value(option: str, text: str) -> Any:
+def read_value(option: str, text: str) -> object:
     """Return the value that an option such as ``--set start`` has: YAML, or else the text."""
     try:
         return read_yaml(text, option).plain()
@@ -141,7 +141,7 @@ def read_labels(option: str, text: str) -> Any:
     return read_yaml(text, option).plain()
 
 
-def _value_text(value: Any) -> str:
+def _value_text(value: object) -> str:
     """Return the text that `read_value` reads as a value."""
     text = value if isinstance(value, str) else _yaml(value)
     return text if _same(read_value("", text), value) else _yaml(value)
@@ -159,9 +159,9 @@ def _labels_text(labels: Any) -> str:
     return text if is_plain else _yaml(labels)
 
 
-def _yaml(value: Any) -> str:
+def _yaml(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _same(value: Any, other: Any) -> bool:
+def _same(value: object, other: object) -> bool:
     return repr(value) == repr(other)  # 1 and True are equal, as labels they are not

@@ -161,10 +161,10 @@ def _sources(plan: Plan, fed: StepInput) -> tuple[str, ...]:
     )
 
 
-def _output(plan: Plan, output: Output, labels: Mapping[str, Any]) -> str:
+def _output(plan: Plan, output: Output, labels: Mapping[str, object]) -> str:
     step = plan.steps[output.step]
     return source_text(step.node, step.method.node.outputs[output.position].name, plain(labels))
 
 
-def _cell(node: str, labels: Mapping[str, Any]) -> _Cell:
+def _cell(node: str, labels: Mapping[str, object]) -> _Cell:
     return node, tuple(sorted(plain(labels).items()))

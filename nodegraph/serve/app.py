@@ -72,7 +72,7 @@ def _as_page(answer: Callable[[Request], Response]) -> _Endpoint:
     return endpoint
 
 
-def _as_data(answer: Callable[[Request], Any]) -> _Endpoint:
+def _as_data(answer: Callable[[Request], object]) -> _Endpoint:
     """Return an endpoint that gives JSON, errors too."""
 
     @wraps(answer)

@@ -8,7 +8,6 @@ import re
 from collections.abc import Sequence
 from http import HTTPStatus
 from importlib.resources import files
-from typing import Any
 
 from starlette.responses import HTMLResponse, Response
 
@@ -24,7 +23,7 @@ def page_response(
     scripts: Sequence[str] = (),
     styles: Sequence[str] = (),
     trusted: Sequence[str] = (),
-    **context: Any,
+    **context: object,
 ) -> Response:
     """Return a page of the server's own."""
     from markupsafe import Markup
@@ -63,6 +62,6 @@ def own_source(name: str) -> str:
     return files("nodegraph.serve").joinpath("templates", name).read_text(encoding="utf-8")
 
 
-def json_in_script(value: Any) -> str:
+def json_in_script(value: object) -> str:
     """Return data for a script in a page."""
     return json.dumps(value).replace("<", "\\u003c")

@@ -258,7 +258,7 @@ def _version(path: Path) -> tuple[int, int]:
     return status.st_mtime_ns, status.st_size
 
 
-def entry_of(run: OpenRun) -> dict[str, Any]:
+def entry_of(run: OpenRun) -> dict[str, object]:
     """Return what a list of runs says of a run, without reading all of it."""
     progress = Progress()
     try:

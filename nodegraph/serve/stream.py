@@ -209,7 +209,7 @@ class StreamPage:
         frames = [self._newest.get(output) for output in shown.panels.values()]
         return [] if None in frames else [frame for frame in frames if frame]
 
-    def _values(self, shown: _Shown, frames: Sequence[Frame]) -> Iterator[tuple[str, Any]]:
+    def _values(self, shown: _Shown, frames: Sequence[Frame]) -> Iterator[tuple[str, object]]:
         """Yield a frame of each panel as a value."""
         for (label, output), frame in zip(shown.panels.items(), frames, strict=True):
             header = self._session.headers[output]
@@ -249,7 +249,7 @@ def _by_label(plan: LivePlan, name: str) -> Mapping[str, Output]:
     return {", ".join(map(str, labels.values())) or name: output for output, labels in outputs}
 
 
-def _running(plan: LivePlan) -> Iterator[Mapping[str, Any]]:
+def _running(plan: LivePlan) -> Iterator[Mapping[str, object]]:
     """Yield each node in whose place numbers are kept current, with its steps by their labels."""
     nodes = {plan.plan.steps[output.step].node: form for output, form in plan.running.items()}
     for node, form in nodes.items():

@@ -138,7 +138,7 @@ class _Shown:
             }
             self._is_over = update.state == "ended"
 
-    def _figures_of(self, update: Update, counts: Counts) -> Mapping[str, Any]:
+    def _figures_of(self, update: Update, counts: Counts) -> Mapping[str, object]:
         past = self._past
         if not past or counts.received > past[-1][1].received:
             self._received_at = update.seconds
@@ -212,8 +212,8 @@ class _Shown:
             await asyncio.sleep(EVERY)
 
     def _unsent(
-        self, sent: dict[str, Any], kind: str, values: Mapping[str, Any], names: Sequence[str]
-    ) -> Mapping[str, Any]:
+        self, sent: dict[str, object], kind: str, values: Mapping[str, object], names: Sequence[str]
+    ) -> Mapping[str, object]:
         """Return the values of some names that were not sent yet, and note them."""
         new = {
             name: values[name]

@@ -214,14 +214,14 @@ def packed(run: ReopenedRun, query: Query) -> Mapping[str, Any]:
     raise NodegraphError("there is nothing to show of this block")
 
 
-def _summary(value: Any) -> str:
+def _summary(value: object) -> str:
     """Return what a value is made of, where no plugin shows it."""
     if not is_dataclass(value):
         return _part(value)
     return "\n".join(f"{each.name}: {_part(getattr(value, each.name))}" for each in fields(value))
 
 
-def _part(value: Any) -> str:
+def _part(value: object) -> str:
     if hasattr(value, "shape") and hasattr(value, "dtype"):
         return f"{' x '.join(map(str, value.shape))} {value.dtype}"
     if isinstance(value, (tuple, list)):

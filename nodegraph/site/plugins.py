@@ -29,7 +29,7 @@ def plugin_page() -> Page:
     return replace(page, body="\n".join(parts), entries=tuple(entries))
 
 
-def _hooks() -> Iterator[tuple[str, Callable[..., Any]]]:
+def _hooks() -> Iterator[tuple[str, Callable[..., object]]]:
     for name, function in vars(hooks).items():
         if name.startswith("nodegraph_"):
             yield name, function
@@ -43,7 +43,7 @@ def _types() -> Iterator[tuple[str, type]]:
                 yield name, thing
 
 
-def _summary(thing: Any) -> str:
+def _summary(thing: object) -> str:
     return (inspect.getdoc(thing) or "").partition("\n")[0]
 
 

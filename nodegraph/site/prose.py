@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 from importlib.resources import files
 from itertools import pairwise
-from typing import Any
 
 from nodegraph.site.page import Entry, Page
 
@@ -164,7 +163,7 @@ def _lowered(match: re.Match[str]) -> str:
     return f"{match[1]}<sub>{match[2] or match[3]}</sub>"
 
 
-def table(head: tuple[str, ...], rows: list[tuple[Any, ...]]) -> str:
+def table(head: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
     """Return a table; cells are HTML."""
     if not rows:
         return ""

@@ -76,7 +76,7 @@ _EMPTY = 2**28
 _LAST_CHARACTER = 0x10FFFF
 
 
-def array_apart(array: NDArray[Any]) -> tuple[list[Any], memoryview]:
+def array_apart(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
     """Return an array's type, shape and layout, and its bytes: no copy unless it has gaps.
 
     The layout is the order of axes from the slowest to the fastest in memory, or nothing where
@@ -103,7 +103,7 @@ def array_together(
     strides: list[int] | None = None,
     *,
     room: float = inf,
-) -> NDArray[Any]:
+) -> NDArray[np.generic]:
     """Return the array again, read-only, upon the given bytes themselves.
 
     Parameters
@@ -184,7 +184,7 @@ def number_apart(number: np.generic) -> list[str]:
     return [type_name(number.dtype), number.tobytes().hex()]
 
 
-def number_together(name: str, content: str) -> Any:
+def number_together(name: str, content: str) -> object:
     """Return the number again.
 
     Raises
@@ -200,7 +200,7 @@ def number_together(name: str, content: str) -> Any:
     return np.frombuffer(memory, kind)[0]
 
 
-def _bytes_of(array: NDArray[Any]) -> memoryview:
+def _bytes_of(array: NDArray[np.generic]) -> memoryview:
     import numpy as np
 
     if not array.nbytes:
@@ -237,7 +237,7 @@ def _is_too_long(shape: Iterable[int], itemsize: int) -> bool:
     return prod(length or 1 for length in shape) * max(itemsize, 1) > _EMPTY
 
 
-def _check_characters(texts: NDArray[Any]) -> None:
+def _check_characters(texts: NDArray[np.generic]) -> None:
     """Refuse texts of what are no characters: numpy fails wherever one of them is looked at."""
     codes = texts.reshape(-1).view(texts.dtype.str[0] + "u4")
     if codes.max() > _LAST_CHARACTER:
@@ -245,8 +245,8 @@ def _check_characters(texts: NDArray[Any]) -> None:
 
 
 def _with_gaps(
-    packed: NDArray[Any], order: list[int], shape: list[int], strides: list[int], room: float
-) -> NDArray[Any]:
+    packed: NDArray[np.generic], order: list[int], shape: list[int], strides: list[int], room: float
+) -> NDArray[np.generic]:
     """Return the array in memory of its own, spaced as it was."""
     import numpy as np
 
@@ -273,7 +273,7 @@ def is_numpys(kind: type) -> bool:
     return kind is np.ndarray or (issubclass(kind, np.generic) and kind.__module__ == "numpy")
 
 
-def numpys_way(kind: type) -> Callable[[Any, Apart], Any]:
+def numpys_way(kind: type) -> Callable[[Any, Apart], object]:
     """Return what takes values of such a type apart."""
     import numpy as np
 
@@ -293,21 +293,21 @@ def numpys_way(kind: type) -> Callable[[Any, Apart], Any]:
     return lambda value, apart: ["number", *number_apart(value)]
 
 
-def _array_again(together: Together, number: int, *parts: Any) -> Any:
+def _array_again(together: Together, number: int, *parts: object) -> object:
     return together.array(together.buffer(number), parts)
 
 
-def _number_again(together: Together, name: str, content: str) -> Any:
+def _number_again(together: Together, name: str, content: str) -> object:
     return number_together(name, content)
 
 
-def _numpys_str(together: Together, plain: Any) -> Any:
+def _numpys_str(together: Together, plain: object) -> object:
     import numpy as np
 
     return np.str_(together.text(plain))
 
 
-def _numpys_bytes(together: Together, content: str) -> Any:
+def _numpys_bytes(together: Together, content: str) -> object:
     import numpy as np
 
     return np.bytes_(bytes.fromhex(content))
@@ -364,7 +364,7 @@ def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
     raise UnknownClass(f"{name!r} is no class of values here")
 
 
-def contents(value: Any, names: tuple[str, ...]) -> list[Any]:
+def contents(value: object, names: tuple[str, ...]) -> list[object]:
     """Return the fields of a value.
 
     Raises
@@ -383,7 +383,7 @@ def contents(value: Any, names: tuple[str, ...]) -> list[Any]:
     return values
 
 
-def with_contents(kind: type[Value], fields: Mapping[str, Any]) -> Value:
+def with_contents(kind: type[Value], fields: Mapping[str, object]) -> Value:
     """Return a value with these fields as they are: none is computed anew.
 
     They are checked by the class's own `__post_init__`, which is called with another value of the
@@ -414,7 +414,7 @@ def _no_check(value: Value) -> None:
     pass
 
 
-def _with_fields(kind: type[Value], fields: Mapping[str, Any]) -> Value:
+def _with_fields(kind: type[Value], fields: Mapping[str, object]) -> Value:
     value = object.__new__(kind)
     for name, field in fields.items():
         object.__setattr__(value, name, field)
@@ -430,11 +430,11 @@ def _check_type(where: str, value: Any, due: Any) -> None:
         raise Unreadable(f"{where} is of {value.dtype}, not of {due.dtype}")
 
 
-def _attribute(value: Any, name: str) -> Any:
+def _attribute(value: object, name: str) -> object:
     return getattr(type(value), name, None)
 
 
-def _held_by(module: Any, qualified: str) -> Any:
+def _held_by(module: object, qualified: str) -> object:
     """Return what a module holds under a dotted name, without asking it to import anything."""
     target = module
     for part in qualified.split("."):
@@ -475,11 +475,11 @@ class Apart:
         self.gaps = 0
         self.faithful = True
 
-    def plain(self, value: Any) -> Any:
+    def plain(self, value: object) -> Any:
         """Return a value as JSON knows it."""
         return self._ways[type(value)](value, self)
 
-    def all(self, values: Iterable[Any], outer: str) -> list[Any]:
+    def all(self, values: Iterable[object], outer: str) -> list[Any]:
         """Return what something is made of, and say where something lies that cannot be kept."""
         self._depth += 1
         if self._depth > _DEEPEST:
@@ -520,18 +520,18 @@ class Together:
         self._known: dict[Any, Any] = {}
         self.stand_ins = stand_ins
 
-    def whole(self, plain: Any) -> Any:
+    def whole(self, plain: object) -> Any:
         """Return the value that `Apart.plain` made this and all buffers of."""
         value = self.value(plain)
         if self._next != len(self._buffers):
             raise Unreadable(f"{len(self._buffers)} buffers, of which {self._next} have a place")
         return value
 
-    def value(self, plain: Any) -> Any:
+    def value(self, plain: object) -> Any:
         """Return the value that `Apart.plain` made this of."""
         return self._ways[plain[0]](self, *plain[1:]) if isinstance(plain, list) else plain
 
-    def all(self, plain: Iterable[Any]) -> list[Any]:
+    def all(self, plain: Iterable[object]) -> list[Any]:
         """Return several values."""
         self._depth += 1
         if self._depth > _DEEPEST:
@@ -540,7 +540,7 @@ class Together:
         self._depth -= 1
         return values
 
-    def text(self, plain: Any) -> str:
+    def text(self, plain: object) -> str:
         """Return a value that is a text."""
         text = self.value(plain)
         if not isinstance(text, str):
@@ -620,20 +620,20 @@ def restorers(
     }
 
 
-def _itself(value: Any, apart: Apart) -> Any:
+def _itself(value: object, apart: Apart) -> object:
     return value
 
 
-def _int(value: int, apart: Apart) -> Any:
+def _int(value: int, apart: Apart) -> object:
     return value if -_LARGEST < value < _LARGEST else ["int", hex(value)]
 
 
-def _float(value: float, apart: Apart) -> Any:
+def _float(value: float, apart: Apart) -> object:
     # a NaN has 52 bits of its own, and no way into JSON
     return value if math.isfinite(value) else ["float", struct.pack("<d", value).hex()]
 
 
-def _str(value: str, apart: Apart) -> Any:
+def _str(value: str, apart: Apart) -> object:
     if value.isascii():
         return value
     try:
@@ -643,7 +643,7 @@ def _str(value: str, apart: Apart) -> Any:
     return value
 
 
-def _bytes(value: bytes, apart: Apart) -> Any:
+def _bytes(value: bytes, apart: Apart) -> object:
     return ["bytes", apart.keep(memoryview(value))]
 
 
@@ -651,29 +651,29 @@ def _path(value: Path, apart: Apart) -> Any:
     return ["path", _str(str(value), apart)]
 
 
-def _tuple(value: tuple[Any, ...], apart: Apart) -> Any:
+def _tuple(value: tuple[object, ...], apart: Apart) -> object:
     return ["tuple", *apart.all(value, "tuple")]
 
 
-def _list(value: list[Any], apart: Apart) -> Any:
+def _list(value: list[object], apart: Apart) -> object:
     return ["list", *apart.all(value, "list")]
 
 
-def _dict(value: dict[Any, Any], apart: Apart) -> Any:
+def _dict(value: dict[object, object], apart: Apart) -> object:
     return ["dict", *apart.all((part for item in value.items() for part in item), "dict")]
 
 
-def _own_contents(value: Any, names: tuple[str, ...]) -> list[Any]:
+def _own_contents(value: object, names: tuple[str, ...]) -> list[object]:
     return [getattr(value, name) for name in names]
 
 
 def _record(
     word: str,
     names: tuple[str, ...],
-    contents_of: Callable[[Any, tuple[str, ...]], list[Any]],
-    value: Any,
+    contents_of: Callable[[Any, tuple[str, ...]], list[object]],
+    value: object,
     apart: Apart,
-) -> Any:
+) -> object:
     return [word, *apart.all(contents_of(value, names), type(value).__name__)]
 
 
@@ -682,7 +682,7 @@ def _value(name: str, names: tuple[str, ...], value: Value, apart: Apart) -> Any
     return ["value", name, list(names), *plain]
 
 
-def _stored(storage: Storage, name: str, value: Any, apart: Apart) -> Any:
+def _stored(storage: Storage, name: str, value: object, apart: Apart) -> object:
     try:
         parts = storage.take_apart(value)
     except Unstorable:
@@ -693,7 +693,7 @@ def _stored(storage: Storage, name: str, value: Any, apart: Apart) -> Any:
     return ["stored", name, *apart.all((parts,), type(value).__name__)]
 
 
-def _dict_again(together: Together, *plain: Any) -> dict[Any, Any]:
+def _dict_again(together: Together, *plain: object) -> dict[object, object]:
     parts = together.all(plain)
     again = dict(zip(parts[::2], parts[1::2], strict=True))
     if 2 * len(again) < len(parts):
@@ -701,7 +701,7 @@ def _dict_again(together: Together, *plain: Any) -> dict[Any, Any]:
     return again
 
 
-def _across_again(together: Together, *plain: Any) -> Across[Any]:
+def _across_again(together: Together, *plain: object) -> Across[Any]:
     axes, entries, absent, known, sources, unused, methods = together.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
@@ -717,14 +717,16 @@ def _across_again(together: Together, *plain: Any) -> Across[Any]:
     return Across(axes, entries, absent, known, sources, unused, methods)
 
 
-def _absent_again(together: Together, *plain: Any) -> Absent:
+def _absent_again(together: Together, *plain: object) -> Absent:
     labels, kind, reason = together.all(plain)
     if not (isinstance(labels, dict) and isinstance(kind, str) and isinstance(reason, str)):
         raise Unreadable("what is absent has no labels or no reason")
     return Absent(labels, kind, reason)
 
 
-def _restored(by_name: Mapping[str, Storage], together: Together, name: str, plain: Any) -> Any:
+def _restored(
+    by_name: Mapping[str, Storage], together: Together, name: str, plain: object
+) -> object:
     storage = by_name.get(name)
     if storage is None:
         raise Unreadable(f"no plugin says how to put a {name} together")
@@ -735,7 +737,7 @@ def _restored(by_name: Mapping[str, Storage], together: Together, name: str, pla
 
 
 def _restored_value(
-    packages: Callable[[str], bool], together: Together, name: str, names: list[str], *plain: Any
+    packages: Callable[[str], bool], together: Together, name: str, names: list[str], *plain: object
 ) -> Value:
     fields = dict(zip(names, together.all(plain), strict=True))
     return with_contents(class_named(name, packages), fields)
@@ -775,7 +777,7 @@ T = TypeVar("T")
 _encode = json.JSONEncoder(check_circular=False, allow_nan=False, separators=(",", ":")).encode
 
 
-def _refuse(part: Any) -> Any:
+def _refuse(part: object) -> object:
     raise Unreadable(f"{str(part)[:20]} is no part of a value")
 
 
@@ -841,7 +843,7 @@ class Packer:
         self._copiers = _ByType(self._copier_of)
         self._restorers = restorers(self._storages, packages)
 
-    def pack(self, value: Any) -> Packed:
+    def pack(self, value: object) -> Packed:
         """Take a value apart.
 
         Raises
@@ -885,7 +887,7 @@ class Packer:
         except (Exception, SystemExit) as error:
             raise Unreadable(f"{type(error).__name__}: {error}") from error
 
-    def digest(self, value: Any) -> str:
+    def digest(self, value: object) -> str:
         """Return the SHA-256 of a value, or of what `pack` made of it."""
         return (value if isinstance(value, Packed) else self.pack(value)).digest
 
@@ -899,7 +901,7 @@ class Packer:
             return storage.faithful
         return kind in BASIC or kind is Across or issubclass(kind, Value) or is_numpys(kind)
 
-    def lend(self, value: Any) -> Any:
+    def lend(self, value: object) -> Any:
         """Return what one reader gets of a value.
 
         Raises
@@ -910,7 +912,7 @@ class Packer:
         lender = self._lenders[type(value)]
         return value if lender is None else lender(value)
 
-    def copy(self, value: Any) -> Any:
+    def copy(self, value: object) -> Any:
         """Return a copy that shares no memory with a value, with the same order in memory.
 
         Values that cannot be packed, such as a figure, are lent.
@@ -926,7 +928,7 @@ class Packer:
     def _storage_of(self, kind: type) -> Storage | None:
         return next((storage for storage in self._storages if issubclass(kind, storage.type)), None)
 
-    def _lender_of(self, kind: type) -> Callable[[Any], Any] | None:
+    def _lender_of(self, kind: type) -> Callable[[Any], object] | None:
         storage = self._storage[kind]
         if storage is not None:
             return storage.lend
@@ -936,7 +938,7 @@ class Packer:
             return self._lend_each
         return _refuse_iterator if issubclass(kind, Iterator) else None
 
-    def _copier_of(self, kind: type) -> Callable[[Any], Any] | None:
+    def _copier_of(self, kind: type) -> Callable[[Any], object] | None:
         if issubclass(kind, (float, int, str, bytes, type(None), Path)):
             return None
         if self._storage[kind] is not None:
@@ -950,16 +952,16 @@ class Packer:
             return None if is_number else self._copy_array
         return self._copy_packed
 
-    def _copy_entries(self, gathered: Across[Any]) -> Across[Any]:
+    def _copy_entries(self, gathered: Across[object]) -> Across[object]:
         entries = tuple((labels, self.copy(value)) for labels, value in gathered)
         return replace(gathered, entries=entries)
 
-    def _copy_array(self, array: Any) -> Any:
+    def _copy_array(self, array: Any) -> object:
         if array.dtype.hasobject or not array.flags.forc:
             return self._copy_packed(array)
         return locked(array.copy(order="K"))
 
-    def _copy_packed(self, value: Any) -> Any:
+    def _copy_packed(self, value: object) -> object:
         try:
             packed = self.pack(value)
         except Unstorable:
@@ -968,12 +970,12 @@ class Packer:
             return self.lend(value)
         return self.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
 
-    def _lend_each(self, values: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _lend_each(self, values: tuple[object, ...]) -> tuple[object, ...]:
         lent = tuple(map(self.lend, values))
         return values if all(map(is_, lent, values)) else lent
 
 
-def _refuse_iterator(value: Iterator[Any]) -> Any:
+def _refuse_iterator(value: Iterator[object]) -> object:
     kind = type(value).__name__
     raise TypeError(f"a {kind} can be read only once; return a list or a tuple")
 

@@ -56,7 +56,7 @@ def read(path: str) -> tuple[bytes, float]:
     return content, status.st_mtime
 
 
-def write(folder: str, name: str, content: Any) -> None:
+def write(folder: str, name: str, content: object) -> None:
     """Write a file whole or not at all, over any that is there.
 
     Raises
@@ -67,7 +67,7 @@ def write(folder: str, name: str, content: Any) -> None:
     write_parts(folder, name, (content,))
 
 
-def write_parts(folder: str, name: str, parts: Iterable[Any], *, durable: bool = False) -> None:
+def write_parts(folder: str, name: str, parts: Iterable[object], *, durable: bool = False) -> None:
     """Write a file, part after part, as `write` does.
 
     Parameters

@@ -360,7 +360,7 @@ class Store:
                 self._remove_damaged(entry.key, text)
             raise DamagedEntry(f"{text}; entry {entry.key}") from error
 
-    def save(self, key: str, about: About, values: tuple[Any, ...]) -> Entry | None:
+    def save(self, key: str, about: About, values: tuple[object, ...]) -> Entry | None:
         """Store a result and return its entry, or None when it cannot be kept.
 
         Parameters
@@ -388,7 +388,7 @@ class Store:
             self.saved += 1
         return entry
 
-    def remember(self, name: str, data: Mapping[str, Any]) -> None:
+    def remember(self, name: str, data: Mapping[str, object]) -> None:
         """Keep a mapping of plain data, in place of what was kept under that name."""
         if self.writable:
             try:
@@ -405,7 +405,7 @@ class Store:
             return {}
         return value if isinstance(value, dict) else {}
 
-    def _values(self, entry: Entry) -> Iterator[Any]:
+    def _values(self, entry: Entry) -> Iterator[object]:
         parts = packed_parts(entry, self._blobs)
         for (head, buffers), faithful in zip(parts, entry.faithful, strict=True):
             yield self.packer.unpack(head, buffers, stand_ins=not faithful)

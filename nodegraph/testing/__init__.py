@@ -9,7 +9,7 @@ Two lines test every node of an installed plugin:
 >>> test_promises = promises_of("fill")
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from nodegraph.equality import difference, same
@@ -26,7 +26,7 @@ _MODULES = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     # a test that needs a comparison alone does not import the whole machine
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -21,7 +21,7 @@ def first_infinite(values: Values) -> str:
     return ""
 
 
-def oddities(value: Any) -> set[str]:
+def oddities(value: object) -> set[str]:
     """Return what is odd about a value's numbers: infinite, missing, or missing in part."""
     odd: set[str] = set()
     for _, array in _arrays(value, ""):
@@ -43,12 +43,12 @@ def first_shared(first: Values, second: Values, inputs: Values) -> str:
     return ""
 
 
-def _arrays_of_all(values: Values) -> Iterator[tuple[str, NDArray[Any]]]:
+def _arrays_of_all(values: Values) -> Iterator[tuple[str, NDArray[np.generic]]]:
     for name, value in values.items():
         yield from _arrays(value, name)
 
 
-def _arrays(value: Any, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
+def _arrays(value: object, name: str) -> Iterator[tuple[str, NDArray[np.generic]]]:
     """Yield the arrays of numbers in a value, each with the expression that reaches it."""
     if isinstance(value, (np.ndarray, float)):
         array = np.asarray(value)
@@ -58,7 +58,7 @@ def _arrays(value: Any, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
         yield from _arrays(part, f"{name}{suffix}")
 
 
-def _parts(value: Any) -> Iterable[tuple[str, Any]]:
+def _parts(value: Any) -> Iterable[tuple[str, object]]:
     if is_dataclass(value) and not isinstance(value, type):
         return ((f".{each.name}", getattr(value, each.name, None)) for each in fields(value))
     if isinstance(value, Mapping):
@@ -70,7 +70,7 @@ def _parts(value: Any) -> Iterable[tuple[str, Any]]:
     return ()
 
 
-def _overlap(first: NDArray[Any], second: NDArray[Any]) -> bool:
+def _overlap(first: NDArray[np.generic], second: NDArray[np.generic]) -> bool:
     return (
         bool(first.size) and np.may_share_memory(first, second) and np.shares_memory(first, second)
     )

@@ -6,7 +6,6 @@ import inspect
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
 
 from nodegraph.errors import NodeError, nearest
 from nodegraph.node.declaration import UNDECLARED
@@ -27,10 +26,10 @@ _OTHER_NAMES_OF_SEED = {"rng", "random", "random_seed", "random_state", "generat
 
 
 def check_node(
-    node: Callable[..., Any],
+    node: Callable[..., object],
     *,
-    inputs: Mapping[str, Any] | None = None,
-    settings: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, object] | None = None,
+    settings: Mapping[str, object] | None = None,
     registry: Registry | None = None,
 ) -> None:
     """Check everything that a node promises, and all that its family does.
@@ -90,8 +89,8 @@ def check_node(
 
 def _check(
     node: Node,
-    inputs: Mapping[str, Any],
-    settings: Mapping[str, Any],
+    inputs: Mapping[str, object],
+    settings: Mapping[str, object],
     registry: Registry,
     faults: Faults,
 ) -> None:
@@ -111,7 +110,7 @@ def _check(
             _call_on_specimens(node, inputs, settings, registry, faults)
 
 
-def _declaration_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str]:
+def _declaration_faults(node: Node, settings: Mapping[str, object]) -> Iterator[str]:
     """Yield what is wrong with the docstring and the settings, or with given values of these."""
     if not node.summary.strip():
         yield "has no docstring: say in its first line what the method does; users see it in lists"
@@ -127,7 +126,7 @@ def _declaration_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str
     yield from _value_faults(node, settings)
 
 
-def _value_faults(node: Node, settings: Mapping[str, Any]) -> Iterator[str]:
+def _value_faults(node: Node, settings: Mapping[str, object]) -> Iterator[str]:
     from pydantic import ValidationError
 
     defaults = node.defaults
@@ -185,7 +184,7 @@ def _bibtex(node: Node, registry: Registry) -> Iterable[str]:
 
 
 def _obstacles(
-    node: Node, inputs: Mapping[str, Any], settings: Mapping[str, Any], registry: Registry
+    node: Node, inputs: Mapping[str, object], settings: Mapping[str, object], registry: Registry
 ) -> Iterator[str]:
     """Yield why a node cannot be called: no value for a port or a setting, or a wrong name."""
     for port in ports_without_specimens(node, inputs, registry):
@@ -211,8 +210,8 @@ def _obstacles(
 
 def _call_on_specimens(
     node: Node,
-    inputs: Mapping[str, Any],
-    settings: Mapping[str, Any],
+    inputs: Mapping[str, object],
+    settings: Mapping[str, object],
     registry: Registry,
     faults: Faults,
 ) -> None:
@@ -235,7 +234,7 @@ def _call_on_specimens(
         faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
 
 
-def _check_columns(trial: Trial, outputs: Mapping[str, Any]) -> None:
+def _check_columns(trial: Trial, outputs: Mapping[str, object]) -> None:
     for port in trial.node.outputs:
         columns = [str(name) for name in getattr(outputs[port.name], "columns", ())]
         undeclared = [name for name in columns if name not in port.columns]
@@ -248,7 +247,7 @@ def _check_columns(trial: Trial, outputs: Mapping[str, Any]) -> None:
 
 
 def _check_contract(
-    contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, Any]
+    contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, object]
 ) -> None:
     name = getattr(contract, "__name__", repr(contract))
     promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")

@@ -46,7 +46,7 @@ _NOT_BY_FRAME = (
 )
 
 
-def check_live_form(trial: Trial, outputs: Mapping[str, Any]) -> None:
+def check_live_form(trial: Trial, outputs: Mapping[str, object]) -> None:
     """Note the faults of a node's live form that a specimen shows.
 
     Parameters
@@ -69,7 +69,7 @@ def check_live_form(trial: Trial, outputs: Mapping[str, Any]) -> None:
 class _Stream:
     """The specimens at the ports that take frames, as a stream."""
 
-    def __init__(self, trial: Trial, settings: Mapping[str, Any], lookahead: int) -> None:
+    def __init__(self, trial: Trial, settings: Mapping[str, object], lookahead: int) -> None:
         inputs = trial.inputs
         self._trial = trial
         self._lookahead = lookahead
@@ -78,7 +78,7 @@ class _Stream:
         self._rest = {name: value for name, value in inputs.items() if name not in self._streams}
         self._headers = {name: header_of(value) for name, value in self._streams.items()}
 
-    def check(self, outputs: Mapping[str, Any]) -> None:
+    def check(self, outputs: Mapping[str, object]) -> None:
         """Compare stream and whole take: of all frames, of the first, and with frames missing."""
         rows = list(rows_of(map(self._streams.get, self._trial.node.streams)))
         if not self._agrees(rows, outputs, "all frames"):
@@ -97,7 +97,7 @@ class _Stream:
             if not self._agrees(damaged, None, f"frames {sorted(gone)} missing"):
                 return
 
-    def _agrees(self, rows: Sequence[Row], outputs: Mapping[str, Any] | None, what: str) -> bool:
+    def _agrees(self, rows: Sequence[Row], outputs: Mapping[str, object] | None, what: str) -> bool:
         """Return whether the live form gives what the function gives, without other faults."""
         node = self._trial.node
         if outputs is None:
@@ -130,7 +130,7 @@ class _Stream:
                 return False
         return True
 
-    def _outputs(self, rows: Sequence[Row], what: str) -> Sequence[Any] | None:
+    def _outputs(self, rows: Sequence[Row], what: str) -> Sequence[object] | None:
         """Return what the live form gives for some frames, or None after a fault.
 
         Another instance takes the same frames from the last to the first at the same time.
@@ -170,7 +170,7 @@ class _Stream:
             for header, column in columns
         ]
 
-    def _is_alone(self, rows: Sequence[Row], results: Sequence[Any], what: str) -> bool:
+    def _is_alone(self, rows: Sequence[Row], results: Sequence[object], what: str) -> bool:
         """Return whether a new instance gives the same, now that no other one is in use."""
         state = self._state()
         again = [state.push(*row) for row in rows][self._lookahead :]
@@ -198,7 +198,7 @@ def _difference(form: LiveForm | None, streamed: Any, whole: Any, name: str) -> 
     return difference(streamed, whole, name=name)
 
 
-def _departing(streamed: Any, whole: Any, form: StateForm) -> Any:
+def _departing(streamed: object, whole: object, form: StateForm) -> object:
     """Return the whole take's result with the stream's numbers where the form lets them differ."""
     kind = streamable_of(type(whole))
     header = kind.header(whole)

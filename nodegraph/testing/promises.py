@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 from nodegraph.errors import UnknownNodeError, nearest
 from nodegraph.node.decorator import Node
@@ -46,7 +45,7 @@ def promises_of(plugin: str | Path) -> Callable[..., None]:
         for label, choice in variants(node)
     ]
 
-    def test_node_keeps_its_promises(node: Node, choice: Mapping[str, Any]) -> None:
+    def test_node_keeps_its_promises(node: Node, choice: Mapping[str, object]) -> None:
         __tracebackhide__ = True
         check_node(node.function, settings=choice, registry=registry)
 

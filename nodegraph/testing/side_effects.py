@@ -75,7 +75,7 @@ def side_effects(seed: int) -> Iterator[dict[str, str]]:
             effects.update(_emitted(printed.getvalue(), caught, written))
 
 
-def _changed(shared: Iterable[_Shared], before: Iterable[Any]) -> Iterator[tuple[str, str]]:
+def _changed(shared: Iterable[_Shared], before: Iterable[object]) -> Iterator[tuple[str, str]]:
     for state, value in zip(shared, before, strict=True):
         if changed := difference(value, state.read(), name="it"):
             yield state.fault, changed.removeprefix("it")
@@ -147,7 +147,7 @@ def _states_of_matplotlib() -> Iterator[_Shared]:
         )
 
 
-def _random_states() -> tuple[Any, ...]:
+def _random_states() -> tuple[object, ...]:
     return random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
 
 
@@ -188,7 +188,7 @@ def _files_written() -> Iterator[list[str]]:
             _written[thread] = outer
 
 
-def _note_opened(event: str, arguments: tuple[Any, ...]) -> None:
+def _note_opened(event: str, arguments: tuple[object, ...]) -> None:
     if event != "open" or not _written:
         return
     path, mode, flags = arguments

@@ -53,7 +53,7 @@ def cases(node: Node, inputs: Inputs, registry: Registry) -> Iterator[tuple[str,
         yield f"{names[0]}, optional ports open", {**_values(required, names[0]), **inputs}
 
 
-def variants(node: Node) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def variants(node: Node) -> Iterator[tuple[str, Mapping[str, object]]]:
     """Yield settings to test a node with, each with a name: none, then one choice at a time.
 
     A choice is one of a `Literal`, or true or false, that is not the default.
@@ -65,14 +65,14 @@ def variants(node: Node) -> Iterator[tuple[str, Mapping[str, Any]]]:
                 yield f"[{setting.name}={choice}]", {setting.name: choice}
 
 
-def examples(node: Node) -> Mapping[str, Any]:
+def examples(node: Node) -> Mapping[str, object]:
     """Return a value for each setting that has no default but an example in its `Field`."""
     required = [name for name, setting in node.settings.items() if setting.required]
     values = {name: node.model.model_fields[name].examples for name in required}
     return {name: value[0] for name, value in values.items() if value}
 
 
-def _specimens_of(kind: type, registry: Registry) -> dict[str, Any]:
+def _specimens_of(kind: type, registry: Registry) -> dict[str, object]:
     """Return the specimens, by name, of a type and its subclasses."""
     specimens: dict[str, Any] = {}
     for each, make in registry.hooks.specimens():
@@ -81,7 +81,7 @@ def _specimens_of(kind: type, registry: Registry) -> dict[str, Any]:
     return specimens
 
 
-def _values(fed: Mapping[Port, Mapping[str, Any]], name: str) -> Inputs:
+def _values(fed: Mapping[Port, Mapping[str, object]], name: str) -> Inputs:
     values: dict[str, Any] = {}
     for port, specimens in fed.items():
         value = specimens.get(name, next(iter(specimens.values())))
@@ -93,7 +93,7 @@ def _values(fed: Mapping[Port, Mapping[str, Any]], name: str) -> Inputs:
     return values
 
 
-def _choices(kind: Any) -> tuple[Any, ...]:
+def _choices(kind: object) -> tuple[object, ...]:
     if get_origin(kind) is Annotated:
         return _choices(get_args(kind)[0])
     if kind is bool:

@@ -94,7 +94,7 @@ class Trial:
         return outputs if self._is_repeatable(outputs) else None
 
     def again(
-        self, settings: Mapping[str, Any] | None = None, /, **inputs: Any
+        self, settings: Mapping[str, object] | None = None, /, **inputs: object
     ) -> Mapping[str, Any] | None:
         """Call the node with some settings and inputs replaced; None if it declines."""
         try:
@@ -107,7 +107,7 @@ class Trial:
             return None
         return self._by_port(returned)
 
-    def _call(self) -> tuple[Any, Mapping[str, str]]:
+    def _call(self) -> tuple[object, Mapping[str, str]]:
         """Return what the node returned or raised, and its side effects."""
         returned: Any = None
         for _ in range(2):
@@ -131,7 +131,7 @@ class Trial:
             return f"{type(error).__name__}: {error}"
         return None
 
-    def _by_port(self, returned: Any) -> Mapping[str, Any] | None:
+    def _by_port(self, returned: object) -> Mapping[str, object] | None:
         try:
             values = values_of(self.node, returned)
         except TypeError as error:
@@ -139,7 +139,7 @@ class Trial:
             return None
         return dict(zip((port.name for port in self.node.outputs), values, strict=True))
 
-    def _is_repeatable(self, outputs: Mapping[str, Any]) -> bool:
+    def _is_repeatable(self, outputs: Mapping[str, object]) -> bool:
         try:
             with side_effects(2):
                 returned = self.node.function(*self._positional(), **self.settings)
@@ -157,14 +157,14 @@ class Trial:
             self.add_fault(_SHARES_ARRAYS, f"{place} is the same array in two calls")
         return True
 
-    def _positional(self) -> list[Any]:
+    def _positional(self) -> list[object]:
         """Return the inputs in the order of the ports; an open port in between is None."""
         names = [port.name for port in self.node.inputs]
         last = max((names.index(name) for name in self.inputs), default=-1)
         return [self.inputs.get(name) for name in names[: last + 1]]
 
 
-def _first_difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> str:
+def _first_difference(first: Mapping[str, object], second: Mapping[str, object]) -> str:
     differences = (difference(value, second[name], name=name) for name, value in first.items())
     return next(filter(None, differences), "")
 

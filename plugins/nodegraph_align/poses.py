@@ -69,11 +69,11 @@ class Poses(NamedTuple):
         """(T,), True where the frame is fitted."""
         return np.asarray(self.states <= MIRRORED)
 
-    def some(self, frames: NDArray[Any]) -> Poses:
+    def some(self, frames: NDArray[np.generic]) -> Poses:
         """Return those of some frames."""
         return Poses(*(part[frames] for part in self))
 
-    def put(self, frames: NDArray[Any], others: Poses) -> None:
+    def put(self, frames: NDArray[np.generic], others: Poses) -> None:
         """Replace those of some frames."""
         parts: tuple[Any, ...] = self
         for part, other in zip(parts, others, strict=True):

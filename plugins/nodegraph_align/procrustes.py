@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
 from pydantic import AfterValidator
@@ -90,7 +90,7 @@ class _Stream:
             None,
         )
 
-    def drain(self) -> Iterable[Any]:
+    def drain(self) -> Iterable[object]:
         return ()
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
-from typing import Any
 
 from nodegraph import Contract, hookimpl
 
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the plugin's nodes."""
     from nodegraph_blendshapes.animate_mesh import mesh
     from nodegraph_blendshapes.from_frames import from_frames

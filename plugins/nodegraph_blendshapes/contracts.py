@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -101,7 +101,7 @@ BLENDSHAPES = (
 ANIMATE = (gives_an_animation_of_its_weights,)
 
 
-def _result(tried: Tried) -> Any:
+def _result(tried: Tried) -> object:
     return next(iter(tried.outputs.values()))
 
 
@@ -119,7 +119,7 @@ def _same_weight(animation: Animation, weights: Weights, name: str) -> bool:
     )
 
 
-def _moved(value: object) -> Any:
+def _moved(value: object) -> object:
     if isinstance(value, Trajectories):
         return replace(value, positions=value.positions @ TURN.T + SHIFT)
     if isinstance(value, BlendshapeModel):
@@ -131,7 +131,7 @@ def _moved(value: object) -> Any:
     return value
 
 
-def _reordered(value: object) -> Any:
+def _reordered(value: object) -> object:
     names = value.markers[::-1] if isinstance(value, _WITH_MARKERS) else ()
     if isinstance(value, Trajectories):
         return value.keep(names)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -300,7 +300,7 @@ class _Shares:
         return self._absent[key] / total if total else 0.0
 
 
-def unsuccessful(scores: Across[Any]) -> list[Absent]:
+def unsuccessful(scores: Across[object]) -> list[Absent]:
     """Return the combinations that were refused or failed, not those skipped on purpose."""
     return [absent for absent in scores.absent if absent.kind != "skipped"]
 
@@ -309,7 +309,7 @@ def _pick(labels: Mapping[str, Label], axes: tuple[str, ...]) -> tuple[Label, ..
     return tuple(labels.get(axis, "") for axis in axes)
 
 
-def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
+def label_order(scores: Across[object], axis: str) -> tuple[Label, ...]:
     """Return the labels of a gathered axis in the order in which the graph lists them.
 
     The values along the axis, with all other labels fixed, are in that order; where some of them
@@ -324,7 +324,7 @@ def label_order(scores: Across[Any], axis: str) -> tuple[Label, ...]:
     return tuple(dict.fromkeys([*order, *without_value]))
 
 
-def _sequences(scores: Across[Any], axis: str) -> Iterable[list[Label]]:
+def _sequences(scores: Across[object], axis: str) -> Iterable[list[Label]]:
     sequences: defaultdict[tuple[Label, ...], list[Label]] = defaultdict(list)
     others = [other for other in scores.axes if other != axis]
     for labels, _ in scores:

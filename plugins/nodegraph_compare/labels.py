@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import nearest
 from nodegraph_compare.blocks import label_order
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def compared_labels(
-    scores: Across[Any], question: Question, groups: Sequence[Group]
+    scores: Across[object], question: Question, groups: Sequence[Group]
 ) -> tuple[Label, ...]:
     """Return all compared labels in their order: an axis's, else as the groups have them.
 

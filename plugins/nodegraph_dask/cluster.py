@@ -201,7 +201,7 @@ def _own_cluster(workers: int) -> Iterator[Cluster]:
 
 
 @contextmanager
-def _client(address: str) -> Iterator[Any]:
+def _client(address: str) -> Iterator[object]:
     with warnings.catch_warnings():
         # responses report the differences of versions that matter
         warnings.simplefilter("ignore")

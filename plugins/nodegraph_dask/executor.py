@@ -289,7 +289,7 @@ class Scattered:
             return list(arrays)
         return [self._future(array) if array.nbytes >= _LARGE_BUFFER else array for array in arrays]
 
-    def _future(self, array: Any) -> Any:
+    def _future(self, array: Any) -> object:
         place = (array.ctypes.data, array.nbytes)
         known = self._futures.get(place)
         if known is not None and known[1]() is not None and known[0].status == "finished":
@@ -303,7 +303,7 @@ class Scattered:
         return future
 
 
-def _owner(array: Any) -> Any:
+def _owner(array: Any) -> object:
     """Return the array that lives as long as the memory is in use."""
     while isinstance(getattr(array.base, "obj", array.base), np.ndarray):
         array = getattr(array.base, "obj", array.base)

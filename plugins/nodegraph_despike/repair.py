@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -83,7 +83,7 @@ def window_form(repair: Callable[..., NDArray[np.float64]]) -> WindowForm:
         where samples are repaired.
     """
 
-    def repaired_at(window: Window[MarkerFrame, Trajectories], **settings: Any) -> MarkerFrame:
+    def repaired_at(window: Window[MarkerFrame, Trajectories], **settings: object) -> MarkerFrame:
         positions = repair(window.frames.positions, **settings)
         return repaired_frame(window.frames.at(window.now), positions[window.now])
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import Format, hookimpl
 
@@ -66,7 +66,7 @@ _MODULES = {
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     # a command that reads no file imports no format
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -76,7 +76,7 @@ def __getattr__(name: str) -> Any:
 
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the nodes of this package."""
     from nodegraph_files import readers, writers
 

@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
@@ -249,7 +249,7 @@ def _scale(scales: tuple[float, ...], extent: float, unit: str) -> float:
     return chosen
 
 
-def _numbers(content: bytes, description: Description) -> NDArray[Any]:
+def _numbers(content: bytes, description: Description) -> NDArray[np.generic]:
     """Return (frames, M, 4): x, y, z as they are stored, and what is negative when missing."""
     layout, processor = description.layout, description.processor
     frames = np.frombuffer(content, np.uint8).reshape(-1, layout.frame_bytes)

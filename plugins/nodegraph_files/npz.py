@@ -100,7 +100,7 @@ def _described(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]
     return np.lib.format.read_array_header_2_0(stream)
 
 
-def _filled(array: NDArray[Any], stream: IO[bytes]) -> NDArray[Any]:
+def _filled(array: NDArray[np.generic], stream: IO[bytes]) -> NDArray[Any]:
     """Fill the array from the file: memory of its own, which nobody needs to copy later."""
     in_order = array if array.flags.c_contiguous else array.T
     memory = in_order.reshape(-1).view(np.uint8)
@@ -110,7 +110,7 @@ def _filled(array: NDArray[Any], stream: IO[bytes]) -> NDArray[Any]:
     return array
 
 
-def _check_text(name: str, array: NDArray[Any]) -> None:
+def _check_text(name: str, array: NDArray[np.generic]) -> None:
     """Refuse numbers that stand for no letters: Python would end on them with a system error."""
     try:
         array.astype(array.dtype.newbyteorder("<")).tobytes().decode("utf-32-le")

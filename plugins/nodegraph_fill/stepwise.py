@@ -254,7 +254,7 @@ def live_form(
         close_gap: CloseGap,
         ends: Ends,
         max_gap: int | None,
-        **settings: Any,
+        **settings: object,
     ) -> _Stream:
         ramps = close_gap == "ramp" or ends == "met"
         return _Stream(recording, rule(recording, **settings), max_gap, ramps=ramps)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -64,7 +64,9 @@ def live_form(between: Callable[..., Between], *, one_end: bool = False) -> Stat
         Whether it fills a gap that the take begins or ends with.
     """
 
-    def state(recording: Trajectories, *, ends: object, max_gap: int, **settings: Any) -> _Stream:
+    def state(
+        recording: Trajectories, *, ends: object, max_gap: int, **settings: object
+    ) -> _Stream:
         return _Stream(recording, between(**settings), max_gap, one_end=one_end)
 
     return StateForm(state, lookahead=to_gap_end)

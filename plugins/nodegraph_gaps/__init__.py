@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
 
 from nodegraph import Contract, hookimpl
 
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the nodes that make gaps."""
     from nodegraph_gaps.cut import cut
     from nodegraph_gaps.dropout import dropout

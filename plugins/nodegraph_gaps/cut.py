@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from inspect import signature
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -148,7 +148,7 @@ def cut(
     )
 
 
-def _refuse(**settings: Any) -> None:
+def _refuse(**settings: object) -> None:
     """Refuse settings that the pattern of a recording decides."""
     known = signature(cut).parameters
     conflicting = [name for name, value in settings.items() if value != known[name].default]

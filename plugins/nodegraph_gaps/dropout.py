@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
@@ -60,7 +60,7 @@ class _Stream:
         )
         return gappy, frame if truth is None else truth, hidden
 
-    def drain(self) -> Iterable[Any]:
+    def drain(self) -> Iterable[object]:
         return ()
 
 

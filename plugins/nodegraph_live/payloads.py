@@ -75,7 +75,7 @@ def count_of_numbers(header: Trajectories | Weights) -> int:
     return len(names_of(header)) * (3 if isinstance(header, Trajectories) else 1)
 
 
-def payload_of(header: Trajectories | Weights, numbers: NDArray[np.floating]) -> Any:
+def payload_of(header: Trajectories | Weights, numbers: NDArray[np.floating]) -> object:
     """Return a frame from its numbers: x, y and z of each marker, or weights."""
     if isinstance(header, Trajectories):
         return marker_frame(numbers.reshape(-1, 3))

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
-from typing import Any
 
 from nodegraph import Contract, hookimpl
 
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the nodes of this package."""
     from nodegraph_markers.crop import crop
     from nodegraph_markers.infer import infer

@@ -149,7 +149,7 @@ def _moved(
     frame, track = np.nonzero(recording.present)
     target = (frame, column[frame, track])
 
-    def moved(samples: NDArray[Any], missing: float) -> NDArray[Any]:
+    def moved(samples: NDArray[np.generic], missing: float) -> NDArray[Any]:
         shape = (recording.frames, len(markers), *samples.shape[2:])
         spread = np.full(shape, missing, dtype=samples.dtype)
         spread[target] = samples[frame, track]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-def set_fields(record: object, **values: Any) -> None:
+def set_fields(record: object, **values: object) -> None:
     """Set fields of a frozen record while it is being made; arrays become read-only."""
     for name, value in values.items():
         locked = read_only(value) if isinstance(value, np.ndarray) else value

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -178,7 +178,7 @@ def before_and_after(tried: Tried) -> Iterator[tuple[Trajectories, Trajectories]
 
 
 def output_again(
-    tried: Tried, recording: Trajectories, settings: dict[str, Any] | None = None
+    tried: Tried, recording: Trajectories, settings: dict[str, object] | None = None
 ) -> Trajectories | None:
     """Return what comes out of another recording; None where it is declined."""
     outputs = tried.again(settings or {}, recording=recording)
@@ -211,7 +211,7 @@ def _usual_distance(recording: Trajectories, which: NDArray[np.bool_]) -> float:
     return max(float(np.median(np.linalg.norm(recording.positions[which], axis=1))), 1e-9)
 
 
-def _changed(tried: Tried, factor: float, power: Callable[[str], int]) -> dict[str, Any]:
+def _changed(tried: Tried, factor: float, power: Callable[[str], int]) -> dict[str, object]:
     """Return the settings that change when what they are measured in does, changed."""
     powers = {name: power(tried.units.get(name, "")) for name in tried.settings}
     return {

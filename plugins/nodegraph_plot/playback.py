@@ -97,7 +97,7 @@ def playback(
     )
 
 
-def _labelled(kind: str, gathered: Across[Any] | None) -> list[tuple[str, Any]]:
+def _labelled(kind: str, gathered: Across[object] | None) -> list[tuple[str, Any]]:
     names = gathered.names() if gathered else ()
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
@@ -119,7 +119,7 @@ def _thinning(every: int) -> Iterator[str]:
         )
 
 
-def _absent(kind: str, gathered: Across[Any] | None) -> Iterator[str]:
+def _absent(kind: str, gathered: Across[object] | None) -> Iterator[str]:
     for absence in gathered.absent if gathered else ():
         name = ", ".join(str(label) for label in absence.labels.values() if label != "")
         yield f"{kind} {name} is absent: {absence.kind}, {absence.reason}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -209,7 +209,7 @@ def _line(
     )
 
 
-def _dots(values: NDArray[np.float64]) -> dict[str, Any]:
+def _dots(values: NDArray[np.float64]) -> dict[str, object]:
     """Return the dots of a line, on samples without a neighbour: a line does not show them."""
     known = np.pad(np.isfinite(values), 1)
     alone = known[1:-1] & ~known[:-2] & ~known[2:]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import Contract, hookimpl
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the plugin's nodes."""
     from nodegraph_score.alignment import alignment
     from nodegraph_score.calibration import calibration

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -198,7 +198,7 @@ def _rounded(shares: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.round(shares, _DECIMALS) + 0.0)
 
 
-def _related(scores: NDArray[np.float64], moved: Movement) -> dict[str, Any]:
+def _related(scores: NDArray[np.float64], moved: Movement) -> dict[str, object]:
     """Return how (n, K) scores go with the head."""
     if not moved.conclusive:
         return dict.fromkeys(("R", "by chance", "correlation"), np.nan) | {"with": ""}

@@ -159,7 +159,7 @@ def _stage(name: str, recording: Trajectories, truth: Trajectories) -> _Stage:
     return _Stage(name, positions, np.linalg.norm(positions - truth.positions, axis=2))
 
 
-def _first_row(stage: _Stage, truth: Trajectories) -> dict[str, Any]:
+def _first_row(stage: _Stage, truth: Trajectories) -> dict[str, object]:
     nothing = np.zeros(truth.origin.shape, dtype=np.bool_)
     before = _Stage("", np.full_like(stage.positions, np.nan), np.full(nothing.shape, np.nan))
     return _row(before, stage, truth) | {"verdict": "begins"}

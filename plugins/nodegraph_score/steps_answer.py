@@ -47,7 +47,7 @@ def sentence(row: Mapping[str, Any]) -> str:
     return f"{step} {', '.join(parts)}; {whole} is there, {row['missing']} missing"
 
 
-def worse(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+def worse(rows: Iterable[Mapping[str, object]]) -> Iterator[str]:
     """Yield a warning for each step that makes it worse."""
     for row in rows:
         if row["verdict"] == WORSE:
@@ -83,7 +83,7 @@ def absences(stages: Across[Trajectories]) -> str:
     return f"; {'; '.join(reasons)}" if reasons else ""
 
 
-def _moved(row: Mapping[str, Any]) -> str:
+def _moved(row: Mapping[str, object]) -> str:
     return (
         f"{row['before']:.3g} mm before and {row['after']:.3g} mm after, over the "
         f"{row['changed']} samples that it changed"

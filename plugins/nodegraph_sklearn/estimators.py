@@ -120,7 +120,7 @@ _HOW: dict[Callable[[Trajectories, Any], Trajectories], str] = {
 }
 
 
-def node_of_estimator(name: str) -> Callable[..., Any]:
+def node_of_estimator(name: str) -> Callable[..., object]:
     """Return the node that applies an estimator to a recording.
 
     An imputer or a regressor fills gaps and leaves present samples as they are; a transformer
@@ -165,7 +165,7 @@ def node_of_estimator(name: str) -> Callable[..., Any]:
     return estimator
 
 
-def _class_named(name: str) -> type[Any]:
+def _class_named(name: str) -> type[object]:
     module, _, last = name.rpartition(".")
     if module.partition(".")[0] != "sklearn":
         raise NodegraphError(f"write where scikit-learn has it: sklearn.impute.{last or name}")
@@ -183,7 +183,7 @@ def _class_named(name: str) -> type[Any]:
     return kind
 
 
-def _application(kind: type[Any], name: str) -> Callable[[Trajectories, Any], Trajectories]:
+def _application(kind: type[object], name: str) -> Callable[[Trajectories, Any], Trajectories]:
     from sklearn.base import RegressorMixin, TransformerMixin
 
     if issubclass(kind, TransformerMixin) and kind.__module__.startswith("sklearn.impute"):
@@ -195,7 +195,7 @@ def _application(kind: type[Any], name: str) -> Callable[[Trajectories, Any], Tr
     raise NodegraphError(f"{name} is no imputer, no regressor and no transformer with an inverse")
 
 
-def _settings(kind: type[Any]) -> list[inspect.Parameter]:
+def _settings(kind: type[object]) -> list[inspect.Parameter]:
     """Return the parameters of an estimator as settings of a node."""
     settings = []
     for parameter in inspect.signature(kind).parameters.values():
@@ -216,7 +216,7 @@ def _setting(name: str, default: object, hint: object) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
-def _hint(default: object) -> Any:
+def _hint(default: object) -> object:
     """Return the type of a setting: what an estimator takes beside its default, it checks."""
     if isinstance(default, bool):
         return bool
@@ -226,7 +226,7 @@ def _hint(default: object) -> Any:
 
 
 def _documentation(
-    kind: type[Any], name: str, apply: Callable[[Trajectories, Any], Trajectories]
+    kind: type[object], name: str, apply: Callable[[Trajectories, Any], Trajectories]
 ) -> str:
     doc = inspect.getdoc(kind) or ""
     section = re.search(r"^Parameters\n-+\n(.*?)(?=^\w[^\n]*\n-{3,}$|\Z)", doc, re.S | re.M)

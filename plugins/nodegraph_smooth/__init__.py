@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING
 
 from nodegraph import Contract, hookimpl
 
+if TYPE_CHECKING:
+    from nodegraph_mocap import Trajectories
+
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., Trajectories]]:
     """Return the nodes that smooth."""
     from nodegraph_smooth.bspline import bspline
     from nodegraph_smooth.butterworth import butterworth

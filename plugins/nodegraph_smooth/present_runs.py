@@ -10,7 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class Runs:
         """(R,) frames."""
         return self.stop - self.start
 
-    def subset(self, which: NDArray[Any]) -> Runs:
+    def subset(self, which: NDArray[np.generic]) -> Runs:
         """Return some of the runs."""
         return Runs(self.marker[which], self.start[which], self.stop[which])
 

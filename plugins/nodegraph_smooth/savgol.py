@@ -24,7 +24,7 @@ def _lookahead(settings: Mapping[str, Any]) -> int | None:
     return None if reach is None or 2 * reach <= settings["degree"] else 2 * reach
 
 
-def _frames_before(settings: Mapping[str, Any]) -> int | None:
+def _frames_before(settings: Mapping[str, object]) -> int | None:
     ahead = _lookahead(settings)
     # so that a run that begins before the window is seen to be longer than one
     return None if ahead is None else ahead + 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from nodegraph_tables.info import info_of
 from nodegraph_tables.style import unit_text
@@ -108,7 +108,7 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str]) -> Column:
     return Column(str(name), unit, at, numeric, label, constant, cells)
 
 
-def _decimals(values: Iterable[Any]) -> int | None:
+def _decimals(values: Iterable[object]) -> int | None:
     """Return the number of decimals of a column, so that its decimal points are aligned.
 
     It gives three significant digits to the smallest of the numbers that are shown without a
@@ -121,12 +121,12 @@ def _decimals(values: Iterable[Any]) -> int | None:
     return max(0, min(_MOST_DECIMALS, 2 - math.floor(math.log10(min(plain)))))
 
 
-def _labelled(value: Any) -> str:
+def _labelled(value: object) -> str:
     """Return a label as the graph writes it."""
     return f"{value:.12g}" if isinstance(value, float) and math.isfinite(value) else shown(value)
 
 
-def shown(value: Any, decimals: int | None = None) -> str:
+def shown(value: object, decimals: int | None = None) -> str:
     """Return a value as a reader sees it; an empty text for a missing value.
 
     Parameters

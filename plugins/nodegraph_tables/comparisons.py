@@ -75,7 +75,7 @@ def compare_drawings(before: StoredFigure, now: StoredFigure) -> Iterator[str]:
         yield "the drawing is another"
 
 
-def differences(was: NDArray[Any], now: NDArray[Any]) -> NDArray[np.bool_]:
+def differences(was: NDArray[np.generic], now: NDArray[np.generic]) -> NDArray[np.bool_]:
     """Return where two arrays differ; NaN equals NaN."""
     differs = np.asarray(was != now, dtype=np.bool_)
     return differs & ~(np.asarray(was != was, np.bool_) & np.asarray(now != now, np.bool_))
@@ -94,7 +94,10 @@ def name_differences(what: str, before: Sequence[str], now: Sequence[str]) -> It
 
 
 def _change(
-    was: NDArray[Any], now: NDArray[Any], differs: NDArray[np.bool_], names: Sequence[str]
+    was: NDArray[np.generic],
+    now: NDArray[np.generic],
+    differs: NDArray[np.bool_],
+    names: Sequence[str],
 ) -> str:
     """Return in how many rows a column differs, and the largest change, or the first of texts."""
     place = int(np.argmax(differs))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import Rendered, listed
 from nodegraph_tables.cells import Cell, Column, columns_of
@@ -118,7 +118,7 @@ def _csv(table: pd.DataFrame) -> bytes:
     return guarded.to_csv(index=False, lineterminator="\n").encode()
 
 
-def _without_formula(cell: Any) -> Any:
+def _without_formula(cell: object) -> object:
     if not isinstance(cell, str) or not cell.startswith(_FORMULAS):
         return cell
     try:

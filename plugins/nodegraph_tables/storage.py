@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from nodegraph import Storage
 from nodegraph_tables.figures import StoredFigure, store_figure
 from nodegraph_tables.types import Figure, Table
@@ -21,13 +19,13 @@ def storages() -> tuple[Storage, ...]:
 # pandas is imported with the first table, not with the plugin
 
 
-def _table_parts(table: Table) -> dict[str, Any]:
+def _table_parts(table: Table) -> dict[str, object]:
     from nodegraph_tables.stored_table import take_apart
 
     return take_apart(table)
 
 
-def _table(parts: dict[str, Any]) -> Table:
+def _table(parts: dict[str, object]) -> Table:
     from nodegraph_tables.stored_table import put_together
 
     return put_together(parts)

@@ -69,7 +69,7 @@ def put_together(parts: dict[str, Any]) -> pd.DataFrame:
     return with_info(table, TableInfo(**parts["info"])) if "info" in parts else table
 
 
-def _index_parts(index: pd.Index[Any]) -> tuple[Any, ...]:
+def _index_parts(index: pd.Index[Any]) -> tuple[object, ...]:
     if type(index) is pd.RangeIndex:
         _bounded(index)
         return ("range", index.start, index.stop, index.step, index.name)
@@ -113,7 +113,7 @@ def _multi_index(levels: Any, codes: list[Any], names: list[Any]) -> pd.MultiInd
     return pd.MultiIndex(levels=levels, codes=codes, names=names, verify_integrity=False)
 
 
-def _array_parts(values: pd.Series[Any] | pd.Index[Any], name: Any) -> tuple[Any, ...]:
+def _array_parts(values: pd.Series[Any] | pd.Index[Any], name: Any) -> tuple[object, ...]:
     """Return what a column, or an index, is made of."""
     dtype: Any = values.dtype
     array: Any = values.array
@@ -152,7 +152,7 @@ def _array(parts: tuple[Any, ...]) -> Any:
     raise ValueError("these are not the parts of a column")
 
 
-def _objects(values: Iterable[Any]) -> np.ndarray[Any, np.dtype[np.object_]]:
+def _objects(values: Iterable[object]) -> np.ndarray[Any, np.dtype[np.object_]]:
     objects = list(values)
     array = np.empty(len(objects), dtype=object)
     for place, value in enumerate(objects):  # an assignment at once would look into tuples

@@ -7,7 +7,7 @@ classes themselves; at run time the names recognise them without importing anyth
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ else:
     class _Recognised(type):
         """Recognises the class of a library, if that is imported, in ``isinstance``."""
 
-        def __instancecheck__(cls, value: Any) -> bool:
+        def __instancecheck__(cls, value: object) -> bool:
             return cls.__subclasscheck__(type(value))
 
         def __subclasscheck__(cls, kind: type) -> bool:

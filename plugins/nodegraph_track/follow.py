@@ -358,7 +358,7 @@ def live_form(method: Callable[..., Method]) -> StateForm:
         gate: float,
         patience: int,
         shortest: int,
-        **settings: Any,
+        **settings: object,
     ) -> _Stream:
         if reference is None:
             raise Refusal(

@@ -16,7 +16,7 @@ from nodegraph_mocap import Trajectories
 Frames = list[list[float]]
 
 
-def _as_pydantic_says_it(points: dict[str, Any]) -> dict[str, Any]:
+def _as_pydantic_says_it(points: dict[str, object]) -> dict[str, object]:
     mistakes = list(_mistakes(points))
     if mistakes:
         # What begins like this is shown to users as it is, names of markers included.
@@ -95,7 +95,7 @@ def _frames(value: Any) -> Frames:
     return list(value) if listed else [value]
 
 
-def _is_point(point: Any) -> bool:
+def _is_point(point: object) -> bool:
     return isinstance(point, (list, tuple)) and len(point) in (2, 3) and all(map(_is_number, point))
 
 

@@ -71,7 +71,7 @@ def clock(benchmark: Any) -> Clock:
         per: int = 1,
         scale: float = 1e6,
         rounds: int = 5,
-    ) -> Any:
+    ) -> object:
         benchmark.group = f"{case}: {column}"
         result = benchmark.pedantic(call, rounds=rounds, warmup_rounds=1)
         if benchmark.stats is not None:  # None under --benchmark-disable

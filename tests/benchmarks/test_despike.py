@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -74,7 +73,9 @@ def kernel(order: str) -> Callable[[Positions], Positions]:
     return run
 
 
-def node(method: Callable[..., Trajectories], **settings: Any) -> Callable[[Positions], Positions]:
+def node(
+    method: Callable[..., Trajectories], **settings: object
+) -> Callable[[Positions], Positions]:
     take = recorded(spiky())
 
     def run(positions: Positions) -> Positions:

@@ -90,7 +90,7 @@ sink.close()
 class Nowhere:
     """A sink that keeps nothing."""
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Do nothing."""
 
     def write(self, frame: ng.Frame) -> None:
@@ -131,7 +131,7 @@ def ours(folder: Path) -> Callable[[], int]:
 def bare(folder: Path) -> Callable[[], int]:
     frame = np.zeros((60, 3))
 
-    def same(value: Any) -> Any:
+    def same(value: object) -> Any:
         return value
 
     def run() -> int:

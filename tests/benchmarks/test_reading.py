@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 import pytest
@@ -101,6 +100,6 @@ def test_npz(name: str, size: str, packed: bool, clock: Clock, folder: Path) -> 
     np.testing.assert_array_equal(read, recording.positions)
 
 
-def _timed(case: str, name: str, size: str, clock: Clock, read: Reader, path: Path) -> Any:
+def _timed(case: str, name: str, size: str, clock: Clock, read: Reader, path: Path) -> object:
     rounds = 5 if size == "60,000 x 41" else 30
     return clock(case, name, size, lambda: read(path), scale=1e3, rounds=rounds)

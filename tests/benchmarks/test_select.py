@@ -51,7 +51,7 @@ def compiled(table: Rows, k: int) -> Callable[[], Any]:
     return lambda: kmeans_kernel.restarts(table, draws)[1]
 
 
-def with_sklearn(table: Rows, k: int, runs: int, **settings: Any) -> Callable[[], Any]:
+def with_sklearn(table: Rows, k: int, runs: int, **settings: object) -> Callable[[], Any]:
     from sklearn.cluster import KMeans
     from sklearn.metrics import pairwise_distances_argmin
 

@@ -66,7 +66,7 @@ class Trackpy:
     memory: int
     predicted: bool = False
 
-    def linker(self, detections: Detections) -> Callable[[], Any]:
+    def linker(self, detections: Detections) -> Callable[[], object]:
         """Return what links; the points are in trackpy's form already."""
         trackpy: Any = pytest.importorskip("trackpy")
         trackpy.quiet()
@@ -109,7 +109,7 @@ def _tried(given: Scene) -> Iterator[tuple[tuple[float, float], Trackpy]]:
         yield (-score["switches"].sum(), score["tracked"].mean()), settings
 
 
-def _points(detections: Detections) -> Any:
+def _points(detections: Detections) -> object:
     from pandas import DataFrame
 
     points = DataFrame(detections.points, columns=["x", "y", "z"])

@@ -211,7 +211,7 @@ def run_of(graph_of: Callable[..., Graph]) -> Callable[..., Run]:
 def problems_of(graph_of: Callable[..., Graph]) -> Callable[..., list[Problem]]:
     """Return the mistakes of a graph, which must be those at the marks ``@@`` and no others."""
 
-    def collect(text: str, **more: Any) -> list[Problem]:
+    def collect(text: str, **more: object) -> list[Problem]:
         marked = textwrap.dedent(text)
         with pytest.raises(GraphError) as caught:
             graph_of(marked.replace(MARK, ""), **more)

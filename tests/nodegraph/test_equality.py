@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -52,5 +51,5 @@ def test_same_looks_into_what_values_are_made_of() -> None:
         (np.float64("nan"), np.float64(1.0), "value: np.float64(nan) and np.float64(1.0)"),
     ],
 )
-def test_a_difference_has_its_place(first: Any, second: Any, text: str) -> None:
+def test_a_difference_has_its_place(first: object, second: object, text: str) -> None:
     assert difference(first, second) == text

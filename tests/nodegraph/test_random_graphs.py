@@ -93,7 +93,7 @@ class Naive:
             own |= self.axes(spec.first) - set(spec.fixed or ())
         return frozenset(own)
 
-    def value(self, name: str, at: Mapping[str, Any]) -> str:
+    def value(self, name: str, at: Mapping[str, object]) -> str:
         spec = self._specs[name]
         mark = at[spec.mark[1:]] if spec.mark.startswith("$") else int(spec.mark or 0)
         if spec.kind == "make":
@@ -109,7 +109,7 @@ class Naive:
             return f"<{second},{first},{mark}>"
         return f"({first},{second},{mark})"
 
-    def _gathered(self, spec: RandomNode, here: Mapping[str, Any]) -> list[str]:
+    def _gathered(self, spec: RandomNode, here: Mapping[str, object]) -> list[str]:
         free = sorted(self.axes(spec.first) - self.axes(spec.name) - set(spec.fixed or ()))
         texts = []
         for labels in itertools.product(*(self.labels(axis) for axis in free)):

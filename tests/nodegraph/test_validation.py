@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -28,7 +26,7 @@ class Outer(BaseModel):
         ([], "all of it: input should be a valid dictionary"),
     ],
 )
-def test_the_first_key_that_does_not_fit_is_named(data: Any, text: str) -> None:
+def test_the_first_key_that_does_not_fit_is_named(data: object, text: str) -> None:
     with pytest.raises(ValidationError) as caught:
         Outer.model_validate(data)
     message = first_error(caught.value, data)

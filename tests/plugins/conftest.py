@@ -42,7 +42,7 @@ globalThis.shows = (async () => {
 
 
 @pytest.fixture
-def in_three(tab: Page) -> Callable[..., Any]:
+def in_three(tab: Page) -> Callable[..., object]:
     """What loads a GLB file with an animation, runs a script and returns what that returns.
 
     The script finds ``THREE``, ``shown`` (the file), its ``mixer`` and ``mesh``, and ``given``.
@@ -50,7 +50,7 @@ def in_three(tab: Page) -> Callable[..., Any]:
     if not THREE:
         pytest.skip("NODEGRAPH_THREE names no folder of three.js")
 
-    def run(content: bytes, script: str, **given: Any) -> Any:
+    def run(content: bytes, script: str, **given: object) -> Any:
         page = PAGE.replace("GIVEN", json.dumps(given)).replace("SCRIPT", script)
 
         def answer(route: Route) -> None:

@@ -39,7 +39,7 @@ ACTORS: Final = range(101, 109)
 """Seeds of faces that are no samples."""
 
 
-def scores(captured: Any, truth: Any, count: int, seed: int) -> DataFrame:
+def scores(captured: object, truth: object, count: int, seed: int) -> DataFrame:
     """Return where gaps in a recording begin, and the error of each fill in them."""
     cut, score = nodegraph.get_node("gaps.cut"), nodegraph.get_node("score.gaps")
     gaps: Any = cut(captured, truth=truth, length=LENGTH, count=count, seed=seed)

@@ -188,7 +188,7 @@ class NodeAddress:
         return cls(**json.loads(text))
 
 
-def _is_importable(function: Callable[..., Any]) -> bool:
+def _is_importable(function: Callable[..., object]) -> bool:
     """Whether the function is the object of its name in a module that others can import."""
     if function.__module__ == "__main__":
         return False

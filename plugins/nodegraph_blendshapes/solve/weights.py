@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import AfterValidator, Field
@@ -219,7 +219,7 @@ class _Stream:
             values[:] = np.nan
         return values, None
 
-    def drain(self) -> Iterable[Any]:
+    def drain(self) -> Iterable[object]:
         return ()
 
     def _system(

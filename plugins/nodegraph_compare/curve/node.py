@@ -144,7 +144,7 @@ def _check_x(scores: Across[Table], x: str) -> None:
         raise ValueError(f"x {x!r} is no axis of finite numbers: it has {', '.join(words[:5])}")
 
 
-def _is_number(label: Any) -> bool:
+def _is_number(label: object) -> bool:
     return isinstance(label, int | float) and type(label) is not bool and math.isfinite(label)
 
 

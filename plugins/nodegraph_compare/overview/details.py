@@ -117,7 +117,9 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
     return Details(data, "".join(elements), detail.scripts, detail.styles)
 
 
-def _layout(detail: Detail, overview: Overview, inputs: Mapping[str, Any]) -> dict[str, Any] | None:
+def _layout(
+    detail: Detail, overview: Overview, inputs: Mapping[str, object]
+) -> dict[str, object] | None:
     for column, labels in overview.columns.items():
         layout = detail.layout(inputs, column) if len(labels) >= _FEWEST_PLACES else None
         if layout is not None:

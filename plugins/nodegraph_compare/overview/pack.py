@@ -165,7 +165,7 @@ def _group(
     metrics: int,
     blocks: NDArray[np.intp],
     columns: Mapping[str, NDArray[np.int64]],
-) -> dict[str, Any]:
+) -> dict[str, object]:
     place = {block: at for at, block in enumerate(blocks.tolist())}
     other = group.without_suspects
     errors, scales = {}, {}
@@ -213,7 +213,7 @@ def _group(
     }
 
 
-def _codes(values: NDArray[np.float32]) -> tuple[str, dict[str, Any]]:
+def _codes(values: NDArray[np.float32]) -> tuple[str, dict[str, object]]:
     """Return values as codes and the scale of these."""
     known = np.isfinite(values)
     numbers = values[known].astype(np.float64)

@@ -98,7 +98,7 @@ def wide_table(
     return with_info(DataFrame(columns), info)
 
 
-def _side(rows: Sequence[Labels], layout: Layout) -> dict[str, Sequence[Any]]:
+def _side(rows: Sequence[Labels], layout: Layout) -> dict[str, Sequence[object]]:
     """Return the columns of labels down the side."""
     return {name: [row[at] for row in rows] for at, name in enumerate(layout.rows)}
 
@@ -328,7 +328,7 @@ def _count(overall: Summary | None) -> int:
     return 0 if overall is None else len(overall.group.methods)
 
 
-def _with_missing(labels: list[Any]) -> Any:
+def _with_missing(labels: list[Any]) -> object:
     """Return a column of labels, numbers as such, some of which are missing."""
     import pandas as pd
 

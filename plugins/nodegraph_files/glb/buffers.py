@@ -128,7 +128,7 @@ class Accessors:
             raise ValueError(f"{at}: has no data")
         return stored if accessor.sparse is None else self._filled(stored, accessor.sparse, at)
 
-    def _filled(self, stored: NDArray[Any], sparse: Sparse, at: str) -> NDArray[Any]:
+    def _filled(self, stored: NDArray[np.generic], sparse: Sparse, at: str) -> NDArray[Any]:
         """Return the array with the values that a sparse accessor puts into it."""
         count, where = sparse.count, sparse.indices
         component = _COMPONENTS[where.component_type]
@@ -209,7 +209,12 @@ class GlbBuffer:
         return self._add(stored, _FLOAT, target=target, bounds=bounds)
 
     def _add(
-        self, stored: NDArray[Any], component: int, *, target: int | None, bounds: bool = False
+        self,
+        stored: NDArray[np.generic],
+        component: int,
+        *,
+        target: int | None,
+        bounds: bool = False,
     ) -> int:
         view = {"buffer": 0, "byteOffset": len(self._content), "byteLength": stored.nbytes}
         self.views.append(view if target is None else {**view, "target": target})

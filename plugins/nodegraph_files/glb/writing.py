@@ -6,6 +6,7 @@ Source: glTF 2.0 Specification, sections 3.7.2 (Meshes) and 3.11 (Animations), T
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,7 +146,7 @@ def _tracks(animation: Animation) -> dict[str, NDArray[np.float64]]:
     return tracks
 
 
-def _written(head: Head, buffer: GlbBuffer, animations: list[dict[str, Any]]) -> bytes:
+def _written(head: Head, buffer: GlbBuffer, animations: Sequence[Mapping[str, object]]) -> bytes:
     document = {
         "asset": {"version": "2.0", "generator": "nodegraph", "extras": {"unit": UNIT}},
         "scene": 0,
@@ -160,7 +161,7 @@ def _written(head: Head, buffer: GlbBuffer, animations: list[dict[str, Any]]) ->
     return joined_glb(document | ({"animations": animations} if animations else {}), buffer.content)
 
 
-def _mesh(head: Head, buffer: GlbBuffer) -> dict[str, Any]:
+def _mesh(head: Head, buffer: GlbBuffer) -> dict[str, object]:
     if not len(head.faces):
         raise ValueError("the head has no faces")
     primitive: dict[str, Any] = {

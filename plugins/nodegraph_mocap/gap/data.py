@@ -97,13 +97,13 @@ class _Place:
     at: int
     reason: str = ""
 
-    def of(self, values: NDArray[Any]) -> NDArray[Any]:
+    def of(self, values: NDArray[np.generic]) -> NDArray[Any]:
         """Return the frames of an array (T, ...) that the view shows."""
         return values[self.frames.start : self.frames.stop : self.frames.step]
 
 
 def pack(
-    block: Mapping[str, object], inputs: Mapping[str, Mapping[str, Any]]
+    block: Mapping[str, object], inputs: Mapping[str, Mapping[str, object]]
 ) -> dict[str, Any] | None:
     """Return what the view of a block shows, as data for JSON.
 
@@ -146,7 +146,7 @@ def integers(values: NDArray[np.float64], kind: DTypeLike = np.int16) -> dict[st
     return {"step": step, "data": base64.b64encode(little.tobytes()).decode()}
 
 
-def _scored(inputs: Mapping[str, Mapping[str, Any]]) -> _Scored | None:
+def _scored(inputs: Mapping[str, Mapping[str, object]]) -> _Scored | None:
     estimates: dict[str, Trajectories] = {}
     truth, mask, judged = None, None, ""
     for method, ports in inputs.items():

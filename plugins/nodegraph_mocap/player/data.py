@@ -215,7 +215,7 @@ class _Packing:
             return entry | self._animation(shown)
         return entry | self._recording(place, shown)
 
-    def _recording(self, place: int, recording: Trajectories) -> dict[str, Any]:
+    def _recording(self, place: int, recording: Trajectories) -> dict[str, object]:
         origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)
         positions = np.where(origin[..., None] == Origin.MISSING, np.nan, recording.positions)
         rows = positions.reshape(recording.frames, 3 * len(recording.markers)).T
@@ -244,7 +244,7 @@ class _Packing:
         }
         return max(alike, key=alike.__getitem__, default=None)
 
-    def _animation(self, animation: Animation) -> dict[str, Any]:
+    def _animation(self, animation: Animation) -> dict[str, object]:
         weights = animation.morph_weights
         motion = animation.head_motion
         entry, _ = self.blob.steps(weights.T, _WEIGHT_STEP)
@@ -279,7 +279,7 @@ class _Packing:
             )
         return number
 
-    def _flat(self, values: NDArray[np.float64], step: float) -> dict[str, Any]:
+    def _flat(self, values: NDArray[np.float64], step: float) -> dict[str, object]:
         return self.blob.steps(values.reshape(-1, 1), step)[0]
 
 
@@ -291,7 +291,7 @@ def _mean_error(recording: Trajectories, truth: Trajectories) -> float | None:
     return float(known.mean()) if len(known) else None
 
 
-def _gaps(playback: Playback) -> list[list[Any]]:
+def _gaps(playback: Playback) -> list[list[object]]:
     """Return where a method has made samples: first and last second, and the marker.
 
     Those at least half as long as the longest, in their order: a reader goes from one to the next.

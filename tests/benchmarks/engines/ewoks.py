@@ -21,7 +21,7 @@ def ewokscore(work: Work, count: int) -> Build:
     return build
 
 
-def _written(work: Work, count: int) -> dict[str, Any]:
+def _written(work: Work, count: int) -> dict[str, object]:
     mapping = [{"source_output": "return_value", "target_input": "value"}]
     tasks = [work.first, *[work.step] * count]
     return {
@@ -37,5 +37,5 @@ def _written(work: Work, count: int) -> dict[str, Any]:
     }
 
 
-def _identifier(task: Callable[..., Any]) -> str:
+def _identifier(task: Callable[..., object]) -> str:
     return f"{task.__module__}.{task.__qualname__}"

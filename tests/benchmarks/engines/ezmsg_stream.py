@@ -38,7 +38,7 @@ def ezmsg_chain(nodes: int, frames: int) -> Callable[[], tuple[int, float]]:
         OUTPUT = ez.OutputStream(object)
 
         @ez.publisher(OUTPUT)  # type: ignore[untyped-decorator, unused-ignore]
-        async def send(self) -> AsyncGenerator[Any, None]:
+        async def send(self) -> AsyncGenerator[object, None]:
             frame = np.zeros((60, 3))
             for _ in range(frames):
                 yield self.OUTPUT, frame

@@ -18,7 +18,7 @@ def haystack(work: Work, count: int) -> Build:
             return {"value": work.first()}
 
     class Step:
-        def run(self, value: Any) -> dict[str, Any]:
+        def run(self, value: object) -> dict[str, Any]:
             return {"value": work.step(value)}
 
     Step.run.__annotations__["value"] = work.kind

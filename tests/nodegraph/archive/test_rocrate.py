@@ -43,7 +43,7 @@ def contents(**more: Any) -> Contents:
     return Contents("g.yaml", study, RECORD, files=files, inputs=inputs)
 
 
-def entities_of(archived: Contents) -> dict[str, dict[str, Any]]:
+def entities_of(archived: Contents) -> dict[str, dict[str, object]]:
     return {item["@id"]: item for item in json.loads(crate_metadata(archived))["@graph"]}
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -30,7 +28,7 @@ X = np.linspace(1, 2, 30)
     ],
 )
 def test_numbers_are_close_relative_to_their_size(
-    first: Any, second: Any, floor: float, grade: str
+    first: object, second: object, floor: float, grade: str
 ) -> None:
     was, now = (CallResult.of((value,), Packer()) for value in (first, second))
     assert drift(was, now, ["x"], (), floor).grade == grade

@@ -78,7 +78,7 @@ def metadata(files: dict[str, bytes]) -> dict[str, dict[str, Any]]:
     return entities
 
 
-def references(value: Any) -> Iterator[str]:
+def references(value: object) -> Iterator[str]:
     if isinstance(value, dict):
         if set(value) == {"@id"}:
             yield value["@id"]

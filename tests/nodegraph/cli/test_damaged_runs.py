@@ -43,7 +43,7 @@ def ran(command: Command) -> Path:
     return Path("ran")
 
 
-def places(data: Any, at: Place = ()) -> Iterator[Place]:
+def places(data: object, at: Place = ()) -> Iterator[Place]:
     """Yield every place in plain data, of lists only the first and the last member."""
     if at:
         yield at
@@ -133,7 +133,7 @@ def test_the_key_that_lacks_is_named(command: Command, ran: Path, key: str, at: 
     ],
 )
 def test_steps_that_refer_to_nothing_are_named(
-    ran: Path, step: dict[str, Any], reason: str
+    ran: Path, step: dict[str, object], reason: str
 ) -> None:
     first, *rest = read_record(ran)["steps"]
     write_steps(ran, [first | step, *rest])

@@ -8,7 +8,6 @@ import re
 import zipfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote
 
 import pytest
@@ -62,7 +61,7 @@ def _nodes() -> None:
     path.write_text(path.read_text() + NODES)
 
 
-def graph(nodes: str, **axes: Iterable[Any]) -> None:
+def graph(nodes: str, **axes: Iterable[object]) -> None:
     lists = json.dumps({name: list(labels) for name, labels in axes.items()}, ensure_ascii=False)
     Path("toy.yaml").write_text(f"nodegraph: 1\naxes: {lists}\nnodes:\n{nodes}\n")
 
@@ -97,7 +96,7 @@ def texts(folder: Path, suffix: str = ".csv") -> list[str]:
     ids=lambda labels: str(labels[0])[:8],
 )
 def test_each_label_has_its_own_files_to_which_its_section_links(
-    command: Command, labels: list[Any]
+    command: Command, labels: list[object]
 ) -> None:
     graph("  t: {use: toy.word, with: {x: $x}}", x=labels)
     assert command("run", "toy.yaml")[0] == 0

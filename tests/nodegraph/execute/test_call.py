@@ -4,7 +4,7 @@ import threading
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -115,7 +115,7 @@ def warns() -> float:
     return 0.0
 
 
-def raised_in(function: Callable[..., Any], line: int = 2) -> str:
+def raised_in(function: Callable[..., object], line: int = 2) -> str:
     """Return the place of a line of a function, counted from its decorator."""
     return f"test_call.py:{function.__code__.co_firstlineno + line}"
 
@@ -141,7 +141,7 @@ def inside() -> float:
     return float(np.linalg.inv(np.zeros((2, 3)))[0, 0])
 
 
-def called(function: Callable[..., Any], **inputs: Any) -> Outcome:
+def called(function: Callable[..., object], **inputs: object) -> Outcome:
     described = node_of(function)
     assert described is not None
     return perform(Call(0, described, "toys", inputs, {}))
@@ -155,7 +155,9 @@ def called(function: Callable[..., Any], **inputs: Any) -> Outcome:
         (whole, (Whole(1.0),)),
     ],
 )
-def test_every_output_is_one_value(function: Callable[..., Any], values: tuple[Any, ...]) -> None:
+def test_every_output_is_one_value(
+    function: Callable[..., object], values: tuple[object, ...]
+) -> None:
     outcome = called(function)
     assert (outcome.state, outcome.values, outcome.reason) == ("done", values, "")
 
@@ -192,7 +194,7 @@ def test_inputs_and_settings_are_given_by_name() -> None:
         (exits, f"SystemExit: 0 ({raised_in(exits)})"),
     ],
 )
-def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str) -> None:
+def test_what_goes_wrong_is_the_reason(function: Callable[..., object], reason: str) -> None:
     outcome = called(function)
     assert (outcome.state, outcome.values, outcome.message) == ("failed", (), reason)
     assert outcome.trace.startswith("Traceback")
@@ -214,7 +216,7 @@ def test_what_goes_wrong_is_the_reason(function: Callable[..., Any], reason: str
     ],
 )
 def test_a_write_into_an_input_is_named(
-    function: Callable[..., Any], value: Any, message: str
+    function: Callable[..., object], value: object, message: str
 ) -> None:
     advice = "it modifies its input; copy it before writing: "
     assert called(function, x=value).message == f"{advice}{message}"
@@ -310,7 +312,7 @@ def array(x: float) -> np.ndarray:
         (leaves, f"GeneratorExit: early ({raised_in(leaves)})"),
     ],
 )
-def test_whatever_a_node_raises_becomes_a_reason(function: Any, message: str) -> None:
+def test_whatever_a_node_raises_becomes_a_reason(function: object, message: str) -> None:
     described = node_of(function)
     assert described is not None
     outcome = perform(Call(0, described, "toys", {"x": 1.0}, {}))

@@ -4,7 +4,6 @@ import warnings
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -90,7 +89,7 @@ def test_a_gathering_node_is_not_run_when_all_is_absent(
     assert "compare.table" not in calls
 
 
-def listened(run_of: Callable[..., Run], text: str, **more: Any) -> list[Event]:
+def listened(run_of: Callable[..., Run], text: str, **more: object) -> list[Event]:
     events: list[Event] = []
     run_of(text, listeners=[events.append], **more)
     return [event for event in events if event.kind != "progress"]

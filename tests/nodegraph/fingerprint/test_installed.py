@@ -46,7 +46,7 @@ def code() -> Code:
 
 
 @pytest.fixture(scope="module")
-def answers(code: Code, functions: dict[str, Callable[..., Any]]) -> dict[str, Reached]:
+def answers(code: Code, functions: dict[str, Callable[..., object]]) -> dict[str, Reached]:
     return {name: code.of(function) for name, function in functions.items()}
 
 
@@ -98,9 +98,9 @@ def test_where_machine_code_is_kept_does_not_count(answers: dict[str, Reached]) 
 @settings(max_examples=10)
 @given(data=st.data())
 def test_the_order_of_asking_does_not_count(
-    functions: dict[str, Callable[..., Any]],
+    functions: dict[str, Callable[..., object]],
     answers: dict[str, Reached],
-    remembered: dict[str, Any],
+    remembered: dict[str, object],
     data: st.DataObject,
 ) -> None:
     code = Code(followed(default_registry()), remembered)

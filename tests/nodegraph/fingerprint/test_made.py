@@ -43,15 +43,15 @@ class Rule:
     parts: tuple[Any, ...] = ()
 
 
-def over(value: Any) -> Function:
-    def inner(x: Any) -> Any:
+def over(value: object) -> Function:
+    def inner(x: object) -> Any:
         return x, value
 
     return inner
 
 
-def with_default(value: Any) -> Function:
-    def inner(x: Any = value, *, y: Any = value) -> Any:
+def with_default(value: object) -> Function:
+    def inner(x: object = value, *, y: object = value) -> Any:
         return x, y
 
     return inner
@@ -107,7 +107,9 @@ def of(function: Any) -> Reached:
         (Rule(1.0).__eq__, Rule(2.0).__eq__),
     ],
 )
-def test_values_are_told_apart(make: Callable[[Any], Function], each: Any, other: Any) -> None:
+def test_values_are_told_apart(
+    make: Callable[[Any], Function], each: object, other: object
+) -> None:
     first, second = of(make(each)), of(make(other))
     assert not first.unstable
     assert first.digest == of(make(each)).digest
@@ -121,7 +123,7 @@ def test_values_are_told_apart(make: Callable[[Any], Function], each: Any, other
         max_leaves=8,
     )
 )
-def test_equal_values_have_one_digest(value: Any) -> None:
+def test_equal_values_have_one_digest(value: object) -> None:
     again = eval(repr(value), {"nan": float("nan"), "inf": float("inf")})
     assert of(over(value)).digest == of(over(again)).digest
 
@@ -277,7 +279,7 @@ def test_a_function_without_source_has_no_lasting_digest() -> None:
     assert "__main__:fill has no source" in reached.unstable
 
 
-def in_cell(text: str, name: str, **names: Any) -> dict[str, Any]:
+def in_cell(text: str, name: str, **names: object) -> dict[str, object]:
     """Run a text as a notebook does, which keeps it for tracebacks."""
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     result: dict[str, Any] = {"__name__": "__main__", **names}
@@ -294,7 +296,7 @@ def test_a_function_of_a_cell() -> None:
         "def fill(x: int) -> int:\n    '''{}'''\n    return near(x) + LIMIT + Shape().area()\n"
     )
 
-    def made(*parts: Any) -> Reached:
+    def made(*parts: object) -> Reached:
         return of(in_cell(text.format(*parts), "<cell 1>")["fill"])
 
     reached = made(1, "a", "Doc.")

@@ -39,7 +39,7 @@ def parsed(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
     sources: list[bytes] = []
     really = summary_module.summarise
 
-    def summarise(source: bytes) -> Any:
+    def summarise(source: bytes) -> object:
         sources.append(source)
         return really(source)
 
@@ -52,7 +52,7 @@ def age(file: Path, *, seconds: float) -> None:
     os.utime(file, ns=(when, when))
 
 
-def remember(function: Callable[..., Any]) -> tuple[Reached, dict[str, Any]]:
+def remember(function: Callable[..., object]) -> tuple[Reached, dict[str, Any]]:
     code = Code([])
     reached = code.of(function)
     remembered = json.loads(json.dumps(code.remembered()))
@@ -60,7 +60,7 @@ def remember(function: Callable[..., Any]) -> tuple[Reached, dict[str, Any]]:
     return reached, remembered
 
 
-def test_nothing_is_parsed_again(fill: Callable[..., Any], parsed: list[bytes]) -> None:
+def test_nothing_is_parsed_again(fill: Callable[..., object], parsed: list[bytes]) -> None:
     reached, remembered = remember(fill)
     assert len(parsed) == 2
     again = Code([], remembered)
@@ -70,7 +70,7 @@ def test_nothing_is_parsed_again(fill: Callable[..., Any], parsed: list[bytes]) 
 
 
 def test_an_edited_file_is_parsed_again(
-    folder: Folder, fill: Callable[..., Any], parsed: list[bytes]
+    folder: Folder, fill: Callable[..., object], parsed: list[bytes]
 ) -> None:
     reached, remembered = remember(fill)
     folder.write({"tools.py": FILES["tools.py"].replace("return x", "return y")})
@@ -80,7 +80,7 @@ def test_an_edited_file_is_parsed_again(
 
 
 def test_an_edit_that_keeps_the_time_but_not_the_size(
-    folder: Folder, fill: Callable[..., Any]
+    folder: Folder, fill: Callable[..., object]
 ) -> None:
     reached, remembered = remember(fill)
     file = folder.path / "tools.py"
@@ -90,7 +90,7 @@ def test_an_edit_that_keeps_the_time_but_not_the_size(
     assert Code([], remembered).of(fill).digest != reached.digest
 
 
-def test_an_edit_in_the_same_tick(folder: Folder, fill: Callable[..., Any]) -> None:
+def test_an_edit_in_the_same_tick(folder: Folder, fill: Callable[..., object]) -> None:
     file = folder.path / "tools.py"
     age(file, seconds=0.5)
     state = file.stat()
@@ -102,7 +102,7 @@ def test_an_edit_in_the_same_tick(folder: Folder, fill: Callable[..., Any]) -> N
 
 
 def test_a_file_from_the_future_is_not_remembered(
-    folder: Folder, fill: Callable[..., Any], parsed: list[bytes]
+    folder: Folder, fill: Callable[..., object], parsed: list[bytes]
 ) -> None:
     age(folder.path / "tools.py", seconds=-100)
     _, remembered = remember(fill)
@@ -113,7 +113,7 @@ def test_a_file_from_the_future_is_not_remembered(
 
 @pytest.mark.parametrize("key", ["format", "python"])
 def test_what_another_version_remembered_is_left(
-    fill: Callable[..., Any], parsed: list[bytes], key: str
+    fill: Callable[..., object], parsed: list[bytes], key: str
 ) -> None:
     reached, remembered = remember(fill)
     parsed.clear()
@@ -123,7 +123,7 @@ def test_what_another_version_remembered_is_left(
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_damage_is_left_out(fill: Callable[..., Any], data: st.DataObject) -> None:
+def test_damage_is_left_out(fill: Callable[..., object], data: st.DataObject) -> None:
     reached, remembered = remember(fill)
     holder: Any = remembered
     while True:
@@ -137,7 +137,7 @@ def test_damage_is_left_out(fill: Callable[..., Any], data: st.DataObject) -> No
     assert Code([], remembered).of(fill) == reached
 
 
-def test_a_name_of_a_part_that_is_not_there_is_damage(fill: Callable[..., Any]) -> None:
+def test_a_name_of_a_part_that_is_not_there_is_damage(fill: Callable[..., object]) -> None:
     reached, remembered = remember(fill)
     for entry in remembered["files"].values():
         summary = entry["summary"]

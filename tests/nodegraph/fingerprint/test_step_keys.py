@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -52,7 +51,7 @@ def test_nothing_is_stored_of_a_file_that_changed_while_it_was_read(
     "known", [None, 5, [], [[1, 2, 3]], ["mark"], ["mark", 5], ["mark", "x", "y"], {"mark": "x"}]
 )
 def test_what_is_remembered_of_a_file_in_another_form_is_found_anew(
-    run_of: RunOf, tmp_path: Path, known: Any
+    run_of: RunOf, tmp_path: Path, known: object
 ) -> None:
     path, store = tmp_path / "one.txt", Store(tmp_path / "store", Packer(), pytest.fail)
     path.write_text("1")

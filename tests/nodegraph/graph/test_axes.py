@@ -23,7 +23,7 @@ nodes:
 """
 
 
-def pairs(gathered: Across[Any]) -> list[tuple[tuple[Any, ...], Any]]:
+def pairs(gathered: Across[object]) -> list[tuple[tuple[Any, ...], Any]]:
     return [(tuple(labels.values()), value) for labels, value in gathered]
 
 

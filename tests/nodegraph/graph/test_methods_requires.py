@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError
-from typing import Any
 
 import pytest
 
@@ -52,14 +51,14 @@ def test_an_installed_version_that_matches(graph_of: Callable[..., Graph], wante
     ],
 )
 def test_a_missing_or_other_version_is_reported_with_the_command_to_install(
-    problems_of: Callable[..., list[Any]], wanted: str, expected: str
+    problems_of: Callable[..., list[object]], wanted: str, expected: str
 ) -> None:
     [problem] = problems_of(TEXT.format(wanted))
     assert expected in str(problem)
 
 
 def test_a_missing_plugin_and_its_node_are_both_reported(
-    problems_of: Callable[..., list[Any]],
+    problems_of: Callable[..., list[object]],
 ) -> None:
     text = "requires: [@@nose>=2]\nnodes: {a: {use: @@fill.nose}}"
     first, second = problems_of(text)

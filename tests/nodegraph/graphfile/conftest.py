@@ -38,14 +38,14 @@ class Judge:
     def validator(self) -> Draft202012Validator:
         return Draft202012Validator(self.schema)
 
-    def refusals(self, data: Any) -> list[str]:
+    def refusals(self, data: object) -> list[str]:
         """What the schema has against it."""
         return [
             f"{problem.json_path}: {problem.message}"
             for problem in self.validator.iter_errors(data)
         ]
 
-    def mistakes(self, data: Any) -> list[str]:
+    def mistakes(self, data: object) -> list[str]:
         """What the loader has against it; JSON is YAML that means the same."""
         text = json.dumps(data, ensure_ascii=False)
         try:
@@ -61,7 +61,7 @@ def judge_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Judge]:
     folder = tmp_path_factory.mktemp("graphs")
     (folder / "a.txt").write_text("1")
 
-    def make(nodes: Iterable[Callable[..., Any]]) -> Judge:
+    def make(nodes: Iterable[Callable[..., object]]) -> Judge:
         return Judge(Registry.of(nodes, plugin="toys"), folder)
 
     return make

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -35,7 +34,7 @@ def read(text: str, folder: Path = Path()) -> tuple[AxisSpec, list[str]]:
         ("{count: 3, other: 4}", {"count": 3, "other": 4}),
     ],
 )
-def test_every_form_of_an_axis(text: str, pairs: dict[Any, Any]) -> None:
+def test_every_form_of_an_axis(text: str, pairs: dict[object, object]) -> None:
     axis, problems = read(text)
     assert not problems
     assert dict(zip(axis.labels, axis.values, strict=True)) == pairs

@@ -86,7 +86,7 @@ NODES = (
 )  # fmt: skip
 
 
-def graph(**nodes: Any) -> dict[str, Any]:
+def graph(**nodes: object) -> dict[str, Any]:
     """Return a good graph with these nodes among others."""
     return {
         "nodegraph": 1,
@@ -355,7 +355,7 @@ def test_a_graph_file_takes_any_setting_and_port(use: str, judge: Any) -> None:
     assert not judge.refusals(graph(one={"alternatives": [use], "with": {"any": 1}}))
 
 
-def _places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def _places(value: object, path: tuple[object, ...] = ()) -> Iterator[tuple[Any, ...]]:
     """Yield where something stands in a graph, down to each word."""
     yield path
     if isinstance(value, (dict, list)):
@@ -423,7 +423,7 @@ def _graphs() -> Iterator[tuple[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def installed() -> Any:
+def installed() -> object:
     return graph_schema(Registry.installed())
 
 

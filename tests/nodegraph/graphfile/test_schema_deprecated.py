@@ -38,7 +38,7 @@ def judge(judge_of: Any) -> Any:
     return judge_of([number, new, old, gone])
 
 
-def graph(**b: Any) -> dict[str, Any]:
+def graph(**b: object) -> dict[str, Any]:
     return {"nodegraph": 1, "nodes": {"a": {"use": "read.number"}, "b": {"in": "a", **b}}}
 
 

@@ -40,7 +40,7 @@ class Lenient(BaseModel):
     p: int
 
 
-def listed(value: Any) -> Any:
+def listed(value: object) -> Any:
     return [value] if isinstance(value, int) else value
 
 
@@ -109,10 +109,10 @@ VALUES = st.recursive(
 )
 
 
-def setting_of(kind: Any, default: Any = ...) -> Callable[..., Any]:
+def setting_of(kind: object, default: object = ...) -> Callable[..., object]:
     """Return a node whose one setting has this type."""
 
-    def make(*, value: Any = default) -> float:
+    def make(*, value: object = default) -> float:
         raise AssertionError
 
     make.__annotations__ = {"value": kind, "return": float}
@@ -127,7 +127,7 @@ def anything(*, value: Any, other: Any) -> float:
     raise AssertionError
 
 
-def graph(value: Any, start: Any = 1) -> dict[str, Any]:
+def graph(value: object, start: object = 1) -> dict[str, Any]:
     return {
         "nodegraph": 1,
         "inputs": {"v": start},

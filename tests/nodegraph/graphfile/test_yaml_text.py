@@ -176,5 +176,5 @@ DATA = st.recursive(
 
 
 @given(DATA)
-def test_plain_data_comes_back_from_located(data: Any) -> None:
+def test_plain_data_comes_back_from_located(data: object) -> None:
     assert located(data, Place("--set x")).plain() == data

@@ -298,7 +298,7 @@ def test_every_branch_gives_what_the_whole_take_gives(
 
 
 def test_what_goes_wrong_on_the_way_is_counted(
-    folder: Path, graph: Any, take: Trajectories
+    folder: Path, graph: object, take: Trajectories
 ) -> None:
     narrow = graph_with(folder, only={"avg": "narrow"})
     counts, box = play(narrow, folder, "0-9,12-14,11,14,x,15-19", "held")
@@ -359,7 +359,7 @@ def test_counts_are_printed_and_kept_whatever_fails(
     assert "take.npz" in errors
 
 
-def test_recorded_packets_play_the_same_again(folder: Path, graph: Any, tmp_path: Path) -> None:
+def test_recorded_packets_play_the_same_again(folder: Path, graph: object, tmp_path: Path) -> None:
     narrow = graph_with(folder, only={"avg": "narrow"})
     packets = tmp_path / "packets"
     first, box = play(narrow, folder, "0-9,13-14,12,!,20-29,x", "near", record=packets)
@@ -439,7 +439,7 @@ class Meter(Box):
         if frame.index in (600, 900):
             self.used.append(tracemalloc.get_traced_memory()[0])
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         self.used: list[int] = []
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 
 from nodegraph.execute import Run
@@ -19,7 +17,7 @@ def with_versions(lock: Lock, **versions: str) -> LockedStudy:
     return lock.study.model_copy(update={"versions": {**lock.study.versions, **versions}})
 
 
-def with_cut(study: LockedStudy, **changes: Any) -> LockedStudy:
+def with_cut(study: LockedStudy, **changes: object) -> LockedStudy:
     cut = study.methods["cut"].model_copy(update=changes)
     return study.model_copy(update={"methods": {**study.methods, "cut": cut}})
 

@@ -87,7 +87,7 @@ def test_a_lock_with_text_after_its_end_is_refused(frozen: Frozen, end: str) -> 
     ],
 )
 def test_an_invalid_value_is_reported_with_its_key(
-    frozen: Frozen, place: tuple[str, ...], value: Any, key: str
+    frozen: Frozen, place: tuple[str, ...], value: object, key: str
 ) -> None:
     _, lock = frozen
     data = lock.study.model_dump(by_alias=True)
@@ -102,6 +102,6 @@ def test_an_invalid_value_is_reported_with_its_key(
 
 
 @pytest.mark.parametrize("data", [None, 3, [], "text"])
-def test_a_lock_must_be_a_mapping(data: Any) -> None:
+def test_a_lock_must_be_a_mapping(data: object) -> None:
     with pytest.raises(NodegraphError, match="dictionary"):
         study_from(data, Path("toy.lock"))

@@ -24,18 +24,18 @@ DATA = st.recursive(
 )
 
 
-def back(data: dict[str, Any]) -> Any:
+def back(data: dict[str, object]) -> Any:
     return read_yaml("".join(f"{line}\n" for line in yaml_lines(data)), "data").plain()
 
 
-def with_text_keys(data: Any) -> Any:
+def with_text_keys(data: object) -> object:
     if isinstance(data, dict):
         return {str(key): with_text_keys(item) for key, item in data.items()}
     return [with_text_keys(item) for item in data] if isinstance(data, list) else data
 
 
 @given(st.dictionaries(TEXTS, DATA, min_size=1, max_size=5))
-def test_data_reads_back(data: dict[str, Any]) -> None:
+def test_data_reads_back(data: dict[str, object]) -> None:
     assert with_text_keys(back(data)) == data
 
 
@@ -56,5 +56,5 @@ def test_nan_and_infinity_read_back() -> None:
         ({"12": 1e-9}, ["12: 1e-09"]),
     ],
 )
-def test_a_key_has_a_line(data: dict[str, Any], lines: list[str]) -> None:
+def test_a_key_has_a_line(data: dict[str, object], lines: list[str]) -> None:
     assert list(yaml_lines(data)) == lines

@@ -34,7 +34,7 @@ class Empty(NamedTuple):
     pass
 
 
-def described(function: Callable[..., Any]) -> Node:
+def described(function: Callable[..., object]) -> Node:
     definition = node_of(function)
     assert definition is not None
     return definition.check()
@@ -183,7 +183,7 @@ def two_types(x: float | int) -> float:
     return x
 
 
-def anything(x: Any) -> float:
+def anything(x: object) -> float:
     return 0.0
 
 
@@ -247,7 +247,7 @@ def hidden_setting(x: float, *, _secret: int = 1) -> float:
     ],
 )
 def test_what_a_signature_lacks_is_named_with_the_node(
-    function: Callable[..., Any], message: str
+    function: Callable[..., object], message: str
 ) -> None:
     marked = node("toy.bad")(function)
     with pytest.raises(NodeError, match=rf"toy\.bad: .*{message}"):

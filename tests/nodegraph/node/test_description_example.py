@@ -20,7 +20,7 @@ from nodegraph.node.ports import Port
 from nodegraph.plugin.registry import Registered, Registry
 
 
-def described(function: Any) -> Node:
+def described(function: object) -> Node:
     node_ = node_of(function)
     assert node_ is not None
     return node_
@@ -180,7 +180,7 @@ def _name(port: Port) -> str:
 
 
 def _giver(name: str, port: Port) -> Any:
-    def give() -> Any:
+    def give() -> object:
         """Give a value of a type."""
 
     truth: Any = Truth

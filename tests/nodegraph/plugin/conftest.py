@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -21,7 +20,7 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Registry]:
     A plugin is a mapping of hooks, without ``nodegraph_``, to functions or to what they return.
     """
 
-    def install_only(**plugins: Mapping[str, Any]) -> Registry:
+    def install_only(**plugins: Mapping[str, object]) -> Registry:
         loaded = [
             Plugin(name, SimpleNamespace(**dict(map(_hook, hooks.items()))), f"{name}-package 1.0")
             for name, hooks in plugins.items()
@@ -32,6 +31,6 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Registry]:
     return install_only
 
 
-def _hook(item: tuple[str, Any]) -> tuple[str, Callable[[], Any]]:
+def _hook(item: tuple[str, object]) -> tuple[str, Callable[[], object]]:
     name, value = item
     return f"nodegraph_{name}", hookimpl(value if callable(value) else lambda: value)

@@ -38,20 +38,20 @@ def hold(x: float) -> float:
     return x
 
 
-def fails(*arguments: Any) -> Any:
+def fails(*arguments: object) -> Any:
     raise RuntimeError("out of tune")
 
 
-def fails_later(*arguments: Any) -> Iterator[Any]:
+def fails_later(*arguments: object) -> Iterator[object]:
     yield "one"
     raise RuntimeError("out of tune")
 
 
-def five(*arguments: Any) -> Any:
+def five(*arguments: object) -> Any:
     return 5
 
 
-def text(*arguments: Any) -> Any:
+def text(*arguments: object) -> Any:
     return "<p>"
 
 
@@ -94,7 +94,7 @@ def test_the_results_of_all_plugins_are_put_together(install: Install, tmp_path:
     ],
 )
 def test_a_hook_that_fails_is_named_and_the_rest_goes_on(
-    install: Install, hook: str, result: Any, reason: str
+    install: Install, hook: str, result: object, reason: str
 ) -> None:
     good = {
         "nodes": [hold],
@@ -248,7 +248,7 @@ def test_what_works_passes_unchanged(install: Install) -> None:
     ],
 )
 def test_a_failure_that_nothing_can_stand_in_for_is_raised(
-    install: Install, hook: str, result: Any, use: Callable[[Any], object], reason: str
+    install: Install, hook: str, result: object, use: Callable[[Any], object], reason: str
 ) -> None:
     hooks = install(bad={hook: result}).hooks
     with pytest.raises(PluginError, match=f"^plugin 'bad': {reason}"):
@@ -266,7 +266,7 @@ def test_a_message_that_a_plugin_wrote_for_its_users_passes(install: Install) ->
 def test_an_executor_that_is_closed_closes_the_plugin_s(install: Install) -> None:
     closed = []
 
-    def steps(schedule: Any, how: Any) -> Iterator[int]:
+    def steps(schedule: object, how: object) -> Iterator[int]:
         try:
             yield 1
             yield 2

@@ -73,7 +73,7 @@ def test_an_unknown_name_hints_at_what_there_is(install: Install, name: str, hin
         install(one={"nodes": [hold]}).find(name)
 
 
-def hook_that_fails() -> Any:
+def hook_that_fails() -> object:
     return [1 / 0]
 
 
@@ -89,7 +89,7 @@ def hook_that_fails() -> Any:
     ],
 )
 def test_a_plugin_whose_nodes_cannot_be_read_is_left_out_whole(
-    install: Install, nodes: Any, reason: str
+    install: Install, nodes: object, reason: str
 ) -> None:
     with pytest.warns(UserWarning, match=f"plugin 'bad' is left out: .*{reason}"):
         registry = install(bad={"nodes": nodes}, good={"nodes": [hold]})

@@ -37,13 +37,13 @@ def option(settings: RunSettings) -> str:
 
 
 @given(VALUES)
-def test_an_input_keeps_its_value(value: Any) -> None:
+def test_an_input_keeps_its_value(value: object) -> None:
     text = option(RunSettings("g.yaml", set={"start": value}))
     assert repr(read_value("--set start", text)) == repr(value)
 
 
 @given(LABELS)
-def test_an_axis_keeps_its_labels(labels: Any) -> None:
+def test_an_axis_keeps_its_labels(labels: object) -> None:
     text = option(RunSettings("g.yaml", axis={"k": labels}))
     assert repr(read_labels("--axis k", text)) == repr(labels)
 

@@ -73,7 +73,7 @@ async def _answer(app: ASGIApp, scope: dict[str, Any], body: bytes, *, leave: bo
     messages = [{"type": "http.request", "body": body, "more_body": False}]
     answered = asyncio.Event()
 
-    async def receive() -> dict[str, Any]:
+    async def receive() -> dict[str, object]:
         if messages:
             return messages.pop()
         await answered.wait()

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from nodegraph.serve.progress import EventFile
 
 
-def line(kind: str, **more: Any) -> bytes:
+def line(kind: str, **more: object) -> bytes:
     return json.dumps({"event": kind, "seconds": 1.5, **more}).encode() + b"\n"
 
 

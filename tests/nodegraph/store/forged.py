@@ -130,7 +130,7 @@ def digest(head: str, parts: Sequence[Any]) -> str:
 def any_change(chance: Random) -> Change:
     """Return a change somewhere in an entry; what outputs hold has another digest then."""
 
-    def change(data: dict[str, Any]) -> None:
+    def change(data: dict[str, object]) -> None:
         for _ in range(chance.choice([1, 1, 1, 2, 3])):
             container, key = chance.choice(list(_places(data)))
             container[key] = _another(container[key], data, chance)
@@ -182,7 +182,7 @@ def _places(data: Any) -> Iterator[Place]:
             yield from _places(part)
 
 
-def _another(part: Any, data: Any, chance: Random) -> Any:
+def _another(part: Any, data: Any, chance: Random) -> object:
     """Return what a mutation makes of a part of data."""
     ways = ["other", "other", "elsewhere", "deep"]
     if isinstance(part, list) and part:
@@ -207,7 +207,7 @@ def _another(part: Any, data: Any, chance: Random) -> Any:
     return copy.deepcopy(chance.choice(PARTS))
 
 
-def _other_list(parts: list[Any], way: str, chance: Random) -> list[Any]:
+def _other_list(parts: list[object], way: str, chance: Random) -> list[object]:
     at, other = chance.randrange(len(parts)), chance.randrange(len(parts))
     if way == "shorter":
         del parts[at]
@@ -222,7 +222,7 @@ def _other_list(parts: list[Any], way: str, chance: Random) -> list[Any]:
     return parts
 
 
-def _other_buffers(parts: list[Any], chance: Random) -> list[Any]:
+def _other_buffers(parts: list[Any], chance: Random) -> list[object]:
     parts, at = list(parts), chance.randrange(len(parts))
     way = chance.choice(["gone", "twice", "cut", "random", "size", "name"])
     if way == "gone":

@@ -22,7 +22,7 @@ KINDS = ["?", "b", "u1", "<i2", ">i4", "q", "l", "<f2", ">f4", "f8", "c8", ">c16
          ">M8[ns]", "m8[s]", "<U3", ">U2", "S4", "M8"]  # fmt: skip
 
 
-def there_and_back(array: Any) -> Any:
+def there_and_back(array: object) -> Any:
     packed = PACKER.pack(array)
     return PACKER.unpack(packed.head, packed.buffers)
 
@@ -120,7 +120,7 @@ def test_nobody_can_write_to_an_array_in_memory_that_is_open() -> None:
     ],
     ids=lambda array: f"{type(array).__name__} of {array.dtype}",
 )
-def test_arrays_that_could_come_back_otherwise_are_refused(array: Any) -> None:
+def test_arrays_that_could_come_back_otherwise_are_refused(array: object) -> None:
     with pytest.raises(Unstorable):
         PACKER.pack(array)
 
@@ -132,7 +132,7 @@ def test_arrays_that_could_come_back_otherwise_are_refused(array: Any) -> None:
      np.longlong(3), np.str_("a\0"), np.bytes_(b"a\0")],
     ids=lambda number: type(number).__name__,
 )  # fmt: skip
-def test_numbers_of_numpy_stay_what_they_are(number: Any) -> None:
+def test_numbers_of_numpy_stay_what_they_are(number: object) -> None:
     back = there_and_back(number)
     assert type(back) is type(number)
     assert np.asarray(back).tobytes() == np.asarray(number).tobytes()
@@ -176,7 +176,7 @@ def test_too_few_or_too_many_bytes_are_noticed() -> None:
     ],
     ids=str,
 )
-def test_what_describes_no_array_of_these_bytes_is_unreadable(parts: list[Any]) -> None:
+def test_what_describes_no_array_of_these_bytes_is_unreadable(parts: list[object]) -> None:
     with pytest.raises(Unreadable):
         PACKER.unpack(json.dumps(["array", 0, *parts]), [b"\xff" * 24])
 

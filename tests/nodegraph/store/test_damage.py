@@ -22,7 +22,7 @@ ARRAY = np.arange(5000.0)
 Files = Callable[..., list[Path]]
 
 
-def kept(store: Store, key: str = KEY, value: Any = ARRAY) -> Entry:
+def kept(store: Store, key: str = KEY, value: object = ARRAY) -> Entry:
     entry = store.save(key, ABOUT, (value,))
     assert entry is not None
     return entry
@@ -92,7 +92,7 @@ def test_an_entry_that_is_sealed_and_makes_no_sense_is_damaged(
     ],
 )
 def test_a_damaged_blob_goes_with_its_entry(
-    store: Store, messages: list[str], files: Files, damage: Callable[[Path], Any]
+    store: Store, messages: list[str], files: Files, damage: Callable[[Path], object]
 ) -> None:
     entry = kept(store)
     damage(files("blobs")[0])
@@ -259,7 +259,7 @@ def test_a_folder_that_is_only_for_reading_is_read(
     entry = kept(store)
     os.utime(files("entries")[0], (0, 0))
 
-    def refuse(*given: Any, **more: Any) -> None:
+    def refuse(*given: object, **more: object) -> None:
         raise OSError(errno.EROFS, "Read-only file system")
 
     for name in ("utime", "replace", "unlink", "mkdir"):
@@ -284,7 +284,7 @@ def test_a_folder_of_another_format_is_left_alone(tmp_path: Path) -> None:
 def test_an_interrupted_write_leaves_nothing(
     store: Store, files: Files, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupt(*given: Any) -> int:
+    def interrupt(*given: object) -> int:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(os, "write", interrupt)

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from random import Random
-from typing import Any
 
 import pytest
 
@@ -62,11 +61,11 @@ FIELDS = '["positions","rate"]'
 TAKE = f'["value","toys:Take",{FIELDS},["array",0,"<f8",[4]],2.0]'
 
 
-def field(name: str, value: Any) -> Change:
+def field(name: str, value: object) -> Change:
     return lambda data: data.update({name: value})
 
 
-def blob(*part: Any) -> Change:
+def blob(*part: object) -> Change:
     """Return a change of where the bytes of the first output lie, its digest included."""
     return output(f'["array",0,{ARRAY}]', list(part))
 

@@ -110,7 +110,7 @@ def things(**more: Any) -> Packer:
     return Packer([Storage(Thing, lambda thing: thing.parts, lambda parts: Thing(*parts), **more)])
 
 
-def there_and_back(value: Any, packer: Packer | None = None) -> Any:
+def there_and_back(value: object, packer: Packer | None = None) -> Any:
     packer = packer or Packer()
     packed = packer.pack(value)
     assert packed.head.isascii()
@@ -150,7 +150,7 @@ PLAIN = st.recursive(
 
 
 @given(PLAIN)
-def test_plain_values_come_back_as_they_were(value: Any) -> None:
+def test_plain_values_come_back_as_they_were(value: object) -> None:
     assert alike(value, there_and_back(value))
 
 
@@ -175,7 +175,7 @@ def test_plain_values_come_back_as_they_were(value: Any) -> None:
     ],
     ids=lambda value: ascii(value)[:20] if not isinstance(value, int) else "whole",
 )
-def test_odd_values_come_back_as_they_were(value: Any) -> None:
+def test_odd_values_come_back_as_they_were(value: object) -> None:
     assert alike(value, there_and_back(value))
 
 
@@ -201,7 +201,7 @@ def test_what_was_gathered_comes_back() -> None:
      range(3), object(), Thing(), len, int, slice(1), np.dtype("f8"), types.MappingProxyType({})],
     ids=lambda value: type(value).__name__,
 )  # fmt: skip
-def test_whatever_would_come_back_as_something_else_is_refused(value: Any) -> None:
+def test_whatever_would_come_back_as_something_else_is_refused(value: object) -> None:
     with pytest.raises(Unstorable, match=type(value).__name__):
         Packer().pack([value])
 
@@ -335,7 +335,7 @@ def test_a_storage_that_comes_first_is_asked_first_and_before_what_is_known() ->
 
 
 def test_a_storage_that_cannot_keep_this_value_refuses_it() -> None:
-    def refuse(thing: Thing) -> Any:
+    def refuse(thing: Thing) -> object:
         raise TypeError("column 'x' has a time zone")
 
     with pytest.raises(Unstorable, match="type Thing inside list cannot be kept: column 'x'"):
@@ -414,7 +414,7 @@ def test_a_class_whose_check_needs_more_than_fields_is_refused() -> None:
 
 
 def test_a_storage_that_fails_makes_nothing() -> None:
-    def fail(parts: Any) -> Thing:
+    def fail(parts: object) -> Thing:
         raise SystemExit(3)
 
     head = things().pack(Thing()).head

@@ -71,7 +71,7 @@ def check(function: Function, **more: Any) -> None:
     check_node(function, registry=REGISTRY, **more)
 
 
-def faults_of(function: Function, **more: Any) -> str:
+def faults_of(function: Function, **more: object) -> str:
     with pytest.raises(AssertionError) as caught:
         check(function, **more)
     return " ".join(str(caught.value).split())
@@ -889,9 +889,9 @@ def test_a_signature_that_cannot_be_read() -> None:
 
 
 def test_ports_are_arguments_by_position_too() -> None:
-    def timed(function: Callable[..., Any]) -> Callable[..., Any]:
+    def timed(function: Callable[..., object]) -> Callable[..., object]:
         @wraps(function)
-        def call(**inputs: Any) -> Any:
+        def call(**inputs: object) -> Any:
             return function(**inputs)
 
         return call
@@ -991,8 +991,8 @@ def test_a_family_is_held_to_the_contracts_of_every_plugin() -> None:
     class Plugged:
         @staticmethod
         @hookimpl
-        def nodegraph_contracts() -> Any:
-            def keeps_the_rate(tried: Tried) -> Any:
+        def nodegraph_contracts() -> object:
+            def keeps_the_rate(tried: Tried) -> object:
                 """Keep the rate."""
                 if tried.outputs["output"].rate != tried.inputs["recording"].rate:
                     yield f"{tried.outputs['output'].rate} Hz"

@@ -40,7 +40,7 @@ def faults_of(function: Any, registry: Registry) -> str:
     return str(caught.value)
 
 
-def raising() -> Any:
+def raising() -> object:
     raise RuntimeError("out of ink")
 
 
@@ -52,14 +52,14 @@ def raising() -> Any:
         (lambda: ["@misc{mine2026}"], "TypeError: expected str, got list"),
     ],
 )
-def test_a_bibtex_hook_that_fails_is_a_fault(hook: Any, message: str) -> None:
+def test_a_bibtex_hook_that_fails_is_a_fault(hook: object, message: str) -> None:
     text = faults_of(cites, registry_with("nodegraph_bibtex", hook, cites))
     assert f"- its plugin's hook nodegraph_bibtex failed: {message}" in text
     assert "fix it, or nobody learns what the node cites" in text
 
 
 def test_a_contract_that_fails_is_named_with_its_plugin_and_line() -> None:
-    def stays(tried: Any) -> Any:
+    def stays(tried: object) -> object:
         """Stay."""
         raise RuntimeError("out of ink")
 
@@ -77,7 +77,7 @@ def test_a_contract_that_fails_is_named_with_its_plugin_and_line() -> None:
         ({5: []}, "5 of nodegraph_contracts is left out: expected str, got int"),
     ],
 )
-def test_contracts_of_another_type_are_left_out(contracts: Any, message: str) -> None:
+def test_contracts_of_another_type_are_left_out(contracts: object, message: str) -> None:
     with pytest.warns(UserWarning, match=f"^plugin 'bad': {message}$"):
         check_node(holds, registry=registry_with("nodegraph_contracts", lambda: contracts, holds))
 
@@ -98,7 +98,7 @@ def test_contracts_of_another_type_are_left_out(contracts: Any, message: str) ->
         ({Trajectories: list}, ".* failed: TypeError: expected Mapping, got list; it is left out"),
     ],
 )
-def test_specimens_that_cannot_be_made_are_left_out(specimens: Any, message: str) -> None:
+def test_specimens_that_cannot_be_made_are_left_out(specimens: object, message: str) -> None:
     with pytest.warns(UserWarning, match=f"^plugin 'bad': {message}"):
         check_node(holds, registry=registry_with("nodegraph_specimens", lambda: specimens, holds))
 

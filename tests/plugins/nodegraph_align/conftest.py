@@ -74,7 +74,7 @@ def plain_fit(
     return u @ np.diag([1.0, 1.0, sign]) @ v, centre, goal
 
 
-def run_quietly(call: Callable[..., Any], *inputs: Any, **settings: Any) -> Any:
+def run_quietly(call: Callable[..., object], *inputs: object, **settings: object) -> Any:
     """Call a node where its warnings do not matter."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

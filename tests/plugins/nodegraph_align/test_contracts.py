@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -149,5 +149,5 @@ def test_one_that_depends_on_the_head_although_it_has_a_reference() -> None:
         (generalized, {"scale": "least_squares"}),
     ],
 )
-def test_good_ones_pass(align: Callable[..., Aligned], settings: dict[str, Any]) -> None:
+def test_good_ones_pass(align: Callable[..., Aligned], settings: dict[str, object]) -> None:
     check_node(align, settings=settings, registry=REGISTRY)

@@ -29,7 +29,7 @@ Kabsch = Callable[..., tuple[Array, Array, Array]]
 FLAT = {"solid": 1.0, "thin": 0.05, "nearly flat": 1e-9, "flat": 0.0}
 
 
-def fitted(positions: Array, shape: Array, **changes: Any) -> Any:
+def fitted(positions: Array, shape: Array, **changes: object) -> Any:
     message: dict[str, Any] = {"weights": np.ones((1, len(shape))), "scaling": AS_IT_IS}
     message |= {"reflection": False, "columns": np.arange(len(shape))} | changes
     return fit(
@@ -92,7 +92,7 @@ def test_pose_is_that_of_the_singular_value_decomposition(
 
 @pytest.mark.parametrize("depth", FLAT.values(), ids=FLAT)
 @pytest.mark.parametrize("axis", [0, 1, 2, (1, 1, 1), (1, 2, 0)])
-def test_half_turns_and_no_turn_are_found(depth: float, axis: Any) -> None:
+def test_half_turns_and_no_turn_are_found(depth: float, axis: object) -> None:
     direction = np.eye(3)[axis] if isinstance(axis, int) else np.array(axis, dtype=np.float64)
     direction /= np.linalg.norm(direction)
     half = 2.0 * np.outer(direction, direction) - np.eye(3)

@@ -98,7 +98,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("study")
     (folder / "made.py").write_text(NODES)
 
-    def run_graph(more: str = "", *words: str, **settings: Any) -> int:
+    def run_graph(more: str = "", *words: str, **settings: object) -> int:
         values = {
             "actors": 8,
             "broken": "false",

@@ -19,7 +19,7 @@ def declared(*ends: Any) -> Across[pd.DataFrame]:
 
 
 @pytest.mark.parametrize("end", ["lower", "higher", "none"])
-def test_tables_say_which_end_is_better(end: Any) -> None:
+def test_tables_say_which_end_is_better(end: object) -> None:
     assert better_end(declared(end, end), "recall", "declared") == end
 
 

@@ -55,7 +55,7 @@ def hit(recording: Trajectories, frames: list[int], off: Any) -> Trajectories:
 
 
 def run_quietly(
-    method: Callable[..., Trajectories], recording: Trajectories, **settings: Any
+    method: Callable[..., Trajectories], recording: Trajectories, **settings: object
 ) -> Trajectories:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

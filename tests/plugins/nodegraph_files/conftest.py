@@ -44,7 +44,7 @@ class Machine:
         text = name.encode()
         return bytes([len(text), 256 - number]) + text + self.words(3) + b"\0"
 
-    def parameter(self, name: str, number: int, value: Any) -> bytes:
+    def parameter(self, name: str, number: int, value: object) -> bytes:
         kind, shape, data = self.encoded(value)
         body = struct.pack("<bB", kind, len(shape)) + bytes(shape) + data + b"\0"
         text = name.encode()
@@ -65,8 +65,8 @@ class Machine:
 
 
 def build(
-    samples: NDArray[Any],
-    labels: list[Any] | None = None,
+    samples: NDArray[np.generic],
+    labels: list[object] | None = None,
     *,
     rate: float = 60.0,
     scale: float = -1.0,
@@ -74,7 +74,7 @@ def build(
     analog: int = 0,
     header: Mapping[int, bytes] | None = None,
     trial: tuple[int, int] | None = None,
-    **changed: Any,
+    **changed: object,
 ) -> bytes:
     """Return a C3D file: (T, M, 4) samples x, y, z, residual.
 

@@ -42,7 +42,7 @@ WRONG: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 def test_the_size_settles_what_header_and_parameters_dispute(
-    build_c3d: Build, samples: Samples, wrong: dict[str, Any]
+    build_c3d: Build, samples: Samples, wrong: dict[str, object]
 ) -> None:
     with pytest.warns(UserWarning, match="disagree; by its size it holds 20 frames x .3 points"):
         read = read_c3d(build_c3d(samples, **wrong))
@@ -51,7 +51,7 @@ def test_the_size_settles_what_header_and_parameters_dispute(
 
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 def test_a_dispute_that_the_size_does_not_settle_is_refused(
-    build_c3d: Build, samples: Samples, wrong: dict[str, Any]
+    build_c3d: Build, samples: Samples, wrong: dict[str, object]
 ) -> None:
     path = build_c3d(samples, **wrong)
     path.write_bytes(path.read_bytes() + bytes(100_000))

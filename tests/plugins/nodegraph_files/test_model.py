@@ -13,7 +13,7 @@ from nodegraph_mocap import BlendshapeModel
 from nodegraph_mocap.specimens import specimens
 
 
-def arrays(**changes: Any) -> dict[str, Any]:
+def arrays(**changes: object) -> dict[str, Any]:
     given = {
         "neutral": np.zeros((2, 3), np.float32),
         "shapes": np.ones((1, 2, 3)),
@@ -73,7 +73,7 @@ def test_more_arrays_may_be_there(tmp_path: Path) -> None:
         ({"neutral": np.array([None])}, "array 'neutral' is of type object"),
     ],
 )
-def test_a_bad_model_is_refused(tmp_path: Path, changes: dict[str, Any], message: str) -> None:
+def test_a_bad_model_is_refused(tmp_path: Path, changes: dict[str, object], message: str) -> None:
     path = written(tmp_path, arrays(**changes))
     with pytest.raises(ValueError, match=rf"model\.npz: not a readable NPZ model: {message}"):
         read_model_npz(path)

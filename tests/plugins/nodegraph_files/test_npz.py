@@ -18,7 +18,7 @@ Damaged = Callable[[bytes, random.Random], bytes]
 ARRAYS: dict[str, Any] = {"positions": np.ones((4, 2, 3)), "markers": ["a", "b"], "rate": 60.0}
 
 
-def saved(folder: Path, **changed: Any) -> Path:
+def saved(folder: Path, **changed: object) -> Path:
     path = folder / "take.npz"
     np.savez(path, **{name: x for name, x in (ARRAYS | changed).items() if x is not None})
     return path
@@ -86,7 +86,7 @@ def test_an_array_that_lacks_is_told_with_those_there_are(tmp_path: Path, lackin
         ({"sigma": np.array([None])}, "'sigma' is of type object"),
     ],
 )
-def test_wrong_arrays_are_refused(tmp_path: Path, changed: dict[str, Any], message: str) -> None:
+def test_wrong_arrays_are_refused(tmp_path: Path, changed: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.npz: not a readable NPZ recording: .*{message}"):
         read_npz(saved(tmp_path, **changed))
 

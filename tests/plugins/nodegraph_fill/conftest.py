@@ -43,7 +43,7 @@ def make_gappy(seed: int) -> Trajectories:
 
 
 def run_quietly(
-    fill: Callable[..., Trajectories], recording: Trajectories, **settings: Any
+    fill: Callable[..., Trajectories], recording: Trajectories, **settings: object
 ) -> Trajectories:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

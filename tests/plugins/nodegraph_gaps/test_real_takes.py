@@ -85,7 +85,7 @@ def test_the_shoulders_gaps_on_a_face(name: str, seed: int) -> None:
     seed=st.integers(0, 2**31),
 )
 def test_a_study_of_gaps_gets_them_or_hears_how_many_there_can_be(
-    name: str, length: int, simultaneous: int, pattern: Any, seed: int
+    name: str, length: int, simultaneous: int, pattern: object, seed: int
 ) -> None:
     face = take(name)
     ask: Any = {"length": length, "simultaneous": simultaneous, "pattern": pattern, "seed": seed}

@@ -81,7 +81,7 @@ def shoulder() -> Trajectories:
 
 
 @pytest.fixture
-def quiet() -> Callable[[], Any]:
+def quiet() -> Callable[[], object]:
     """Give a context in which warnings are of no interest."""
     return _quiet
 

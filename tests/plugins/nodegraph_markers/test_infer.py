@@ -49,7 +49,7 @@ def found_again(
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("what", ["neutral", "captured"])
 def test_pairs_sides_and_midline_of_made_faces(
-    face: Face, unnamed: Unnamed, quiet: Callable[[], Any], markers: int, seed: int, what: str
+    face: Face, unnamed: Unnamed, quiet: Callable[[], object], markers: int, seed: int, what: str
 ) -> None:
     synthetic = face(seed=seed, seconds=3.0, markers=markers)
     result = found_again(getattr(synthetic, what), unnamed, quiet)
@@ -59,7 +59,7 @@ def test_pairs_sides_and_midline_of_made_faces(
 
 @pytest.mark.parametrize("name", ["jaw", "cheeks", "take001"])
 def test_pairs_sides_and_midline_of_real_and_animated_faces(
-    take: Take, unnamed: Unnamed, quiet: Callable[[], Any], name: str
+    take: Take, unnamed: Unnamed, quiet: Callable[[], object], name: str
 ) -> None:
     recording, truth = take(name)
     result = found_again(recording, unnamed, quiet)
@@ -107,7 +107,7 @@ def test_edges_join_every_marker_to_its_neighbours(face: Face) -> None:
 def test_pose_size_and_order_do_not_matter(
     face: Face,
     unnamed: Unnamed,
-    quiet: Callable[[], Any],
+    quiet: Callable[[], object],
     turned: Callable[[Trajectories], Trajectories],
     scale: float,
 ) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ MARKERS = ("brow", "nose", "chin")
 TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
 
 
-def told(first: Any, other: Any) -> tuple[str, ...]:
+def told(first: object, other: object) -> tuple[str, ...]:
     return value_differences(first, other, default_registry().hooks.comparisons)
 
 
@@ -80,7 +79,7 @@ def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
         ({"error": [1.0, 2.0, np.nan]}, "columns only before: rmse"),
     ],
 )
-def test_tables_have_columns_rows_and_sizes(other: dict[str, Any], message: str) -> None:
+def test_tables_have_columns_rows_and_sizes(other: dict[str, object], message: str) -> None:
     assert told(DataFrame({"rmse": [1.0, 2.0, np.nan]}), DataFrame(other))[0] == message
 
 
@@ -139,7 +138,7 @@ def test_weights_are_told_apart_by_frames_and_shapes() -> None:
         ),
     ],
 )
-def test_values_are_made_of_frames_and_names(value: Any, expected: dict[str, Any]) -> None:
+def test_values_are_made_of_frames_and_names(value: object, expected: dict[str, object]) -> None:
     kinds = (
         registered
         for registered in default_registry().hooks.comparisons

@@ -8,7 +8,7 @@ import pytest
 from nodegraph_mocap import Detections
 
 
-def _detections(**changes: Any) -> Detections:
+def _detections(**changes: object) -> Detections:
     given: dict[str, Any] = {"points": np.ones((3, 3)), "offsets": np.array([0, 2, 3]), "rate": 60}
     return Detections(**{**given, **changes})
 
@@ -43,6 +43,6 @@ def test_a_recording_in_which_nothing_was_seen() -> None:
         ({"rate": float("nan")}, "rate must be a positive number"),
     ],
 )
-def test_bad_detections_are_refused(changes: dict[str, Any], message: str) -> None:
+def test_bad_detections_are_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _detections(**changes)

@@ -8,7 +8,7 @@ import pytest
 from nodegraph_mocap import BlendshapeModel, HeadMotion, Weights
 
 
-def _motion(**changes: Any) -> HeadMotion:
+def _motion(**changes: object) -> HeadMotion:
     given: dict[str, Any] = {
         "rotations": np.tile(np.eye(3), (4, 1, 1)),
         "translations": np.zeros((4, 3)),
@@ -17,7 +17,7 @@ def _motion(**changes: Any) -> HeadMotion:
     return HeadMotion(**{**given, **changes})
 
 
-def _model(**changes: Any) -> BlendshapeModel:
+def _model(**changes: object) -> BlendshapeModel:
     given: dict[str, Any] = {
         "neutral": np.zeros((2, 3)),
         "shapes": np.ones((3, 2, 3)),
@@ -27,7 +27,7 @@ def _model(**changes: Any) -> BlendshapeModel:
     return BlendshapeModel(**{**given, **changes})
 
 
-def _weights(**changes: Any) -> Weights:
+def _weights(**changes: object) -> Weights:
     given: dict[str, Any] = {"values": np.zeros((4, 2)), "names": ("smile", "frown"), "rate": 60.0}
     return Weights(**{**given, **changes})
 
@@ -63,7 +63,7 @@ def test_a_weight_that_is_not_known_is_nan() -> None:
         ({"scales": np.array([1.0, 0.0, 1.0, 1.0])}, "must be positive, got 0.0 in frame 1"),
     ],
 )
-def test_bad_head_motion_is_refused(changes: dict[str, Any], message: str) -> None:
+def test_bad_head_motion_is_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _motion(**changes)
 
@@ -79,7 +79,7 @@ def test_bad_head_motion_is_refused(changes: dict[str, Any], message: str) -> No
         ({"markers": ("a", "a")}, "markers: named twice: a"),
     ],
 )
-def test_a_bad_model_is_refused(changes: dict[str, Any], message: str) -> None:
+def test_a_bad_model_is_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _model(**changes)
 
@@ -93,6 +93,6 @@ def test_a_bad_model_is_refused(changes: dict[str, Any], message: str) -> None:
         ({"rate": -1.0}, "rate must be a positive number"),
     ],
 )
-def test_bad_weights_are_refused(changes: dict[str, Any], message: str) -> None:
+def test_bad_weights_are_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _weights(**changes)

@@ -8,7 +8,7 @@ import pytest
 from nodegraph_mocap import Head
 
 
-def _head(**changes: Any) -> Head:
+def _head(**changes: object) -> Head:
     given: dict[str, Any] = {
         "vertices": np.arange(12.0).reshape(4, 3),
         "faces": np.array([[0, 1, 2], [1, 3, 2]]),
@@ -43,6 +43,6 @@ def test_arrays_cannot_be_changed() -> None:
         ({"marker_vertices": np.array([3, 4])}, "marker vertices: must lie in 0 to 3"),
     ],
 )
-def test_a_bad_head_is_refused(changes: dict[str, Any], message: str) -> None:
+def test_a_bad_head_is_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         _head(**changes)

@@ -40,7 +40,7 @@ def test_the_longest_panel_says_how_long_it_plays() -> None:
         ({"centre": np.array([0, np.nan, 0])}, "centre: missing"),
     ],
 )
-def test_a_view_that_makes_no_sense_is_refused(changed: dict[str, Any], message: str) -> None:
+def test_a_view_that_makes_no_sense_is_refused(changed: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         panel(**changed)
 

@@ -108,7 +108,7 @@ def test_one_axis_is_not_like_another_unless_it_is_said() -> None:
     check(honest)
 
 
-def _towards(recording: Trajectories) -> Any:
+def _towards(recording: Trajectories) -> object:
     """A share of each coordinate's deviation that grows with it, whatever the unit."""
     if not recording.present.any():
         return 0.0

@@ -14,7 +14,7 @@ from nodegraph_mocap.specimens import recordings
 NAN = float("nan")
 
 
-def made(**changed: Any) -> Trajectories:
+def made(**changed: object) -> Trajectories:
     positions = np.arange(24.0).reshape(4, 2, 3)
     positions[1, 0] = NAN
     given: dict[str, Any] = {"positions": positions, "markers": ("a", "b"), "rate": 60}
@@ -72,7 +72,7 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
         ({"sigma": np.ones((4, 2, 3))}, r"sigma must be \(4, 2\), got \(4, 2, 3\)"),
     ],
 )
-def test_what_disagrees_is_refused(changed: dict[str, Any], message: str) -> None:
+def test_what_disagrees_is_refused(changed: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         made(**changed)
 

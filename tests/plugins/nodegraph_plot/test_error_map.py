@@ -33,7 +33,7 @@ def drawn(axis: Any, label: str) -> PathCollection:
     )
 
 
-def count(axis: Any, label: str) -> int:
+def count(axis: object, label: str) -> int:
     return len(np.asarray(drawn(axis, label).get_offsets()))
 
 
@@ -46,7 +46,7 @@ def smoothed(offset: float) -> Trajectories:
     return truth.with_samples(positions, changed=changed, origin=Origin.REPAIRED)
 
 
-def errors_of(axis: Any) -> Any:
+def errors_of(axis: object) -> Any:
     return np.asarray(drawn(axis, "error").get_array())
 
 

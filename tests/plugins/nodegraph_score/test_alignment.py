@@ -56,7 +56,7 @@ def captured(offsets: NDArray[np.float64], where: HeadMotion) -> Trajectories:
     return recording(turned + where.translations[:, None])
 
 
-def single(take: Any) -> Across[Any]:
+def single(take: object) -> Across[Any]:
     return Across((), (({}, take),))
 
 

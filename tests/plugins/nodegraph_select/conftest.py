@@ -50,13 +50,13 @@ def make_rigid(face: Trajectories, seed: int = 0) -> Trajectories:
     return replace(face, positions=face.positions[0] + rounding)
 
 
-def run_quietly(select: Callable[..., Selection], *inputs: Any, **settings: Any) -> Selection:
+def run_quietly(select: Callable[..., Selection], *inputs: object, **settings: object) -> Selection:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return select(*inputs, **settings)
 
 
-def columns_of(selection: Selection) -> dict[str, Any]:
+def columns_of(selection: Selection) -> dict[str, object]:
     assert selection.history is not None
     return dict(zip(selection.columns, selection.history.T, strict=True))
 

@@ -36,7 +36,7 @@ def gappy(complete: Trajectories) -> Trajectories:
     return Trajectories(positions=positions, markers=complete.markers, rate=complete.rate)
 
 
-def applied(name: str, recording: Trajectories, **settings: Any) -> Trajectories:
+def applied(name: str, recording: Trajectories, **settings: object) -> Trajectories:
     result = get_node(f"sklearn:{name}")(recording, **settings)
     assert isinstance(result, Trajectories)
     return result

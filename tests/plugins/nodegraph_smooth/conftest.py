@@ -39,7 +39,7 @@ def make_gappy(seed: int) -> Trajectories:
 
 
 def run_quietly(
-    smooth: Callable[..., Trajectories], recording: Trajectories, **settings: Any
+    smooth: Callable[..., Trajectories], recording: Trajectories, **settings: object
 ) -> Trajectories:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -60,7 +60,7 @@ def plain_runs(present: NDArray[np.bool_]) -> Iterator[tuple[int, int, int]]:
 
 
 def run_by_run(
-    smooth: Callable[..., Trajectories], recording: Trajectories, **settings: Any
+    smooth: Callable[..., Trajectories], recording: Trajectories, **settings: object
 ) -> Positions:
     """Each run of present samples smoothed as a recording of its own; refused ones stay."""
     expected: Positions = recording.positions.copy()

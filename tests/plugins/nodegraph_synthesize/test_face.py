@@ -79,7 +79,7 @@ def test_the_plugin_gives_its_node_and_its_citation() -> None:
         {"seed": 0.5},
     ],
 )
-def test_bad_settings_are_refused(bad: dict[str, Any]) -> None:
+def test_bad_settings_are_refused(bad: dict[str, object]) -> None:
     with pytest.raises(pydantic.ValidationError):
         _node().model(**bad)
 
@@ -145,7 +145,7 @@ def test_impulses_are_where_they_are_said_to_be() -> None:
 @pytest.mark.parametrize(
     "damage", [{"noise": 0.0}, {"missing": 0.3}, {"impulses": 0.1}, {"noise": 2.0, "missing": 0.0}]
 )
-def test_damage_leaves_the_truth_and_other_damage_as_it_was(damage: dict[str, Any]) -> None:
+def test_damage_leaves_the_truth_and_other_damage_as_it_was(damage: dict[str, object]) -> None:
     plain, damaged = _face(), _face(**damage)
     for port in ("truth", "weights", "head_motion", "neutral", "model", "head"):
         assert _bytes(getattr(plain, port)) == _bytes(getattr(damaged, port))

@@ -7,7 +7,6 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from io import StringIO
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +19,7 @@ from nodegraph_tables.rendering import render_table
 UGLY = '<b>&amp; "it\'s" 100 % #1_$x^2 {~} \\ [mm] *12'
 
 
-def table(**columns: Any) -> pd.DataFrame:
+def table(**columns: object) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
@@ -81,7 +80,7 @@ class Page(HTMLParser):
         (np.float64(1.23456), "1.235"),
     ],
 )
-def test_a_cell_is_shown_with_the_digits_that_count(value: Any, text: str) -> None:
+def test_a_cell_is_shown_with_the_digits_that_count(value: object, text: str) -> None:
     assert shown(value) == text
 
 

@@ -38,7 +38,7 @@ def figure() -> Figure:
     return drawing
 
 
-def there_and_back(value: Any, packer: Packer) -> Any:
+def there_and_back(value: object, packer: Packer) -> Any:
     packed = packer.pack(value)
     return packer.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
 
@@ -164,7 +164,7 @@ def test_asking_for_storages_imports_no_heavy_library() -> None:
 RNG = np.random.default_rng(3)
 
 
-def objects(*values: Any) -> pd.Series[Any]:
+def objects(*values: object) -> pd.Series[Any]:
     held = np.empty(len(values), dtype=object)
     for place, value in enumerate(values):
         held[place] = value
@@ -303,7 +303,7 @@ EMPTY = ("range", 0, 0, 1, None)
 CODES = np.array([0, 1])
 
 
-def levels(codes: Any) -> tuple[Any, ...]:
+def levels(codes: object) -> tuple[Any, ...]:
     """Return an index on one level."""
     return ("multi", [RANGE], [codes], [None])
 

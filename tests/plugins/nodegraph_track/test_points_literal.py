@@ -78,7 +78,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("points", "message"), WRONG)
-def test_what_is_no_point_names_its_marker(points: dict[str, Any], message: str) -> None:
+def test_what_is_no_point_names_its_marker(points: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=r"^points should ") as caught:
         literal(points=points)
     assert message in str(caught.value)

@@ -5,7 +5,6 @@ import sys
 import threading
 import warnings
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -42,7 +41,7 @@ def forget(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def ask(
-    plugin: str, name: str, *, files: tuple[tuple[str, bytes], ...] = (), **inputs: Any
+    plugin: str, name: str, *, files: tuple[tuple[str, bytes], ...] = (), **inputs: object
 ) -> Response:
     packed = Packer().pack((inputs, {}))
     address = NodeAddress(plugin, name, "", __name__, name.rpartition(".")[2])

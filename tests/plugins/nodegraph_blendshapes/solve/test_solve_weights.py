@@ -44,7 +44,7 @@ def test_ports_and_settings_are_as_promised() -> None:
     "settings",
     [{}, {"bounds": "nonnegative"}, {"bounds": "none", "ridge": 0.5}, {"smoothness": 2.0}],
 )
-def test_it_keeps_its_promises(settings: dict[str, Any]) -> None:
+def test_it_keeps_its_promises(settings: dict[str, object]) -> None:
     check_node(get_node("solve.weights"), settings=settings)
 
 

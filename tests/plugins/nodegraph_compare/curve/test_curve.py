@@ -281,7 +281,7 @@ def test_labels_with_markup_stay_as_they_are() -> None:
         ({"blocks": ("trial",)}, "no axis or column 'trial'"),
     ],
 )
-def test_names_that_do_not_fit_are_told(settings: dict[str, Any], message: str) -> None:
+def test_names_that_do_not_fit_are_told(settings: dict[str, object], message: str) -> None:
     entries: Any = (({"actor": "ME", "k": 5}, point(5, 0.1).assign(name="a")),)
     with pytest.raises(ValueError, match=message):
         drawn(Across(("actor", "k"), entries), **{"compare": "k", **settings})

@@ -62,13 +62,13 @@ class Bakery:
     def meaning(self, axis: str) -> str:
         return "Of the <oven>." if axis == "heat" else ""
 
-    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
+    def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {axis: tuple(of) for axis, of in self.gathered.items() if axis not in labels}
 
-    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    def inputs(self, labels: Mapping[str, object]) -> Mapping[str, Any] | None:
         return None if self.open_axes(labels) else {"oven": 1.0}
 
-    def command(self, labels: Mapping[str, Any]) -> str:
+    def command(self, labels: Mapping[str, object]) -> str:
         return "nodegraph run bake.yaml " + " ".join(f"--only {k}={v}" for k, v in labels.items())
 
 
@@ -112,7 +112,7 @@ def overview() -> Overview:
     return result
 
 
-def shelves(inputs: Mapping[str, Any], column: str) -> Mapping[str, Any] | None:
+def shelves(inputs: Mapping[str, object], column: str) -> Mapping[str, object] | None:
     if column != "shelf":
         return None
     return {
@@ -124,7 +124,7 @@ def shelves(inputs: Mapping[str, Any], column: str) -> Mapping[str, Any] | None:
     }
 
 
-def pack(block: Mapping[str, Any], inputs: Mapping[str, Any]) -> Mapping[str, Any]:
+def pack(block: Mapping[str, object], inputs: Mapping[str, object]) -> Mapping[str, Any]:
     return {name: str(block[name]) for name in ("cake", "heat")}
 
 
@@ -485,7 +485,7 @@ def test_labels_move_apart_as_little_as_can_be(tab: Page, bakery: Path) -> None:
     assert tab.evaluate("scales.spread([5, 5], 10, 0, 100)") == [0, 10]
 
 
-def packed(values: NDArray[Any]) -> str:
+def packed(values: NDArray[np.generic]) -> str:
     return base64.b64encode(np.asarray(values).astype("<u2").tobytes()).decode()
 
 
@@ -500,7 +500,7 @@ def codes(values: NDArray[np.float64]) -> tuple[str, dict[str, Any]]:
 
 
 def data_of(
-    groups: list[NDArray[np.float64]], better: str = "lower", **more: Any
+    groups: list[NDArray[np.float64]], better: str = "lower", **more: object
 ) -> dict[str, Any]:
     """The data of an overview of (B, K) errors by group, as the charts read them."""
     methods = [f"method_{at}_of_a_family" for at in range(groups[0].shape[1])]
@@ -583,7 +583,7 @@ OVERLAPS = """(() => {
 })()"""
 
 
-def charts_of(folder: Path, *data: Mapping[str, Any], html: str = "") -> Path:
+def charts_of(folder: Path, *data: Mapping[str, object], html: str = "") -> Path:
     """A page of comparisons from their data alone."""
     for at, each in enumerate(data):
         places = (

@@ -21,7 +21,9 @@ from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
 NAN = np.nan
 
 
-def cakes(values: Any, *, better: BetterEnd = "lower", unit: str = "g", **columns: Any) -> Any:
+def cakes(
+    values: object, *, better: BetterEnd = "lower", unit: str = "g", **columns: object
+) -> object:
     """Tables of a study of baking: how much sugar a recipe wastes, by cake."""
     waste = np.asarray(values, dtype=float)
     frame = pd.DataFrame({"cake": np.arange(len(waste)), "waste": waste, **columns})
@@ -70,13 +72,13 @@ class Bakery:
     def meaning(self, axis: str) -> str:
         return "Gas, or <coal>." if axis == "oven" else ""
 
-    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
+    def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {}
 
-    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    def inputs(self, labels: Mapping[str, object]) -> Mapping[str, Any] | None:
         return {"cake": 3.5}
 
-    def command(self, labels: Mapping[str, Any]) -> str:
+    def command(self, labels: Mapping[str, object]) -> str:
         return " ".join(f"--only {name}={label}" for name, label in labels.items())
 
 
@@ -248,11 +250,11 @@ def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
 def test_blocks_worth_a_look_are_packed_from_what_is_at_hand(study: Compared) -> None:
     views: list[Any] = []
 
-    def pack(block: Mapping[str, Any], inputs: Mapping[str, Mapping[str, Any]]) -> Any:
+    def pack(block: Mapping[str, object], inputs: Mapping[str, Mapping[str, object]]) -> Any:
         views.append((dict(block), dict(inputs)))
         return {"cake": block["cake"]}
 
-    def layout(inputs: Mapping[str, Any], column: str) -> Any:
+    def layout(inputs: Mapping[str, object], column: str) -> Any:
         return {
             "title": "in the tin",
             "names": ["0"],

@@ -16,7 +16,7 @@ STUDIES = 1000
 NAN = np.nan
 
 
-def group(values: Any) -> Group:
+def group(values: object) -> Group:
     array = np.asarray(values, dtype=float)
     methods = tuple(f"m{place}" for place in range(array.shape[1]))
     nothing, blocks = np.zeros(len(methods)), np.arange(len(array))

@@ -364,7 +364,7 @@ def test_numbers_label_methods_as_well() -> None:
         table(scores, baseline="4")
 
 
-def declared(end: BetterEnd) -> Any:
+def declared(end: BetterEnd) -> object:
     tables = {"a": scored([0.9, 0.8, 0.95, 0.9]), "b": scored([0.5, 0.4, 0.6, 0.5])}
     info = TableInfo(units={"rmse": "mm"}, better={"rmse": end})
     return Across.of({name: with_info(table, info) for name, table in tables.items()}, axis="fill")
@@ -388,7 +388,7 @@ def test_the_best_is_at_the_end_that_the_scores_declare() -> None:
     ],
 )
 def test_the_best_mean_stands_first_and_equal_ones_as_in_the_graph(
-    better: Any, order: list[str]
+    better: object, order: list[str]
 ) -> None:
     # 0.1 + 0.2 + 0.3 is more than 0.3 + 0.2 + 0.1: such errors do not decide which stands first
     values = {"a": [4, 4, 4], "b": [0.1, 0.2, 0.3], "b2": [0.3, 0.2, 0.1], "c": [0, 0.1, 0]}

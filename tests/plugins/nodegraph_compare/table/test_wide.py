@@ -14,7 +14,7 @@ from nodegraph_tables.rendering import render_table
 NAN = np.nan
 
 
-def study(**settings: Any) -> Any:
+def study(**settings: object) -> Any:
     """Scores of two methods at two lengths on three markers, eight trials."""
     random = np.random.default_rng(3)
     entries = []
@@ -29,7 +29,7 @@ def study(**settings: Any) -> Any:
     return Across(("trial", "length", "fill"), tuple(entries)), settings
 
 
-def laid_out(**options: Any) -> Any:
+def laid_out(**options: object) -> Any:
     scores, settings = study(**options)
     return table(scores, **settings).table
 

@@ -8,7 +8,7 @@ import pytest
 from nodegraph_files.glb.document import entry_at, read_document
 
 
-def read(**parts: Any) -> Any:
+def read(**parts: object) -> Any:
     return read_document(json.dumps({"asset": {"version": "2.0"}, **parts}).encode())
 
 
@@ -40,7 +40,7 @@ def test_what_is_not_needed_is_passed_over() -> None:
         ({"nodes": [1, 2, 3, 4, 5]}, "and 2 more"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(parts: dict[str, Any], message: str) -> None:
+def test_what_is_wrong_is_told_with_its_place(parts: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=rf"its JSON is wrong: .*{message}"):
         read(**parts)
 

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -22,14 +20,16 @@ class MeshFile:
         self.positions = self.buffer.vertices(SQUARE, "vertices")
         self.faces = self.buffer.corners(FACES)
 
-    def primitive(self, **changes: Any) -> dict[str, Any]:
+    def primitive(self, **changes: object) -> dict[str, object]:
         given = {"attributes": {"POSITION": self.positions}, "indices": self.faces}
         return {key: value for key, value in (given | changes).items() if value is not None}
 
-    def target(self, offsets: Any) -> dict[str, int]:
+    def target(self, offsets: object) -> dict[str, int]:
         return {"POSITION": self.buffer.vertices(np.asarray(offsets, float), "target")}
 
-    def document(self, *primitives: dict[str, Any], **mesh: Any) -> tuple[Document, Accessors]:
+    def document(
+        self, *primitives: dict[str, object], **mesh: object
+    ) -> tuple[Document, Accessors]:
         parts = {
             "asset": {"version": "2.0"},
             "meshes": [{"primitives": primitives or [self.primitive()], **mesh}],
@@ -40,7 +40,7 @@ class MeshFile:
         document = Document.model_validate(parts)
         return document, Accessors(document, self.buffer.content)
 
-    def read(self, *primitives: dict[str, Any], placed: Placed = HERE, **mesh: Any) -> Part:
+    def read(self, *primitives: dict[str, object], placed: Placed = HERE, **mesh: object) -> Part:
         document, accessors = self.document(*primitives, **mesh)
         return read_mesh(document.meshes[0], placed, accessors)
 
@@ -67,7 +67,7 @@ def test_morph_targets_have_the_names_of_the_extras(mesh_file: MeshFile) -> None
 
 
 @pytest.mark.parametrize("extras", [None, {}, [1]])
-def test_morph_targets_without_names_are_numbered(mesh_file: MeshFile, extras: Any) -> None:
+def test_morph_targets_without_names_are_numbered(mesh_file: MeshFile, extras: object) -> None:
     primitive = mesh_file.primitive(targets=[mesh_file.target(SQUARE)] * 2)
     with pytest.warns(UserWarning, match=r"mesh 0 \(face\): its 2 morph targets have no names"):
         part = mesh_file.read(primitive, name="face", extras=extras)
@@ -148,7 +148,7 @@ def test_markers_come_from_the_extras(mesh_file: MeshFile) -> None:
 
 @pytest.mark.parametrize("given", [5, ["nose"], {"nose": 4}, {"nose": -1}, {"nose": True},
                                    {"nose": 1.0}])  # fmt: skip
-def test_markers_of_no_vertex_are_refused(mesh_file: MeshFile, given: Any) -> None:
+def test_markers_of_no_vertex_are_refused(mesh_file: MeshFile, given: object) -> None:
     with pytest.raises(ValueError, match="markerVertices must give each marker one of 4 vert"):
         mesh_file.read(extras={"markerVertices": given})
 
@@ -162,7 +162,9 @@ def test_markers_of_no_vertex_are_refused(mesh_file: MeshFile, given: Any) -> No
         ("ab", "mesh 0: extras.targetNames must be a list of names"),
     ],
 )
-def test_names_that_do_not_fit_are_refused(mesh_file: MeshFile, names: Any, message: str) -> None:
+def test_names_that_do_not_fit_are_refused(
+    mesh_file: MeshFile, names: object, message: str
+) -> None:
     primitive = mesh_file.primitive(targets=[mesh_file.target(SQUARE)] * 2)
     with pytest.raises(ValueError, match=message):
         mesh_file.read(primitive, extras={"targetNames": names})
@@ -179,7 +181,7 @@ def test_names_that_do_not_fit_are_refused(mesh_file: MeshFile, names: Any, mess
     ],
 )
 def test_a_bad_primitive_is_refused(
-    mesh_file: MeshFile, changes: dict[str, Any], message: str
+    mesh_file: MeshFile, changes: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
         mesh_file.read(mesh_file.primitive(**changes))

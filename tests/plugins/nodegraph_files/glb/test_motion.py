@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -15,7 +13,7 @@ HEAD: Head = specimens()[Head]()["complete"]
 NAN = np.nan
 
 
-def animation(values: Any) -> Animation:
+def animation(values: object) -> Animation:
     array = np.asarray(values, dtype=np.float64)
     weights = Weights(values=array, names=HEAD.names[: array.shape[1]], rate=60.0)
     return Animation(head=HEAD, weights=weights)

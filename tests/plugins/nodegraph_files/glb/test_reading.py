@@ -28,7 +28,7 @@ DATA = Path(__file__).parents[4] / ".." / "shared" / "data" / "facecap"
 def file(tmp_path: Path) -> Callable[..., Path]:
     """What writes the head's file with changes to its JSON, and returns its path."""
 
-    def written(change: Callable[[dict[str, Any]], Any] = lambda document: None) -> Path:
+    def written(change: Callable[[dict[str, Any]], object] = lambda document: None) -> Path:
         text, binary = split_glb(CONTENT)
         document = json.loads(text)
         change(document)
@@ -132,7 +132,7 @@ def test_morph_targets_that_are_shown_from_the_start_are_told(
     ],
 )
 def test_a_file_without_a_usable_head_is_refused(
-    file: Callable[..., Path], change: Any, message: str
+    file: Callable[..., Path], change: object, message: str
 ) -> None:
     with pytest.raises(ValueError, match=rf"it\.glb: not a readable GLB head: .*{message}"):
         read_glb(file(change))

@@ -13,7 +13,7 @@ from nodegraph_files.glb.reading import Placed, placed_meshes, vertex_matrices
 MESH: dict[str, Any] = {"primitives": [{"attributes": {}}]}
 
 
-def placed(nodes: list[dict[str, Any]], **parts: Any) -> list[Placed]:
+def placed(nodes: list[dict[str, object]], **parts: object) -> list[Placed]:
     document = {"asset": {"version": "2.0"}, "nodes": nodes, "meshes": [MESH, MESH], **parts}
     return placed_of(Document.model_validate(document), b"")
 
@@ -67,7 +67,7 @@ def test_a_file_without_nodes_shows_every_mesh() -> None:
     ],
 )
 def test_what_is_no_tree_is_refused(
-    nodes: list[dict[str, Any]], parts: dict[str, Any], message: str
+    nodes: list[dict[str, object]], parts: dict[str, object], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
         placed(nodes, **parts)

@@ -33,7 +33,7 @@ def motive(
     without: tuple[str, ...] = (),
     lead: str = "Frame,Time (Seconds)",
     rows: tuple[str, ...] | None = None,
-    **facts: Any,
+    **facts: object,
 ) -> str:
     """Return an export in which the columns of these groups count from 1 in the first frame."""
     columns = [(*group[:3], axis.strip()) for group in groups for axis in group[3]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -33,14 +34,16 @@ def inputs(*offsets: float) -> dict[str, dict[str, Any]]:
     }
 
 
-def packed(block: dict[str, Any], given: dict[str, dict[str, Any]]) -> dict[str, Any]:
+def packed(
+    block: Mapping[str, object], given: Mapping[str, Mapping[str, object]]
+) -> dict[str, Any]:
     view = pack(block, given)
     assert view is not None
     return json.loads(json.dumps(view, allow_nan=False))  # type: ignore[no-any-return]
 
 
 @pytest.mark.parametrize("block", [GAP, {"gap": 0}, {"gap": "0", "trial": 3}])
-def test_a_gap_comes_back_to_the_rounding_with_as_much_around_it(block: dict[str, Any]) -> None:
+def test_a_gap_comes_back_to_the_rounding_with_as_much_around_it(block: dict[str, object]) -> None:
     given = inputs(0.5, -900.0)
     view = packed(block, given)
     shown = slice(view["start"], view["start"] + view["frames"])

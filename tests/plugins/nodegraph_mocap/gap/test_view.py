@@ -36,8 +36,8 @@ nodegraph.define("test", ["page", "selection", "mocap/gap"], (page, selection, g
 def show(
     tab: Page,
     folder: Path,
-    given: Mapping[str, Mapping[str, Any]],
-    block: Mapping[str, Any] = GAP,
+    given: Mapping[str, Mapping[str, object]],
+    block: Mapping[str, object] = GAP,
     width: int = 1200,
 ) -> None:
     overview = {
@@ -213,7 +213,7 @@ def nowhere() -> dict[str, dict[str, Any]]:
     return {"a": {"estimate": missing, "truth": missing}}
 
 
-def one_frame() -> dict[str, dict[str, Any]]:
+def one_frame() -> dict[str, dict[str, object]]:
     whole = made_face.truth()
     single = replace(whole, positions=whole.positions[:1], origin=whole.origin[:1])
     return {"a": {"estimate": single, "truth": single}}
@@ -230,7 +230,7 @@ def one_frame() -> dict[str, dict[str, Any]]:
     ids=["markup", "nothing", "one frame", "no truth"],
 )
 def test_odd_blocks_are_shown_without_a_complaint(
-    tab: Page, tmp_path: Path, given: dict[str, dict[str, Any]], block: dict[str, Any]
+    tab: Page, tmp_path: Path, given: dict[str, dict[str, object]], block: dict[str, object]
 ) -> None:
     show(tab, tmp_path, given, block)
     tab.evaluate(f"selection.set({{ method: {json.dumps(next(iter(given)))} }})")

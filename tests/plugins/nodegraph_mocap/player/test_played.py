@@ -19,7 +19,7 @@ def panel(shown: Any, label: str = "one", radius: float = 100.0) -> Panel:
     )
 
 
-def playback(*shown: Any, truth: Any = None) -> Playback:
+def playback(*shown: object, truth: object = None) -> Playback:
     known = None if truth is None else panel(truth, "truth")
     return Playback(panels=tuple(panel(single) for single in shown), truth=known)
 
