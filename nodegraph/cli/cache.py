@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 HELP = "List, prune or clear stored results."
 
+_MOST_ROWS = 1000
 _AGES = {"d": 86400, "h": 3600, "m": 60}
 
 
@@ -27,7 +28,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         nargs="?",
         default="size",
         choices=("size", "list", "prune", "clear"),
-        help="What to do (default: size).",
+        help=f"What to do (default: size); list shows the {_MOST_ROWS:,} that were used last.",
     )
     parser.add_argument(
         "--older",
@@ -56,20 +57,23 @@ def cache(arguments: Namespace) -> int:
     elif arguments.action == "clear":
         print(f"removed {_amount(upkeep.clear())} from {upkeep.folder}")
     else:
+        amount = upkeep.size()
         if arguments.action == "list":
-            _list(upkeep)
-        print(f"{_amount(upkeep.size())} in {upkeep.folder}")
+            _list(upkeep, amount.entries)
+        print(f"{_amount(amount)} in {upkeep.folder}")
         if formats := upkeep.other_formats():
             print(f"other versions of nodegraph have results there, too: {', '.join(formats)}")
     return 0
 
 
-def _list(upkeep: Upkeep) -> None:
-    results = sorted(upkeep.entries(), key=lambda result: result.used, reverse=True)
+def _list(upkeep: Upkeep, count: int) -> None:
+    """Print the results that were used last, of so many."""
     now = time.time()
-    if results:
-        heads = ("node", "step", "state", "size", "took", "last used")
-        print(columns([heads, *(_row(result, now) for result in results)]))
+    rows = [_row(result, now) for result in upkeep.entries(_MOST_ROWS)]
+    if rows:
+        print(columns([("node", "step", "state", "size", "took", "last used"), *rows]))
+    if len(rows) < count:
+        print(f"and {count - len(rows)} more")
 
 
 def _row(result: Kept, now: float) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import heapq
 import os
 import shutil
 import time
@@ -10,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import islice
+from operator import itemgetter
 from pathlib import Path
 
 from nodegraph.formatting import size_text
@@ -84,16 +86,23 @@ class Upkeep:
         self._blobs = f"{self._root}/blobs"
         self._packs = Packs(f"{self._root}/packs")
 
-    def entries(self) -> Iterator[Kept]:
-        """Yield every entry that is whole."""
-        for item in self._entry_files():
-            kept = _kept(item.path)
+    def entries(self, most: int | None = None) -> Iterator[Kept]:
+        """Yield entries that are whole, the last used first.
+
+        Parameters
+        ----------
+        most
+            How many are read; all by default.
+        """
+        places: list[tuple[float, str | Packed]] = [
+            (_changed(item), item.path) for item in self._entry_files()
+        ]
+        places += [(packed.used, packed) for packed in self._packed()]
+        count = len(places) if most is None else most
+        for _, place in heapq.nlargest(count, places, key=itemgetter(0)):
+            kept = _kept(place) if isinstance(place, str) else _kept_in_pack(place)
             if kept is not None:
                 yield kept
-        for packed in self._packed():
-            entry = read_entry(packed.content(), packed.key.hex())
-            if entry is not None:
-                yield Kept(entry, packed.used, packed.record.length)
 
     def size(self) -> Amount:
         """Return how much there is."""
@@ -302,6 +311,11 @@ def _kept(path: str) -> Kept | None:
         return None
     entry = read_entry(content, _key(path))
     return Kept(entry, used, len(content)) if entry is not None else None
+
+
+def _kept_in_pack(packed: Packed) -> Kept | None:
+    entry = read_entry(packed.content(), packed.key.hex())
+    return Kept(entry, packed.used, packed.record.length) if entry is not None else None
 
 
 def _small(path: str) -> Small | None:

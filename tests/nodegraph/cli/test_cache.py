@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nodegraph.cli import cache
 from nodegraph.store import About, Packer, Store
 
 Command = Callable[..., tuple[int, str, str]]
@@ -74,6 +75,15 @@ def test_a_list_of_what_there_is_the_last_used_first(command: Command, folder: P
     assert cells[2][3] == "4.0 MB"
     assert re.fullmatch(r"\d+ B", cells[1][3])
     assert total.startswith("3 results")
+
+
+def test_a_list_is_cut_after_those_that_were_used_last(
+    command: Command, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "_MOST_ROWS", 2)
+    _, out, _ = command("cache", "list", "--store", str(folder), nodes=False)
+    _, first, second, more, _ = out.splitlines()
+    assert (first.split()[0], second.split()[0], more) == ("toy.number", "toy.cut", "and 1 more")
 
 
 def test_a_list_of_nothing(command: Command, tmp_path: Path) -> None:
