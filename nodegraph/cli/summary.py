@@ -137,7 +137,7 @@ def _section(section: Section, width: int, *, full: bool) -> Iterator[str | Tabl
     grid, text = section.rendered.grid, section.rendered.text
     name = f"{section.title} {section.labels}".strip()
     if grid is not None and not full:
-        yield f"\n{name}: {grid.title}"
+        yield f"\n{grid.title if grid.title.startswith(name) else f'{name}: {grid.title}'}"
         yield from _tables(grid, width)
         marks = [mark for mark, places in ((_BEST, grid.best), (_TIED, grid.tied)) if places]
         if marks:

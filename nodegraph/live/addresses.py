@@ -49,7 +49,10 @@ def sink_of(address: str) -> Sink:
 def _create_end(address: str, kind: str) -> Any:
     scheme, colon, rest = address.partition(":")
     known = getattr(current_registry().hooks, kind)
-    if not colon or scheme not in known:
+    if not colon:
+        file = "replay" if kind == "sources" else "file"
+        raise NodegraphError(f"{address!r}: write SCHEME:..., for a file {file}:{address}")
+    if scheme not in known:
         raise NodegraphError(
             f"{address!r}: no {kind[:-1]} {scheme!r}; there is "
             f"{listed(f'{name}:' for name in sorted(known))}"

@@ -259,19 +259,23 @@ def _source_of(graph: Graph, name: str) -> tuple[str, str]:
         candidates = {each for each in candidates if name in _variables(graph, each[0])}
     names = sorted({f"{source}.{output}" for source, output in candidates})
     if len(names) != 1:
-        raise NodegraphError(_ambiguous(name, names))
+        raise NodegraphError(_ambiguous(graph, name, names))
     ((source, output),) = candidates
     return source, output
 
 
-def _ambiguous(name: str, outputs: Collection[str]) -> str:
+def _ambiguous(graph: Graph, name: str, outputs: Collection[str]) -> str:
     """Return why a name does not say what a stream replaces."""
     if outputs:
         several = f"{listed(outputs)}; name the output of one node"
         return f"{name!r} feeds {several}" if name else f"a stream could replace {several}"
     if name:
         return f"no node that {name!r} feeds gives frames to a node with a live form"
-    return "the graph has no node without inputs that gives frames to a node with a live form"
+    first = {
+        target: None for source, target, _ in graph.wires() if not graph.network.in_degree(source)
+    }
+    uses = (f"{node} ({graph.nodes[node].first.node.name})" for node in first)
+    return f"no stream can feed the graph: it begins with nodes without a live form: {listed(uses)}"
 
 
 def _variables(graph: Graph, node: str) -> set[str]:

@@ -137,8 +137,8 @@ def differences(was: Record, now: Record, store: Store) -> Differences:
     """
     before, after = _by_cell(was), _by_cell(now)
     result = Differences(
-        only_was=Counter(node for node, _ in before.keys() - after.keys()),
-        only_now=Counter(node for node, _ in after.keys() - before.keys()),
+        only_was=Counter(cell[0] for cell in before if cell not in after),
+        only_now=Counter(cell[0] for cell in after if cell not in before),
     )
     changes = _Changes(was, now)
     for cell, (labels, step) in after.items():

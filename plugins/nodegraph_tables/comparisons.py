@@ -102,14 +102,15 @@ def _change(
     """Return in how many rows a column differs, and the largest change, or the first of texts."""
     place = int(np.argmax(differs))
     count = np.count_nonzero(differs)
-    texts = f"{was[place]}, now {now[place]}"
-    most = "the first"
+    most, form = "the first", ""
     if was.dtype.kind in "fiu" and now.dtype.kind in "fiu":
+        form = ".6g"
         size = np.abs(now.astype(float) - was.astype(float))
         size[~np.isfinite(size)] = 0.0
         if size.any():
             place = int(np.argmax(size))
-            most, texts = "the most", f"{was[place]:.6g}, now {now[place]:.6g}"
+            most = "the most"
+    texts = f"{was[place]:{form}}, now {now[place]:{form}}"
     if count == 1:
         return f"row {names[place]}: {texts}"
     return f"{count} of {len(names)} rows, {most} in {names[place]}: {texts}"

@@ -495,6 +495,19 @@ def test_an_input_that_feeds_no_frames_cannot_be_a_source(folder: Path) -> None:
         session_of(graph, ("length", "replay:take.npz"))
 
 
+def test_what_cannot_be_a_stream_is_answered_with_what_can(folder: Path, tmp_path: Path) -> None:
+    file = tmp_path / "whole.yaml"
+    file.write_text(
+        "nodegraph: 1\nnodes:\n  face: {use: synthesize.face}\n"
+        "  noise: {use: noise.add, in: face.captured}\n"
+    )
+    with pytest.raises(NodegraphError, match=r"without a live form: noise \(noise\.add\)"):
+        session_of(ng.load(file), ("", "replay:take.npz"))
+    graph = graph_with(folder, only={"avg": "narrow"})
+    with pytest.raises(NodegraphError, match=r"for a file replay:take\.npz"):
+        session_of(graph, ("take", "take.npz"), [("held", "file:held.npz")])
+
+
 def test_two_sinks_have_two_addresses(folder: Path, tmp_path: Path) -> None:
     narrow = graph_with(folder, only={"avg": "narrow"})
     source = ("take", f"replay:{folder / 'take.npz'}@0")

@@ -70,7 +70,7 @@ def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
     ("other", "message"),
     [
         ({"rmse": [1.0, 2.5, np.nan]}, "rmse: row 1: 2, now 2.5"),
-        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: 2 of 3 rows, the first in 1: 2.0, now nan"),
+        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: 2 of 3 rows, the first in 1: 2, now nan"),
         (
             {"rmse": [1.25, 2.5, np.nan]},
             "rmse: 2 of 3 rows, the most in 1: 2, now 2.5",

@@ -200,6 +200,7 @@ def test_numbers_that_are_the_same_throughout_are_stated_once() -> None:
     assert Page(rendered.html).rows == [["fill", "x"], ["a", "0.500"], ["b", "1.500"]]
     for text in (rendered.html, rendered.text, rendered.files[".tex"].decode()):
         assert "refused, lost are 0; n is empty throughout." in text
+    assert r"\caption{t; refused, lost are 0;" in rendered.files[".tex"].decode()
     assert rendered.files[".csv"].startswith(b"fill,x,refused,lost,n\na,0.5,0,0.0,\n")
     assert Page(render_table(frame.iloc[:1], "t").html).rows[0] == list(frame.columns)
     assert Page(render_table(frame[["fill", "lost"]], "t").html).rows[0] == ["fill", "lost"]
