@@ -161,7 +161,7 @@ def run(
         Address of a Dask cluster.
     timeout
         Seconds after which a step has failed. Only the executor ``processes`` ends it then; in
-        threads it goes on until the program ends.
+        threads it continues until the program ends.
     memory
         Gigabytes that a step may take beside its inputs, with the executor ``processes`` on Linux.
     cache

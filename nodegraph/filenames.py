@@ -44,7 +44,7 @@ def fold(name: str) -> str:
 
 
 def clashes(words: Iterable[T]) -> frozenset[T]:
-    """Return the words that need a digest in `file_stem`, lest they share a name with others.
+    """Return the words that need a digest in `file_stem` to have a name of their own.
 
     A word in lower case without underscores keeps its name, and is not returned.
     """
@@ -122,7 +122,7 @@ def portable_paths(paths: Iterable[str]) -> dict[str, str]:
 
 
 def shorten(text: str, size: int) -> str:
-    """Return the beginning of a text that fits in so many bytes, in whole characters."""
+    """Return the longest prefix of a text that fits into a number of bytes."""
     encoded = text.encode(errors="replace")
     return text if len(encoded) <= size else encoded[:size].decode(errors="ignore")
 

@@ -90,7 +90,7 @@ class Environment:
 
 
 def build(source: Path, out: Path, *what: str) -> Path:
-    """Build an sdist and a wheel from it, or what is asked, and return the folder."""
+    """Build an sdist and a wheel from it, or what is named, and return the folder."""
     command = (sys.executable, "-m", "build", "--no-isolation", "--outdir", str(out))
     run(*command, *what, str(source))
     return out

@@ -87,7 +87,7 @@ def test_every_shipped_graph_is_listed_with_its_question() -> None:
 def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for code in blocks(PLUGINS, "python"):
         with (tmp_path / code.partition("\n")[0].removeprefix("# ")).open("a") as file:
-            file.write(code)  # a later block goes on where an earlier one ended
+            file.write(code)  # a later block continues where an earlier one ended
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {
         *("my_nodes.py", "test_my_nodes.py", "my_type.py", "my_table.py", "my_format.py"),

@@ -1,4 +1,4 @@
-"""Nodes that do what they should not: each is named, and the rest of the run goes on."""
+"""Nodes that do what they should not: each is named, and the rest of the run continues."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ class Relocation:
         return self.text(text).encode(errors="backslashreplace")
 
     def content(self, name: str, content: bytes) -> bytes:
-        """Return the content of a file; the same object if it is no text, or one beyond 512 MB."""
+        """Return the content of a file; the same object if it is not text, or one beyond 512 MB."""
         try:
             if name.endswith(".gz"):
                 with gzip.GzipFile(fileobj=io.BytesIO(content)) as packed:

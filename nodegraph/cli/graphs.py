@@ -57,7 +57,7 @@ def run_folder(arguments: Namespace) -> Path:
 
 
 def store_of(arguments: Namespace, graph: Graph, say: Callable[[str], None] = say) -> Store:
-    """Return the store that a command uses; what is wrong with it is said."""
+    """Return the store that a command uses; its problems are reported."""
     return open_store(graph.registry, arguments.store, say)
 
 

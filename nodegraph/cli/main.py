@@ -225,7 +225,7 @@ class _Version(Action):
 
 
 def _internal_error(error: Exception) -> str:
-    """Return a line for an error of the program itself, after its trace if that is wanted."""
+    """Return a line for an error of the program itself, after its traceback if requested."""
     import traceback
 
     last = traceback.extract_tb(error.__traceback__)[-1]

@@ -21,7 +21,7 @@ _SPACE_BELOW = 60.0
 _ASPECT = 1.4
 _ALWAYS_NARROW_ENOUGH = 1150.0
 _TOO_WIDE = 1.15
-# A hub has at least so many wires in or out, or one for so many cells.
+# A hub has at least this many wires in or out, or one wire for this many cells.
 _FEWEST = 8
 _SHARE = 20
 # Number of wires into one port from which they share bends, and from which each weighs less.
@@ -199,7 +199,7 @@ class _Rows:
         return max(widths) <= self._limit
 
     def _fits(self, depths: Mapping[int, int], widths: Sequence[float]) -> bool:
-        """Return whether a part can stand beside the previous part, below its sources."""
+        """Return whether a part fits next to the previous part, below its sources."""
         below = all(
             self._depths[source] < self._begin + depth
             for cell, depth in depths.items()

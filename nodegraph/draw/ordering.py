@@ -227,16 +227,16 @@ def _settle(
     pulls: _Pulls,
     choose: Callable[[Sequence[tuple[float, float]], float], float],
 ) -> None:
-    wished, weights = [], []
+    desired, weights = [], []
     for cell in layer:
         pulling = [(middles[other] + shift, weight) for other, shift, weight in pulls[cell]]
         weight = sum(weight for _, weight in pulling)
         weights.append(max(weight, _LOOSE))
         if weight >= _LIGHT:
-            wished.append(choose(pulling, middles[cell]))
+            desired.append(choose(pulling, middles[cell]))
         else:  # as one of very many it stays among them, in the middle
-            wished.append(0.0 if pulling else middles[cell])
-    _set(middles, layer, spread(wished, weights, apart))
+            desired.append(0.0 if pulling else middles[cell])
+    _set(middles, layer, spread(desired, weights, apart))
 
 
 def _mean(pulling: Sequence[tuple[float, float]], now: float) -> float:
@@ -256,9 +256,9 @@ def _median(pulling: Sequence[tuple[float, float]], now: float) -> float:
 
 
 def spread(
-    wished: Sequence[float], weights: Sequence[float], apart: Sequence[float]
+    desired: Sequence[float], weights: Sequence[float], apart: Sequence[float]
 ) -> list[float]:
-    """Return the places nearest to those wished that keep order and distance.
+    """Return the places nearest to those desired that keep order and distance.
 
     Minimizes the weighted sum of squared shifts subject to ``x[i + 1] - x[i] >= apart[i]``. With
     the distances subtracted this is isotonic regression, solved by pooling adjacent violators
@@ -268,7 +268,7 @@ def spread(
     for distance in apart:
         starts.append(starts[-1] + distance)
     pools: list[tuple[float, float, int]] = []  # mean, weight, count
-    for index, (place, weight) in enumerate(zip(wished, weights, strict=True)):
+    for index, (place, weight) in enumerate(zip(desired, weights, strict=True)):
         mean, count = place - starts[index], 1
         while pools and pools[-1][0] > mean:
             other, heavy, several = pools.pop()
@@ -292,12 +292,12 @@ def straighten(
         free = [_free(cell, beside, middles) for cell in chain]
         # an end at a single port comes first: at the other end many wires may fork or meet
         joined = sorted((ends[chain[0]], ends[chain[-1]]), key=len)
-        wished = [middles[other] + shift for other, shift in joined[0] + joined[1]]
+        desired = [middles[other] + shift for other, shift in joined[0] + joined[1]]
         for begin, end, (low, high) in _runs(free):
-            x = _within(wished, low, high, sum(middles[cell] for cell in chain) / len(chain))
+            x = _within(desired, low, high, sum(middles[cell] for cell in chain) / len(chain))
             for cell in chain[begin:end]:
                 middles[cell] = x
-            wished = [x, *wished]
+            desired = [x, *desired]
 
 
 def _beside(
@@ -349,7 +349,7 @@ def _runs(free: Sequence[_Range]) -> Iterator[tuple[int, int, _Range]]:
     yield begin, len(free), (low, high)
 
 
-def _within(wished: Sequence[float], low: float, high: float, now: float) -> float:
+def _within(desired: Sequence[float], low: float, high: float, now: float) -> float:
     """Return the first wish that fits, else the place nearest to where the arrow runs now."""
-    fitting = [x for x in wished if low <= x <= high]
+    fitting = [x for x in desired if low <= x <= high]
     return fitting[0] if fitting else min(max(now, low), high)

@@ -76,7 +76,7 @@ class Executor(Protocol):
     def __call__(self, schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
         """Yield (step index, outcome) until the schedule has no call left and none is running.
 
-        Each outcome is settled before the iterator goes on, so that the schedule then hands out
+        Each outcome is settled before the iterator continues, so that the schedule then hands out
         the calls that have become possible. When the iterator is closed or interrupted, it gives
         up all calls that still run.
         """

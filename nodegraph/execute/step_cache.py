@@ -1,7 +1,7 @@
-"""The results of a plan's steps in the store: found, loaded and saved.
+"""Look up, load and save the results of a plan's steps in the store.
 
-A run that was killed goes on from here: each result is stored as its step ends, and the same
-command finds it.
+A run that was killed resumes here: each result is stored as its step ends, and the same command
+finds it.
 """
 
 from __future__ import annotations

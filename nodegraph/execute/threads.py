@@ -24,7 +24,7 @@ def serial(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
 def in_time(perform: Callable[[Call], Outcome], call: Call) -> Outcome:
     """Make a call, and return its outcome, or that it takes too long.
 
-    A thread cannot be ended: a call that takes too long goes on until the program ends.
+    A thread cannot be ended: a call that takes too long continues until the program ends.
     """
     if call.timeout is None:
         return perform(call)

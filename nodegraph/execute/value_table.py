@@ -36,7 +36,7 @@ def value_table(
     ----------
     node
     column
-        Name of the column of values that are no tables.
+        Name of the column of values that are not tables.
     axes
         The labels of each axis.
     values

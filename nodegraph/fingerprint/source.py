@@ -637,7 +637,7 @@ class _Module:
 
 
 def _flat(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
-    """Yield a module's statements; imports for a type checker stand beside the others."""
+    """Yield a module's statements; those of imports for a type checker included."""
     for statement in body:
         if isinstance(statement, ast.If) and _imports_for_types(statement):
             yield from statement.body

@@ -5,8 +5,8 @@ output) on a way back from that port; farther ones are upstream of it and decide
 lies upstream of H, and H's truth outputs, must not reach the estimate of Q by a way that does
 not pass H's plain outputs. The same file read twice is the same source. Ports that only draw,
 which are optional, are exempt, and no way leads through what the graph declares as known. A
-damaging node is no Q, and a pass-through node is neither H nor Q: its outputs come from where its
-inputs come from.
+damaging node is not a Q, and a pass-through node is neither H nor Q: its outputs come from where
+its inputs come from.
 
 The estimate of Q is every plain port of the type of one of its truth ports, or of a type derived
 from it or the reverse; where there is none, every plain port.

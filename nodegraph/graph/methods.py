@@ -234,7 +234,7 @@ def _check_family(
     nodes = [member.node for member in registered.values() if member is not None]
     for node in nodes[1:]:
         if _signature(node) != _signature(nodes[0]):
-            message = f"{node.name!r} cannot stand beside {nodes[0].name!r}"
+            message = f"{node.name!r} cannot be an alternative to {nodes[0].name!r}"
             shapes = f"{_signature_text(node)} differs from {_signature_text(nodes[0])}"
             problems.add(spec.place, message, f"{shapes}; list the methods by name instead")
 

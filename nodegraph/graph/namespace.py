@@ -74,7 +74,7 @@ class Namespace:
                     message = f"the graph has no axis {name!r}"
                     hint = nearest(name, self.axes)
                     self._problems.add(Place(f"{option} {name}"), message, hint)
-        # refused already: a method is no value
+        # refused already: a method is not a value
         methods = {method.use for node in self._spec.nodes.values() for method in node.methods}
         for kind, parts in (("axis", self._spec.axes), ("input", self._spec.inputs)):
             for name, part in parts.items():

@@ -55,7 +55,7 @@ class NodeSchema:
 
     @property
     def definitions(self) -> dict[str, Schema]:
-        """What may stand beside its ``use``, and the types of its settings that have a name."""
+        """What may accompany its ``use``, and the types of its settings that have a name."""
         settings = {
             "type": ["object", "null"],
             "properties": self.settings,
@@ -74,7 +74,7 @@ class NodeSchema:
         return {"if": {"required": ["use"], "properties": {"use": self.named}}, "then": then}
 
     def alone(self) -> Schema:
-        """Return what must stand beside its ``use`` where nothing is shared."""
+        """Return what must accompany its ``use`` where nothing is shared."""
         parts: dict[str, Schema] = _required_ports(self.node)
         settings = [setting.name for setting in self.node.settings.values() if setting.required]
         if settings:

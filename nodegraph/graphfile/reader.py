@@ -92,7 +92,7 @@ def _text_of(path: Path) -> str:
         problem = Problem(place, "no such graph file", hint)
         raise GraphError([problem]) from error
     except UnicodeDecodeError as error:
-        raise GraphError([Problem(place, "cannot be read: it is no text, as YAML is")]) from error
+        raise GraphError([Problem(place, "cannot be read: it is not text, as YAML is")]) from error
     except (OSError, ValueError) as error:  # a name may be too long
         raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
 

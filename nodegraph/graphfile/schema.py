@@ -178,7 +178,7 @@ def _methods(nodes: Iterable[NodeSchema]) -> dict[str, Schema]:
 def _whole(family: str, nodes: Iterable[NodeSchema]) -> Schema:
     """Match alternatives that take a whole family.
 
-    Another family beside it may replace some of its methods, and so may a node of another family
+    Another family next to it may replace some of its methods, and so may a node of another family
     in a list; this does not match such alternatives.
     """
     names = [name for node in nodes if node.family == family for name in node.names]

@@ -115,7 +115,7 @@ def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> tuple[Place
             before = place._replace(line=place.line - 1, column=match.end())
             return before, f"no space after the colon; write '{match[1]}: ...'"
         if _indent(line) == _indent(above):
-            return place, "': ' in a text that goes on from the line above"
+            return place, "': ' in a text that continues from the line above"
         return place, _misaligned(line, f"the one above by {_indent(above)}")
     if problem == "did not find expected key" and (start := error.context_mark):
         return place, _misaligned(

@@ -108,7 +108,7 @@ class Counts:
     undecodable : int
         Packets that could not be decoded.
     resets : int
-        How often the stream began anew: its numbers jumped, frames were dropped, or the source was
+        How often the stream restarted: its numbers jumped, frames were dropped, or the source was
         connected again.
     reconnected : int
     refused : Causes
@@ -118,7 +118,7 @@ class Counts:
     written, unsent : Counter of str
         Frames that each sink took, and those that it could not.
     running : mapping of step to Latest
-        The numbers that are kept current, since the stream began or began anew.
+        The numbers that are kept current, since the stream began or restarted.
     latencies : Latencies
         From the arrival of a frame until every sink has what can be computed with it. Counting
         begins when all that arrived while the stream was being opened has been worked off.

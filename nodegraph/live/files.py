@@ -64,7 +64,7 @@ class _Pace:
         self._start = time.perf_counter()
 
     def wait(self, seconds: float) -> bool:
-        """Wait until so long after the start; whether the replay goes on."""
+        """Wait until a time after the start; return whether the replay continues."""
         left = seconds - (time.perf_counter() - self._start)
         return not (self._closed.wait(left) if left > 0 else self._closed.is_set())
 
@@ -206,7 +206,7 @@ class FileSink:
         for number, payloads in enumerate(self._takes[1:], 2):
             path = self._path.with_stem(f"{self._path.stem}_{number}")
             self._write(path, payloads)
-            warnings.warn(f"the stream began anew; what follows is in {path}", stacklevel=2)
+            warnings.warn(f"the stream restarted; what follows is in {path}", stacklevel=2)
 
     def _write(self, path: Path, payloads: Sequence[object]) -> None:
         value = streamable_of(type(self._header)).join(self._header, payloads)

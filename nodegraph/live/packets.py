@@ -15,7 +15,7 @@ from nodegraph.store import Packer
 
 MAGIC = b"nodegraph packets 1\n"
 _RECORD = struct.Struct("<?qI")
-"""Whether the source was opened anew before it, when the packet arrived in ns, and its length."""
+"""Whether the source was opened again before it, when the packet arrived in ns, and its length."""
 
 
 class PacketWriter:
@@ -107,7 +107,7 @@ class PacketReader:
             raise NodegraphError(f"{path}: is damaged: {error}") from error
 
     def packets(self) -> Iterator[tuple[bool, int, bytes]]:
-        """Yield whether the source was opened anew before, the arrival in ns, and the packet.
+        """Yield whether the source was opened again before, the arrival in ns, and the packet.
 
         A packet that the end of the file cuts off is left out, with a warning.
         """

@@ -148,7 +148,7 @@ def live_plan(
         axis that chooses what such a node reads. By default the only one that a node with a live
         form reads.
     sinks
-        Nodes, or outputs, whose frames are wanted; by default all that can be had.
+        Nodes, or outputs, whose frames are computed; by default all that are possible.
     hold
         Nodes that are computed once, from what the graph itself reads, although they depend on
         what the stream replaces.
@@ -391,7 +391,7 @@ class _Planner:
         )
 
     def _unavailable(self, output: Output) -> str:
-        """Return what an output is that has no frames; empty if it has, or is no stream."""
+        """Return what an output is that has no frames; empty if it has, or is not a stream."""
         if output.step in self._cut:
             return self._plan.steps[output.step].node
         return not_given(self._plan, output) if output.step in self._live else ""

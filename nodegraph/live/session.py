@@ -54,7 +54,7 @@ _QUEUE = 1024
 _BACKLOG = 16
 """Frames that wait at most with the policy ``newest``; then all but the last are dropped."""
 _RESTART = 16
-"""So many numbers that follow each other, all of which have been there, are a source begun anew."""
+"""So many numbers that follow each other, all seen before, show that the source restarted."""
 _POLL, _FULL = 0.1, 0.0005  # seconds
 _TIDY = 5_000
 """Frames between collections of garbage, which wait for a moment without frames, but not long."""
@@ -412,7 +412,7 @@ class Session:
         return frame
 
     def _begin_anew(self) -> None:
-        """End the stream as it is, and begin one whose frames know nothing of those before."""
+        """End the stream as it is, and begin one whose frames know nothing about those before."""
         self._engine.drain()
         self._engine = self._new_engine()
         self._expected = None

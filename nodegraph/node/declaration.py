@@ -15,7 +15,7 @@ class Undeclared(Enum):
 
 
 UNDECLARED: Final = Undeclared.UNDECLARED
-"""The look-ahead of a node that declares none, as one that is no method."""
+"""The look-ahead of a node that declares none, as one that is not a method."""
 
 LookAhead = int | None | Literal[Undeclared.UNDECLARED] | Callable[[Mapping[str, Any]], int | None]
 """Frames, None for the whole take, or what returns one of these for settings."""

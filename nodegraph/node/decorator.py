@@ -78,7 +78,7 @@ def node(
         How many frames after a frame its result depends on: a number, None for the whole take or
         any number that the settings do not bound, or a function of the settings that returns one
         of these: ``lookahead=lambda settings: settings["order"] // 2``. Omitted by nodes that
-        are no method: readers, scores, figures.
+        are not methods: readers, scores, figures.
     ends
         For a family that bridges gaps: whether the result is continuous with the samples at both
         ends of a gap; or a function of the settings that returns it.
@@ -230,7 +230,7 @@ class Node:
 
     @cached_property
     def outputs(self) -> tuple[Port, ...]:
-        """Output ports; the first is the one most often wanted."""
+        """Output ports; the first is the one most often used."""
         hint = self._hints["return"]
         if not self.splits:
             return (_output_port(self.name, "output", hint),)
@@ -240,7 +240,7 @@ class Node:
 
     @cached_property
     def damages(self) -> bool:
-        """Whether it damages what it takes and gives the truth beside it; it may take the truth."""
+        """Whether it damages its input and also returns the truth; it may take the truth."""
         return any(port.truth for port in self.outputs)
 
     @cached_property

@@ -161,7 +161,7 @@ def guard_storage(storage: Storage, source: Source) -> Storage:
 def guard_streamable(streamable: Streamable, source: Source) -> Streamable:
     """Return a streamable that raises `PluginError` where another fails.
 
-    What the type itself raises for frames that are no value of it passes.
+    What the type itself raises for frames that are not values of it passes.
     """
     kind = streamable.type
 

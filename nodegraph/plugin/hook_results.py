@@ -1,7 +1,7 @@
 """What the loaded plugins return from their hooks, checked, guarded and put together.
 
 A hook that fails, or an item of another type than the hook's specification declares, is left out
-with a warning that names the plugin and the hook; everything else goes on.
+with a warning that names the plugin and the hook; everything else continues.
 """
 
 from __future__ import annotations

@@ -83,7 +83,7 @@ def built_in() -> Plugin:
     with suppress(PackageNotFoundError):
         for entry in distribution(hooks.GROUP).entry_points.select(group=hooks.BUILT_IN):
             return Plugin(hooks.GROUP, entry.load())
-    raise NodegraphError("nodegraph is not installed as it is here: pip install it (anew)")
+    raise NodegraphError("nodegraph is not installed as it is here: pip install it again")
 
 
 def installed() -> tuple[list[Plugin], list[BrokenPlugin]]:

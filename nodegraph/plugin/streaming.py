@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 from nodegraph.plugin.hook_types import check_fields
 
 JUMP = 1000
-"""A source whose numbers jump by more has begun anew; up to so many frames are missing between."""
+"""A source whose numbers jump by more has restarted; at a smaller jump, frames are missing."""
 
 
 class Frame(NamedTuple):

@@ -1,4 +1,4 @@
-"""The study of several runs, their results beside each other."""
+"""The study of several runs, their results side by side."""
 
 from __future__ import annotations
 

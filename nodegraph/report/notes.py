@@ -39,7 +39,7 @@ _NAME = re.compile(r"(?<![\w.])(?:\w*[A-Za-z]_?\d\w*|\w+_\w+)")
 _LISTED = re.compile(r"(?<=: )[^\s,;:]+(?:, (?:and )?[^\s,;:]+)*(?: more)?(?=[,;.]? |[;.]?$)")
 _SEVERAL = re.compile(r"…(?:(?:,? and|,|;)? …)+")
 _LONG = 5
-"""Of so many words, one may differ in a template."""
+"""Number of words of a template of which one may differ."""
 _MOST_METHODS = 8
 
 

@@ -286,7 +286,7 @@ class Study:
     created, machine : str
         When and where it ran.
     runs : int
-        How many runs it shows, their results beside each other.
+        How many runs it shows, their results side by side.
     """
 
     title: str

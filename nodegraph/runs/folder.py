@@ -137,7 +137,7 @@ class RunFolder:
             raise _unwritable(path, error) from error
 
     def hear(self, event: Event) -> None:
-        """Write an event as a line of JSON; where that fails, the run goes on without."""
+        """Write an event as a line of JSON; where that fails, the run continues without."""
         self._begun |= event.kind in (State.DONE, State.FAILED)
         if self._events.closed:
             return

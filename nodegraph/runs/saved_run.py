@@ -57,7 +57,7 @@ class SavedRun:
         Raises
         ------
         NodegraphError
-            If the run has no such value, has several that are no tables, or one is no longer
+            If the run has no such value, has several that are not tables, or one is no longer
             stored.
         """
         node, port = self._node_and_port(name)

@@ -225,7 +225,7 @@ class _Pages:
             raise NotComputed(error, values) from error
 
     async def progress(self, request: Request) -> Response:
-        """Send how far runs are, until none of them goes on."""
+        """Send how far runs are, until all of them have ended."""
         try:
             runs = await run_in_threadpool(self._named, request.query_params.getlist("run"))
         except NodegraphError as error:

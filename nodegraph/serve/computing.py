@@ -22,7 +22,7 @@ class Computing:
     Parameters
     ----------
     message_of
-        Returns what a reader is told of an error.
+        Returns the message that a reader gets for an error.
     """
 
     def __init__(self, message_of: Callable[[Exception], str]) -> None:

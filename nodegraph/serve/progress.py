@@ -1,4 +1,4 @@
-"""How far a run is, from the events that it writes while it goes on."""
+"""How far a run is, from the events that it writes while it runs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Progress:
     failures : list of str
         The first failures.
     unreadable : int
-        Number of lines that are no events.
+        Number of lines that are not events.
     """
 
     planned: dict[str, Any] = field(default_factory=dict)
@@ -106,7 +106,7 @@ class Progress:
 
 
 def _no_number(text: str) -> None:
-    raise ValueError(f"{text} is no number of JSON")
+    raise ValueError(f"{text} is not a number of JSON")
 
 
 def _number(value: object) -> Any:

@@ -296,7 +296,7 @@ class OpenRuns:
     Raises
     ------
     NodegraphError
-        If a folder is no run and holds none.
+        If a folder is not a run and holds none.
     """
 
     def __init__(self, paths: Iterable[Path], registry: Registry, store: Path | None) -> None:

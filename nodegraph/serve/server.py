@@ -48,7 +48,7 @@ def serve(
     Raises
     ------
     NodegraphError
-        If a folder is no run, or the port is not free.
+        If a folder is not a run, or the port is not free.
     KeyboardInterrupt
     """
     server = LocalServer(application(OpenRuns(paths, registry, store)), port)

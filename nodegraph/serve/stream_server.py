@@ -114,7 +114,7 @@ class _Shown:
         self._begun: dict[str, Any] = {}
         self._frames: dict[str, list[str]] = {}
         self._figures: Mapping[str, Any] = {}
-        """What an event has of the counts: made anew each time, so that no thread changes it."""
+        """The counts in an event: a new mapping each time, so that no thread changes it."""
         self._is_over = False
         self._past: deque[tuple[float, Counts]] = deque()
         self._received_at = 0.0

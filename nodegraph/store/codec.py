@@ -126,7 +126,7 @@ def array_together(
     _check_shape(shape, kind.itemsize, size)
     axes = range(len(shape))
     if order is not None and sorted(order) != list(axes):
-        raise Unreadable(f"{order} is no order of {len(axes)} axes")
+        raise Unreadable(f"{order} is not an order of {len(axes)} axes")
     memory = np.frombuffer(buffer, np.uint8) if size else np.empty(0, np.uint8)
     lengths = shape if order is None else [shape[axis] for axis in order]
     slow_to_fast: NDArray[Any] = np.ndarray(lengths, kind, memory)
@@ -216,7 +216,7 @@ def _type_named(name: str) -> np.dtype[Any]:
 
     kind = np.dtype(name)
     if kind.kind not in _KINDS or type_name(kind) != name:
-        raise Unreadable(f"{name!r} is no type of an array that is kept")
+        raise Unreadable(f"{name!r} is not a type of an array that is kept")
     return kind
 
 
@@ -330,8 +330,8 @@ def class_name(kind: type) -> str:
     Raises
     ------
     Unstorable
-        If it is no dataclass, holds more than its fields, cannot check them alone, or is not found
-        by its name.
+        If it is not a dataclass, holds more than its fields, cannot check them alone, or is not
+        found by its name.
     """
     if not is_dataclass(kind):
         raise Unstorable(kind.__name__, "a Value is kept if it is a dataclass")
@@ -353,7 +353,8 @@ def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
     Raises
     ------
     UnknownClass
-        If there is none, it may not be imported, or it is no dataclass that derives from `Value`.
+        If there is none, it may not be imported, or it is not a dataclass that derives from
+        `Value`.
     """
     module, _, qualified = name.partition(":")
     if module not in sys.modules and packages(module.partition(".")[0]):
@@ -361,7 +362,7 @@ def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
     kind = _held_by(sys.modules.get(module), qualified)
     if isinstance(kind, type) and issubclass(kind, Value) and is_dataclass(kind):
         return kind
-    raise UnknownClass(f"{name!r} is no class of values here")
+    raise UnknownClass(f"{name!r} is not a class of values here")
 
 
 def contents(value: object, names: tuple[str, ...]) -> list[object]:
@@ -384,7 +385,7 @@ def contents(value: object, names: tuple[str, ...]) -> list[object]:
 
 
 def with_contents(kind: type[Value], fields: Mapping[str, object]) -> Value:
-    """Return a value with these fields as they are: none is computed anew.
+    """Return a value with these fields as they are: none is recomputed.
 
     They are checked by the class's own `__post_init__`, which is called with another value of the
     same fields.
@@ -421,13 +422,13 @@ def _with_fields(kind: type[Value], fields: Mapping[str, object]) -> Value:
     return value
 
 
-def _check_type(where: str, value: Any, due: Any) -> None:
+def _check_type(where: str, value: Any, expected: Any) -> None:
     """Refuse a field of another type than its class makes of it."""
     kind = type(value)
-    if kind is not type(due):
-        raise Unreadable(f"{where} is {kind.__name__}, not {type(due).__name__}")
-    if is_numpys(kind) and value.dtype != due.dtype:
-        raise Unreadable(f"{where} is of {value.dtype}, not of {due.dtype}")
+    if kind is not type(expected):
+        raise Unreadable(f"{where} is {kind.__name__}, not {type(expected).__name__}")
+    if is_numpys(kind) and value.dtype != expected.dtype:
+        raise Unreadable(f"{where} is of {value.dtype}, not of {expected.dtype}")
 
 
 def _attribute(value: object, name: str) -> object:
@@ -550,7 +551,7 @@ class Together:
     def buffer(self, number: int) -> Buffer:
         """Return the next buffer, which has that number."""
         if number != self._next:
-            raise Unreadable(f"buffer {number} stands where buffer {self._next} is due")
+            raise Unreadable(f"buffer {number} in place of buffer {self._next}")
         self._next += 1
         return self._buffers[number]
 
@@ -778,7 +779,7 @@ _encode = json.JSONEncoder(check_circular=False, allow_nan=False, separators=(",
 
 
 def _refuse(part: object) -> object:
-    raise Unreadable(f"{str(part)[:20]} is no part of a value")
+    raise Unreadable(f"{str(part)[:20]} is not part of a value")
 
 
 _decode = json.JSONDecoder(object_pairs_hook=_refuse, parse_constant=_refuse).decode

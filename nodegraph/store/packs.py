@@ -79,7 +79,7 @@ class Pack:
     OSError
         If it cannot be opened.
     ValueError
-        If it is no pack.
+        If it is not a pack.
     """
 
     def __init__(self, path: str) -> None:
@@ -95,7 +95,7 @@ class Pack:
         magic, count = _HEADER.unpack(header) if len(header) == _HEADER.size else (b"", 0)
         self._count: int = count
         if magic != _MAGIC or count > _MOST_ENTRIES or _start(count) > self.size:
-            raise ValueError(f"{path} is no pack")
+            raise ValueError(f"{path} is not a pack")
         self._keys = os.pread(self._file, self._count * _KEY, _HEADER.size)
         self._records = _HEADER.size + self._count * _KEY
 
@@ -172,7 +172,7 @@ class Packed:
             self.pack.note(self.index, int(time.time() / _HOUR))
 
     def remove(self) -> None:
-        """Remove it; its bytes go when the pack is written anew."""
+        """Remove it; its bytes go when the pack is rewritten."""
         with suppress(OSError):
             self.pack.note(self.index, 0)
 

@@ -28,7 +28,7 @@ _MANY = 65536
 _LARGEST = 2**22
 """Entries up to which packs are merged."""
 _SHARE = 5
-"""All stored results have at most one part of the disk in so many."""
+"""The stored results take at most a fifth of the disk."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,9 +153,9 @@ class Upkeep:
         Parameters
         ----------
         older_than
-            Entries that were not used for so many seconds go.
+            Remove entries that were not used for this many seconds.
         keep
-            Entries go until all that is needed has at most so many bytes.
+            Remove entries until the rest has at most this many bytes.
         """
         with self._alone():
             return self._pruned(older_than, keep)
@@ -340,7 +340,7 @@ def _past(changed: float, now: float) -> float:
 
 
 def _too_many(there: Sequence[_Placed], sizes: Mapping[str, int], keep: int) -> list[_Placed]:
-    """Return which entries go, the first ones first, for the rest to have so few bytes."""
+    """Return the entries to remove, in order, so that the rest fits a number of bytes."""
     readers = Counter(name for entry in there for name in entry.blobs)
     total = sum(entry.length for entry in there) + sum(sizes.get(name, 0) for name in readers)
     gone: list[_Placed] = []

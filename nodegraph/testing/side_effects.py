@@ -138,7 +138,7 @@ def _states_of_matplotlib() -> Iterator[_Shared]:
         )
     if pyplot is not None:
         yield _Shared(
-            "leaves a figure open in pyplot, which keeps it in memory for good: draw on "
+            "leaves a figure open in pyplot, which keeps it in memory permanently: draw on "
             "matplotlib.figure.Figure()",
             lambda: list(pyplot.get_fignums()),
             lambda original: [

@@ -29,7 +29,7 @@ _MODIFIES_INPUTS = (
 )
 _SHARES_ARRAYS = (
     "returns an array that it keeps between calls, so that writing to it changes earlier results: "
-    "build the result anew in every call, without a cache or a buffer of the module"
+    "build a new result in every call, without a cache or a buffer of the module"
 )
 _INFINITE = (
     "makes infinite numbers out of finite ones: find where it divides by zero or overflows, and "

@@ -43,7 +43,7 @@ def generalized(
     moves after 300 rounds, a warning says by how much.
 
     Missing landmarks do not count, in the fit nor in the mean. A frame with fewer than three, or
-    with all on a line, stays as it is and is no part of the mean; these are counted in a warning.
+    with all on a line, stays as it is and is not part of the mean; these are counted in a warning.
     Looks at the whole take.
 
     Parameters

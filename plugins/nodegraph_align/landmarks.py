@@ -73,7 +73,7 @@ def landmarks_of(
         )
     absent = [name for name in stable if name not in shared]
     return tuple(shared), (
-        [f"{len(absent)} stable markers are no landmarks, as not all have them: {listed(absent)}"]
+        [f"{len(absent)} stable markers are not landmarks, as not all have them: {listed(absent)}"]
         if absent
         else []
     )

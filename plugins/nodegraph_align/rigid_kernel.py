@@ -247,7 +247,7 @@ def _rotation(
 
     The columns are turned in pairs until they are orthogonal (one-sided Jacobi, Hestenes), which
     keeps small singular values exact to their last digits. The third axes are the cross products
-    of the others, so that planes, whose last singular value is 0, are no special case. A mirror
+    of the others, so that planes, whose last singular value is 0, are not a special case. A mirror
     image that fits better by no more than rounding is not chosen.
     """
     p, q, r = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

@@ -40,10 +40,10 @@ def trimmed(
     landmarks the ``h = ceil(share n)`` (three at least) with the smallest distances from their
     places count, such that the sum of their squares is as small as possible (least trimmed
     squares). The search is that of Rousseeuw & Van Driessen: fit, keep the h that are nearest,
-    fit anew, which never increases the sum; from all landmarks and from 60 triples of them spread
-    evenly over all triples, twice each, and on from the best until nothing changes. Each frame
-    by itself: where the choice changes from one frame to the next, the pose can jump by as much
-    as the landmarks disagree; align.huber changes smoothly.
+    fitted again, which never increases the sum; from all landmarks and from 60 triples of them
+    spread evenly over all triples, twice each, and on from the best until nothing changes. Each
+    frame by itself: where the choice changes from one frame to the next, the pose can jump by as
+    much as the landmarks disagree; align.huber changes smoothly.
 
     Missing landmarks, the reference and what is refused are as in align.procrustes. Looks ahead
     no frame.
@@ -107,7 +107,7 @@ def _nearest(fitting: Fitting, share: float) -> Poses:
 
 
 def _concentrated(fitting: Fitting, poses: Poses, count: NDArray[np.float64], rounds: int) -> Poses:
-    """Return poses fitted anew, again and again, to the landmarks that are nearest in the last."""
+    """Return poses fitted again and again to the landmarks that are nearest in the last."""
     weights = np.zeros_like(fitting.there, dtype=np.float64)
     active = np.flatnonzero(poses.known)
     for _ in range(rounds):

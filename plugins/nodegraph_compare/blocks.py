@@ -46,7 +46,7 @@ class Group:
         Number of repetitions that the graph has; 1 where it repeats nothing.
     start, frames : (B,) arrays of float64
         Where each block begins in its recording, and how long it is; NaN where the tables do not
-        say so, or a block is no single stretch of time.
+        say so, or a block is not a single stretch of time.
     rows, block : (R,) arrays of int
         The rows of the group among those of all tables, and the block of each.
     taken : tuple of int

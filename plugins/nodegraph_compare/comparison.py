@@ -79,7 +79,7 @@ def prepare(
     Raises
     ------
     ValueError
-        As `ask` does, and if the fallback is no label that is compared.
+        As `ask` does, and if the fallback is not a label that is compared.
     """
     question = ask(
         scores,

@@ -77,7 +77,7 @@ def importance(
     ``V_ab`` what the means along two axes add to those along each, the rest the
     interactions of three axes or more. ``eta squared`` is the share of V, ``partial eta squared``
     of an effect is ``V_a / (V_a + V_rest)``; of two factors, the rest is their interaction. These
-    are shares of the cells at hand: an axis explains more the further its labels lie apart. Cells
+    are shares of the cells available: an axis explains more the further its labels lie apart. Cells
     that compete, at most 1e-9 of their size apart, are equal: each stands as the first of them. A
     variance that rounding alone would make, at most the square of 1e-9 times the cells' root mean
     square, is 0.
@@ -115,7 +115,7 @@ def importance(
     Raises
     ------
     ValueError
-        If a name is neither axis nor column or is used twice, `compare` is no factor, the metric
+        If a name is neither axis nor column or is used twice, `compare` is not a factor, the metric
         holds no numbers, or there are more than twenty million cells.
     """
     question = _ask(scores, metric, compare, factors, better)
@@ -259,7 +259,7 @@ def _ask(
 ) -> Question:
     """Return the question: its `within` are the factors that are not compared, in order."""
     if factors and compare is not None and compare not in factors:
-        raise ValueError(f"{compare!r} is no factor; factors are: {', '.join(factors)}")
+        raise ValueError(f"{compare!r} is not a factor; factors are: {', '.join(factors)}")
     gathered = [name for name in factors if name in scores.axes]
     compare = compare if compare is not None or not factors else (gathered or factors)[-1]
     within = tuple(name for name in factors if name != compare)

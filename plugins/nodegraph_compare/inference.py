@@ -51,8 +51,8 @@ class Contrasts:
     is its own, ``sd(d) / sqrt(C)``, but never less than the pooled ``sqrt(2 MSE / C)``. Divided by
     it, ``|mean(d)|`` is compared to the studentised range of K means, ``(K - 1)(C - 1)`` degrees
     of freedom, over sqrt(2): there is one p for a pair, whichever of all methods is the best. Of
-    equal methods any is told apart in at most 5 % of studies, also if their variances differ;
-    of two methods it is the paired t-test.
+    equal methods any is declared different in at most 5 % of studies, also if their variances
+    differ; of two methods it is the paired t-test.
 
     Where units are parts of S recordings, the claim is about these: their means are removed, which
     leaves C - S degrees of freedom for C - 1.

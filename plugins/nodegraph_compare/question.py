@@ -176,7 +176,7 @@ class Question:
     averaged : tuple of str
         Gathered axes that are none of these: a block's value is the mean over them.
     drawn : tuple of str
-        Gathered axes among the blocks that are no clusters: repetitions on the same data.
+        Gathered axes among the blocks that are not clusters: repetitions on the same data.
     better : str
         Which end of the metric is better: ``lower``, ``higher`` or ``none``.
     """
@@ -239,7 +239,7 @@ def ask(
     ------
     ValueError
         If there is no table, a name is unknown or is used twice, a block is a frame, clusters are
-        not independent of each other, the metric is no number, or the tables do not agree on its
+        not independent of each other, the metric is not a number, or the tables do not agree on its
         better end.
     """
     if not len(scores):
@@ -341,8 +341,9 @@ def _labels_of(scores: Across[Table], name: str) -> tuple[Label, ...]:
 def _check_blocks(blocks: tuple[str, ...]) -> None:
     if "frame" in blocks:
         raise ValueError(
-            "blocks: the frames of a take follow each other and are no independent blocks, so that "
-            "their number would make any difference look certain; name axes such as trial or take"
+            "blocks: the frames of a take follow each other and are not independent blocks, so "
+            "that their number would make any difference look certain; name axes such as trial or "
+            "take"
         )
 
 
@@ -369,7 +370,7 @@ def check_numbers(scores: Across[Table], name: str, what: str) -> None:
         if table[name].dtype.kind not in "iuf":
             numbers = [column for column in table if table[column].dtype.kind in "iuf"]
             raise ValueError(
-                f"{what} {name!r} is no column of numbers{_place(labels)}; "
+                f"{what} {name!r} is not a column of numbers{_place(labels)}; "
                 f"there are: {listed(numbers)}"
             )
 

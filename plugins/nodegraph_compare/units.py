@@ -19,7 +19,7 @@ Kind = Literal["clusters", "segments", "runs", "draws", "nothing"]
 Speech = Literal["nothing", "described", "provisional", "settled"]
 
 MOST_RECORDINGS = 2
-"""So few clusters say nothing of further ones; the claim is about them alone."""
+"""So few clusters say nothing about further ones; the claim is about them alone."""
 
 _SEGMENTS = ((10, 100), (6, 36))
 """Numbers of segments, each with how many correlation lengths the recording must have."""

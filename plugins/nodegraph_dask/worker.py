@@ -61,7 +61,7 @@ def no_logs() -> Iterator[None]:
 def main() -> None:
     """Work for the scheduler at the address in ``sys.argv[1]`` until the standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.dup2(2, 1)  # what a node prints is no output of the program
+    os.dup2(2, 1)  # what a node prints is not output of the program
     threading.Thread(target=_end_with_input, daemon=True).start()
     with no_logs():
         asyncio.run(_serve(*sys.argv[1:]))

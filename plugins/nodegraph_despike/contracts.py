@@ -31,7 +31,7 @@ def repaired_samples_are_marked(tried: Tried) -> Iterator[str]:
             yield f"{promises.places(before, unmarked)} changed but not marked: {_HOW_TO_MARK}"
         renamed = both & ~changed & (after.origin != before.origin)
         if renamed.any():
-            yield f"{promises.places(before, renamed)} not changed but marked anew: {_HOW_TO_MARK}"
+            yield f"{promises.places(before, renamed)} not changed but newly marked: {_HOW_TO_MARK}"
 
 
 def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:

@@ -134,7 +134,8 @@ def impulse(
     mean_step
         k of every marker. None: that of the marker, from the take or the `calibration`.
     calibration
-        Take k from the first so many frames, which stay as they are. None: from the whole take.
+        Number of first frames from which k is taken, and which stay as they are. None: from the
+        whole take.
 
     Returns
     -------
@@ -144,7 +145,7 @@ def impulse(
     Raises
     ------
     ValueError
-        If the order is none of its choices, or both `mean_step` and `calibration` are set.
+        If the order is not one of its choices, or both `mean_step` and `calibration` are set.
     """
     from nodegraph_despike import impulse_kernel
 

@@ -87,7 +87,7 @@ def wavelet(
     Raises
     ------
     ValueError
-        If the wavelet is none of its choices.
+        If the wavelet is not one of its choices.
     """
     if wavelet not in get_args(Name):
         raise ValueError(f"wavelet must be one of {', '.join(get_args(Name))}; got {wavelet!r}")

@@ -161,7 +161,7 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     Raises
     ------
     ValueError
-        If it is no C3D file, is damaged or cut short, or holds no frames or no points.
+        If it is not a C3D file, is damaged or cut short, or holds no frames or no points.
     """
     try:
         description = read_description(path)

@@ -59,7 +59,7 @@ class Processor:
         """
         if self.code == DEC:
             halves = np.frombuffer(data, "<u2").reshape(-1, 2)[:, ::-1]
-            with np.errstate(invalid="ignore"):  # of bits that are no number
+            with np.errstate(invalid="ignore"):  # of bits that are not numbers
                 return halves.copy().view("<f4").ravel().astype(np.float64) / 4
         return np.frombuffer(data, f"{self.order}f4")
 
@@ -234,7 +234,7 @@ class Description:
         Hz.
     scales : tuple of float
         What integers are multiplied by: that of the parameters first, and that of the header if
-        it is another. None where samples are no integers.
+        it is another. None where samples are not integers.
     """
 
     layout: Layout
@@ -260,7 +260,7 @@ def read_description(path: Path) -> Description:
     Raises
     ------
     ValueError
-        If the file is no C3D file, is damaged, or is shorter than it says.
+        If the file is not a C3D file, is damaged, or is shorter than it says.
     """
     size = path.stat().st_size
     with path.open("rb") as stream:
@@ -318,7 +318,7 @@ def _frames(header: _Header, parameters: Parameters) -> list[float]:
     counted = _number(parameters, "POINT", "FRAMES")
     counts = _unlike(longer, trial, counted, header.frames)
     if max(counts) > LARGEST_COUNT:
-        # The old counters cannot hold so many; that they are full is no disagreement.
+        # The old counters cannot hold as many; that they are full is not a disagreement.
         counts = [count for count in counts if count != LARGEST_COUNT]
     return [count for count in counts if 0 <= count < 2**31] or [0]
 
@@ -358,7 +358,7 @@ def _checked(layout: Layout, size: int) -> Layout:
         )
     if layout.frames == LARGEST_COUNT and size - layout.end >= BLOCK:
         raise ValueError(
-            f"it counts {LARGEST_COUNT} frames, the most that its counter can hold, and goes on "
+            f"it counts {LARGEST_COUNT} frames, the most that its counter can hold, and continues "
             "after them; cut it into shorter takes"
         )
     return layout

@@ -91,7 +91,7 @@ class _Counted:
     first: str = ""
 
     def add(self, samples: NDArray[np.bool_], before: int) -> None:
-        """Count the samples of a piece that so many frames come before."""
+        """Count the samples of a piece, given the number of frames before it."""
         count = int(np.count_nonzero(samples))
         if count and not self.count:
             frame, marker = np.argwhere(samples)[0]

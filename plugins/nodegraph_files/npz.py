@@ -115,7 +115,7 @@ def _check_text(name: str, array: NDArray[np.generic]) -> None:
     try:
         array.astype(array.dtype.newbyteorder("<")).tobytes().decode("utf-32-le")
     except UnicodeDecodeError as error:
-        raise ValueError(f"array {name!r} holds what is no text: {error.reason}") from None
+        raise ValueError(f"array {name!r} holds what is not text: {error.reason}") from None
 
 
 _KINDS = {

@@ -43,7 +43,7 @@ def read_obj(path: Path, shapes: tuple[Path, ...] = ()) -> RawHead:
     Raises
     ------
     ValueError
-        With file and line, if a vertex is no three numbers, or a face names what is not there; or
+        With file and line, if a vertex is not three numbers, or a face names what is not there; or
         if a shape has other vertices or faces than the head at rest.
     """
     vertices, faces = _mesh(path)

@@ -40,7 +40,7 @@ _ALIKE = {
 }
 _USUAL = ("m", "cm", "mm")
 
-_FEWEST_MARKERS = 4  # of fewer, the distances say nothing of the size
+_FEWEST_MARKERS = 4  # of fewer, the distances say nothing about the size
 _MOST_FRAMES = 200  # that are looked at
 
 

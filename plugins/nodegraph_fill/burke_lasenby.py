@@ -46,7 +46,7 @@ def burke_lasenby(
     complete frames.
 
     A take with fewer than two complete frames is refused. A marker that is never measured stays
-    missing, counted in a warning, and is no part of "every marker". Samples that are present come
+    missing, counted in a warning, and is not part of "every marker". Samples that are present come
     out as they went in; those that an earlier fill has made count like measured ones. Does not
     depend on where the origin lies, but depends on the axes, by s, and on the unit by `noise`.
 
@@ -86,7 +86,7 @@ def burke_lasenby(
     def model(recording: Trajectories, gaps: Gaps) -> Estimate:
         matrix = TakeMatrix.of(recording)
         space = _learnt(matrix, tolerance, noise)
-        # noise that is set and not learnt is no measure of errors
+        # noise that is set and not learnt is not a measure of errors
         return space.estimate(matrix, gaps, ends, with_sigma=False)
 
     return fill_from(recording, max_gap, model, ends=ends)

@@ -35,7 +35,7 @@ def written_samples_are_marked(tried: Tried) -> Iterator[str]:
             yield f"{promises.places(before, unmarked)} written but not marked: {_HOW_TO_MARK}"
         renamed = before.present & (after.origin != before.origin)
         if renamed.any():
-            yield f"{promises.places(before, renamed)} not written but marked anew: {_HOW_TO_MARK}"
+            yield f"{promises.places(before, renamed)} not written but newly marked: {_HOW_TO_MARK}"
 
 
 def meets_the_ends_as_declared(tried: Tried) -> Iterator[str]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LEVEL, _REACH = 0.95, 1.959963984540054
-"""An interval that holds this share of errors reaches so many standard deviations."""
+"""An interval that holds this share of errors reaches this many standard deviations."""
 _ALIKE = 20
 """So many held-out gaps, those of the nearest lengths, a gap is judged by at least."""
 _LEAST = 10

@@ -169,7 +169,7 @@ class LowRank:
 class _Mixing:
     """Anderson's extrapolation of a sequence, each from the latest ones and their steps.
 
-    Begun anew whenever a step is longer than the one before.
+    Restarted whenever a step is longer than the one before.
     """
 
     def __init__(self, size: int) -> None:

@@ -102,7 +102,7 @@ def gather(
     lines: NDArray[np.floating],
     size: int,
 ) -> NDArray[np.floating]:
-    """Return so many lines, each the sum of value times source line over what has it as target.
+    """Return `size` lines, each the sum of value times source line over what has it as target.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def muscle(
     as does the rest of that gap, counted in a warning. Samples that are present come out bit
     for bit; those an earlier fill made count as filled.
 
-    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` so many, to know
+    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` that many, to know
     that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
     without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
     take stay missing.

@@ -41,7 +41,7 @@ def nearest_frames(
     averaged, each weighted by the inverse of its distance, by `sklearn.impute.KNNImputer`. The
     distance of two frames is the root of ``sum |P[t, i] - P[s, i]|^2`` over the markers that
     both have, made up for those that they lack; no frame need be complete. Of takes longer than
-    4,000 frames, so many are chosen among, evenly spread.
+    4,000 frames, neighbours are chosen among 4,000 of them, evenly spread.
 
     For `ends` met, the samples beside all gaps are hidden and filled in the same way, which takes
     as long again: a frame is most like itself.

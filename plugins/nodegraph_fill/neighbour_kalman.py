@@ -120,7 +120,7 @@ def neighbour_kalman(
     """Predict missing markers by a Kalman filter that neighbours help (Aristidou et al., 2008).
 
     Each coordinate of a marker has a position and a velocity, constant but for an acceleration
-    that is drawn anew for each frame: ``x[t+1] = [[1, T], [0, 1]] x[t] + a [T^2 / 2, T]``, T
+    that is drawn again for each frame: ``x[t+1] = [[1, T], [0, 1]] x[t] + a [T^2 / 2, T]``, T
     being the time of a frame and a normal with the standard deviation `acceleration`. Where the
     marker is present, the filter observes its position, with `noise`. Where it is missing, it
     observes where its neighbours would take it, with `neighbour_noise`, and the sample is what the

@@ -23,7 +23,7 @@ Strategy = Literal["each", "together"]
 _ROUNDING = 1e-7
 """Of the largest singular value or spread: what is less may be no more than rounding."""
 _FAR = 0.5
-"""Of the mean distance to all markers: beyond it, a marker that has gaps itself is no predictor."""
+"""Factor of the mean distance to all markers beyond which a marker with gaps predicts nothing."""
 
 
 @node(
@@ -54,7 +54,7 @@ def pca(
     0), times its marker's weight. The weight is ``exp(-d^2 / (2 weight_scale^2))``, d the mean
     distance to the marker that is filled, and `weight_missing` for that one itself. B are the
     principal components of N, B0 those of N with zeros for the marker that is filled; of each
-    so many are kept that the sum of their singular values reaches the share `singular_values`,
+    the first are kept until the sum of their singular values reaches the share `singular_values`,
     the larger number for both. A row x with zeros in place of what is missing becomes
     ``x B0 B0' B B'``, and its scaling is undone. This is eq. 1 of Federolf (2013).
 
@@ -70,7 +70,7 @@ def pca(
 
     A marker that shares no complete frame with those that it is filled from, or that there is
     none to fill from, stays missing, counted in a warning, as does one that is never measured;
-    that one is no part of "every marker". Samples that are present come out as they went in;
+    that one is not part of "every marker". Samples that are present come out as they went in;
     those that an earlier fill has made count like measured ones. Does not depend on where the
     origin lies; but depends on the axes, each coordinate being scaled by itself, and on the unit
     by a `weight_scale` that is set.
@@ -109,7 +109,7 @@ def pca(
     Refusal
         If there are gaps to fill, and for none of them a complete frame.
     ValueError
-        If `strategy` is none of its choices.
+        If `strategy` is not one of its choices.
     """
     if strategy not in get_args(Strategy):
         raise ValueError(f"strategy must be {' or '.join(get_args(Strategy))}, got {strategy!r}")

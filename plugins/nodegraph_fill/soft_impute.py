@@ -39,8 +39,8 @@ def soft_impute(
     digits.
 
     For `ends` met, the estimate beside a gap is what M gives when the samples there are hidden
-    like those in the gap: Z itself is near every sample it has seen, and so would tell nothing of
-    its error in the gap.
+    like those in the gap: Z itself is near every sample it has seen, and so would tell nothing
+    about its error in the gap.
 
     A marker that is never measured stays missing, counted in a warning. Samples that are
     present come out as they went in; those that an earlier fill has made count like measured

@@ -6,7 +6,7 @@ A missing sample is the marker's last position plus a displacement made from its
 The neighbours are the nearest to ``P[t-1, m]`` among the markers that are usable at both t-1
 and t, equally near ones in marker order. Measured (and repaired) samples are usable; with
 `use_filled` so are samples filled earlier, by this fill or before it, but they come after all
-measured ones. The pass runs forward over the whole take, so that a gap of many frames goes on
+measured ones. The pass runs forward over the whole take, so that a gap of many frames continues
 from its own fills. Where there is no usable neighbour, or the last position is missing, the
 sample stays missing, and so does the rest of the gap. Gaps at the start of the take are then
 filled by the same rule backward in time, from the marker's first sample.
@@ -45,7 +45,7 @@ def lookahead(settings: Mapping[str, Any]) -> int | None:
     """Return the look-ahead of a step-wise fill."""
     max_gap: int | None = settings["max_gap"]
     if settings["close_gap"] == "blend":
-        # backward, a gap goes on from gaps that end later, if filled samples are neighbours
+        # backward, a gap continues from gaps that end later, if filled samples are neighbours
         return None if settings["use_filled"] else max_gap
     if not meets_ends(settings):
         return to_limit(settings)
@@ -171,7 +171,7 @@ def fill_stepwise(
     Raises
     ------
     ValueError
-        If `close_gap` or `ends` is none of its choices.
+        If `close_gap` or `ends` is not one of its choices.
     """
     check_ends(ends)
     if close_gap not in get_args(CloseGap):
@@ -198,7 +198,7 @@ def fill_stepwise(
 def _chained(recording: Trajectories, gaps: Gaps, rule: Rule, *, ramps: bool) -> _Pass:
     chain, inner = _Pass.over(recording), gaps.subset(gaps.inner)
     chain.run(gaps, rule, backward=False)
-    # a prediction forward in time knows nothing of what is filled backward
+    # a prediction forward in time knows nothing about what is filled backward
     mismatch = _mismatch(chain, inner, rule) if ramps else None
     chain.run(gaps.subset(gaps.at_start), rule, backward=True)
     if mismatch is not None:

@@ -125,7 +125,7 @@ class _Stream:
         return MarkerFrame(positions, origin, frame.sigma)
 
     def _fill(self, ended: NDArray[np.bool_], later: int) -> None:
-        """Fill the gaps of some markers, which ended so many frames ago."""
+        """Fill the gaps of some markers, which ended a number of frames ago."""
         ended = ended & (self._missing > 0) & (self._missing <= self._max_gap)
         (markers,) = np.nonzero(ended)
         lengths = self._missing[markers]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from nodegraph_gaps.groups import Event, Groups
     from nodegraph_mocap import Trajectories
 
-# of 34 gaps of a body at 100 Hz, the only real ones at hand: 4 bursts, of 2 to 4 markers each
+# of 34 gaps of a body at 100 Hz, the only real ones available: 4 bursts, of 2 to 4 markers each
 EVENTS = 8
 """Mean number of events of a burst."""
 NEIGHBOURS = 4

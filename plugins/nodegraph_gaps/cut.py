@@ -173,8 +173,9 @@ def _events(
     if fitting < count:
         each = "" if simultaneous == 1 else f" on {simultaneous} markers at once"
         raise ValueError(
-            f"{count} gaps of {length} frames{each} asked, {fitting} fit into {recording.frames} "
-            f"frames of {len(recording.markers)} markers ({pattern}): ask for fewer or shorter"
+            f"{count} gaps of {length} frames{each} requested, {fitting} fit into "
+            f"{recording.frames} frames of {len(recording.markers)} markers ({pattern}): ask for "
+            "fewer or shorter"
         )
     hidden = np.zeros(recording.origin.shape, dtype=np.bool_)
     for start, markers in events:

@@ -60,7 +60,7 @@ class Settings:
         Raises
         ------
         NodegraphError
-            If the port is no number from 1 to 65535.
+            If the port is not a number from 1 to 65535.
         """
         text = self.before.removeprefix("//").removesuffix("/")
         host, colon, written = text.rpartition(":")
@@ -68,7 +68,7 @@ class Settings:
             # a number alone is a port
             host, written = ("", text) if text.isdecimal() else (text, str(port))
         if not (written.isascii() and written.isdecimal() and 0 < int(written) < 65536):
-            raise self.error(f"{written!r} is no port from 1 to 65535")
+            raise self.error(f"{written!r} is not a port from 1 to 65535")
         return host or HOST, int(written)
 
     def _number(self, name: str, value: str) -> float:

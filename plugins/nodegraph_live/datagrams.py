@@ -97,7 +97,7 @@ class DatagramReceiver:
         Raises
         ------
         TimeoutError
-            If nothing has come for so long.
+            If nothing has come for that time.
         """
         assert self._endpoint is not None
         seconds = self._settings["timeout"]
@@ -148,7 +148,7 @@ class DatagramSource(DatagramReceiver):
         Raises
         ------
         ValueError
-            If the packet is no such packet.
+            If the packet is not such a packet.
         """
         raise NotImplementedError
 

@@ -91,7 +91,7 @@ def decode(packet: bytes) -> Face:
         return Face(subject, 0, Fraction(60), None)
     frame, part, numerator, denominator, count = reader.numbers("ifiiB")
     if frame < 0 or not 0 <= part <= 1 or numerator <= 0 or denominator <= 0:
-        raise ValueError(f"frame {frame} + {part:g} at {numerator}/{denominator} Hz is no time")
+        raise ValueError(f"frame {frame} + {part:g} at {numerator}/{denominator} Hz is not a time")
     if count not in (0, VALUES) or reader.left != 4 * count:
         raise ValueError(f"{count} values in {reader.left} bytes, not {VALUES}")
     values = weights_frame(reader.floats(count)) if count else None
@@ -165,7 +165,7 @@ class LiveLinkSource(DatagramSource):
 class LiveLinkSink:
     """Sends weights as the app does: ``livelink:HOST:PORT``.
 
-    Weights of which the names are no ARKit shapes are refused; shapes without weights are 0, and
+    Weights of which the names are not ARKit shapes are refused; shapes without weights are 0, and
     so are the angles. A frame in which a weight is missing is sent as one without a face.
     """
 
@@ -181,7 +181,7 @@ class LiveLinkSink:
         unknown = [name for name in header.names if name not in shape_of]
         if unknown:
             raise NodegraphError(
-                f"{self._address}: {listed(unknown)} are no shapes of Live Link Face; there is "
+                f"{self._address}: {listed(unknown)} are not shapes of Live Link Face; there is "
                 f"{listed(SHAPES)}"
             )
         self._places = [SHAPES.index(shape_of[name]) for name in header.names]

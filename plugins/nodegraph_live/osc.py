@@ -66,7 +66,7 @@ def decode(element: bytes) -> Message:
     reader = PacketReader(element, ">")
     address, tags = _text(reader), _text(reader)
     if not (address.startswith("/") and tags.startswith(",")):
-        raise ValueError("it is no OSC message")
+        raise ValueError("it is not an OSC message")
     return address, tuple([_argument(reader, tag) for tag in tags[1:]])
 
 
@@ -105,7 +105,7 @@ def message(address: str, *arguments: str | float | int) -> bytes:
 
 
 def bundles(messages: Iterable[bytes], largest: int) -> Sequence[bytes]:
-    """Return the messages in bundles of at most so many bytes, in their order."""
+    """Return the messages in bundles of limited size, in their order."""
     packets = [bytearray(_BUNDLE + _AT_ONCE)]
     for each in messages:
         if len(packets[-1]) + 4 + len(each) > largest:

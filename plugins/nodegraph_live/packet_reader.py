@@ -37,7 +37,7 @@ class PacketReader:
         Raises
         ------
         ValueError
-            If there are not so many.
+            If fewer are left.
         """
         if not 0 <= count <= self.left:
             raise ValueError(f"{count} bytes expected at byte {self._place}, {self.left} are left")
@@ -51,12 +51,12 @@ class PacketReader:
         return struct.unpack_from(layout, self._packet, self.skip(struct.calcsize(layout)))
 
     def floats(self, count: int) -> NDArray[np.float64]:
-        """Return so many numbers that are float32."""
+        """Return the next numbers, which are float32."""
         start = self.skip(4 * count)
         return as_doubles(np.frombuffer(self._packet, f"{self._order}f4", count, start))
 
     def bytes(self, count: int) -> bytes:
-        """Return so many bytes."""
+        """Return the next bytes."""
         start = self.skip(count)
         return self._packet[start : start + count]
 

@@ -77,7 +77,7 @@ def decode_parameters(xml: bytes) -> Trajectories:
         root = ElementTree.fromstring(xml.rstrip(b"\0"))
         rate = float(root.findtext("./General/Frequency") or "nan")
     except ElementTree.ParseError as error:
-        raise ValueError(f"the parameters are no XML: {error}") from error
+        raise ValueError(f"the parameters are not XML: {error}") from error
     names = [label.findtext("Name") or "" for label in root.iterfind("./The_3D/Label")]
     return recording_header(names, rate)
 

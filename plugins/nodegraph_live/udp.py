@@ -97,7 +97,7 @@ def decode_description(content: bytes) -> Trajectories | Weights:
         raise ValueError("the description has not either markers or weights")
     names = fields[min(kinds)]
     if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
-        raise ValueError("the names of the description are no list of texts")
+        raise ValueError("the names of the description are not a list of texts")
     return (recording_header if "markers" in kinds else weights_header)(names, rate)
 
 

@@ -56,7 +56,7 @@ def label(
     Tracks that share less than half of their frames may be the same marker, and are joined under
     its name; in a frame that they share, the nearer one keeps the sample. Where a track goes over
     to a marker that no other track is at then (for three samples or more half the gate off, and
-    twice as near to that one) it is cut, and all is named anew. What is left keeps its samples
+    twice as near to that one) it is cut, and all is named again. What is left keeps its samples
     under t000, t001, ..., behind the named markers, in the order of the tracks. A marker of the
     reference that no track is stays in the recording, wholly missing. Both are counted in a
     warning, and a take that hardly looks like the reference in another.

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 _ROUNDS, _SAMPLES, _TRIED = 40, 24, 16
 ENOUGH = 4
-"""A frame can be a start when it has points at one in so many places of the shape."""
+"""A frame can be a start when it has points at one in this many places of the shape."""
 _FULL = 0.9
 
 
 def names(tracks: Tracks) -> NDArray[np.intp]:
     """Return the number of the place that each track is, (K,), or -1.
 
-    Begins at the frame that looks most like the shape, goes on until no name changes, and begins
+    Begins at the frame that looks most like the shape, continues until no name changes, and begins
     again where frames are left that no named track reaches.
     """
     named = np.full(tracks.present.shape[1], UNNAMED)

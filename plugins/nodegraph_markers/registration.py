@@ -44,7 +44,7 @@ def register(points: NDArray[np.float64], shape: NDArray[np.float64], width: flo
     shape on those of the points. Each such pose is rated by the mean squared distance from one
     of those that are fewer, points or places, to the nearest of the others, none counting more
     than ``width^2``. The sixteen best are refined by `closest`, from a width twice as large; the
-    best of those is returned. Points that are no place, and places without a point, do not
+    best of those is returned. Points that are at no place, and places without a point, do not
     matter as long as some triangle is free of them. A mirror image is never tried: a
     face differs from its mirror image in depth only.
 

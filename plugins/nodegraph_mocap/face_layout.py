@@ -16,7 +16,7 @@ REGIONS = (
     *("forehead", "brow", "eyelid", "eye", "temple", "nose", "cheek"),
     *("mouth", "lip", "jaw", "chin"),
 )
-"""Words in the names of markers, of which the first counts: an eyebrow is no eye."""
+"""Words in the names of markers, of which the first counts: an eyebrow is not an eye."""
 
 
 def layout(inputs: Mapping[str, object], column: str) -> dict[str, Any] | None:

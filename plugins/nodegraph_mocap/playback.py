@@ -36,7 +36,7 @@ class Panel(Value):
     Raises
     ------
     ValueError
-        If there is no frame, a number is missing, the axes are no unit vectors at right angles,
+        If there is no frame, a number is missing, the axes are not unit vectors at right angles,
         or the radius is not positive.
     """
 
@@ -57,7 +57,7 @@ class Panel(Value):
         )
         axes = np.stack([right, up])
         if np.abs(axes @ axes.T - np.eye(2)).max() > _SQUARE:
-            raise ValueError(f"right {right} and up {up} are no unit vectors at right angles")
+            raise ValueError(f"right {right} and up {up} are not unit vectors at right angles")
         set_fields(self, centre=centre, right=right, up=up, radius=float(self.radius))
 
     @property
@@ -87,7 +87,7 @@ class Playback(Value):
     Raises
     ------
     ValueError
-        If there is no panel, `every` is not positive, the truth is no recording, or a recording
+        If there is no panel, `every` is not positive, the truth is not a recording, or a recording
         has another number of frames or another rate than the truth.
     """
 

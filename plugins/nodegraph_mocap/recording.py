@@ -179,7 +179,7 @@ class Mask(Value):
 def check_markers(
     recording: Trajectories, names: Iterable[str], *, what: str = "the recording"
 ) -> None:
-    """Raise an error for names that are no markers of a recording, or are duplicates.
+    """Raise an error for names that are not markers of a recording, or are duplicates.
 
     Parameters
     ----------

@@ -94,7 +94,7 @@ def _column(
         label = labels.get(name, "")
         if isinstance(label, (int, float)):
             return np.full(len(table), float(label))
-        raise ValueError(f"axis {name!r} has the label {label!r}, which is no number")
+        raise ValueError(f"axis {name!r} has the label {label!r}, which is not a number")
     _check_number(table, name, scores)
     return table[name].to_numpy(dtype=np.float64)
 

@@ -65,7 +65,7 @@ def spectra(
     ------
     ValueError
         If a recording has no frames or no markers, lacks one that is asked for, or no marker of
-        it has so long a run without a gap.
+        it has a run of that length without a gap.
 
     References
     ----------

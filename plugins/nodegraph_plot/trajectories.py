@@ -103,7 +103,7 @@ def trajectories(
         warnings.warn(f"the reference {reference!r} is not drawn; {there}", stacklevel=2)
     full = _in_full(by_name, truth, chosen, window, reference)
     if len(full) < len(by_name):
-        look = looks(full)  # of so many, some share a colour in the figures of a graph
+        look = looks(full)  # with this many, some share a colour in the figures of a graph
     if reference in full:
         look[reference] = replace(look[reference], line="--")
     return draw(by_name, truth, {name: look[name] for name in full}, chosen, window, coordinates)

@@ -101,7 +101,7 @@ def alignment(
         T frames: what an alignment has taken out of each recording, its `head_motion`, with the
         same labels. Left open: all recordings are as they were captured.
     components
-        At most so many of each recording; fewer where fewer have variance.
+        Upper limit for each recording; fewer where fewer have variance.
 
     Returns
     -------

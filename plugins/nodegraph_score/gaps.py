@@ -204,7 +204,7 @@ def _table(
     if any(suspect):
         notes.append(
             f"In {sum(map(bool, suspect))} of {len(suspect)} gaps the truth itself has an impulse "
-            "(column 'suspect'): there the errors are no measure of the estimate."
+            "(column 'suspect'): there the errors are not a measure of the estimate."
         )
     return with_info(
         table, TableInfo(title="Errors in gaps", notes=tuple(notes), units=UNITS, better=BETTER)

@@ -94,7 +94,7 @@ def impulses(
     Raises
     ------
     ValueError
-        If frame counts or markers differ, or `per` is none of its choices.
+        If frame counts or markers differ, or `per` is not one of its choices.
     """
     if per not in get_args(Per):
         raise ValueError(f"per must be take or marker, got {per!r}")

@@ -72,18 +72,18 @@ def steps(
     after      mm, and after it
     nearer     share of those that came nearer to the truth
     added      samples that the stage has and the one before it has not; a missing sample has
-               no error, so that `before` says nothing of them
+               no error, so that `before` says nothing about them
     added rmse mm, root mean square error of those
     worst      mm, largest error of the changed and the added ones after the step
     removed    samples that the stage no longer has
     rmse       mm, root mean square error of all samples that the stage has
     missing    samples of the truth that it lacks
     misplaced  samples that are nearer to where another marker is than to where their own is:
-               wrong names, points that are no marker's, or errors as large
+               wrong names, points of no marker, or errors as large
     ========== ===========================================================================
 
     A warning names each step that makes it worse. A step that adds samples raises
-    `rmse` whenever they are worse than those that were there: that alone is no fault.
+    `rmse` whenever they are worse than those that were there: that alone is not a fault.
 
     Parameters
     ----------

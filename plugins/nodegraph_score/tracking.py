@@ -113,7 +113,7 @@ def _row(track: NDArray[np.intp]) -> tuple[float, ...]:
     links = max(len(followed) - 1, 0)
     switches = int(np.count_nonzero(followed[1:] != followed[:-1]))
     lost = int(np.count_nonzero(has[:-1] & ~has[1:]))
-    # The last loss is no fragment where no track finds the marker again.
+    # The last loss is not a fragment where no track finds the marker again.
     final = int(has.any() and not has[-1])
     return (
         len(track),
@@ -131,7 +131,7 @@ def _notes(estimate: Trajectories, track: NDArray[np.intp]) -> list[str]:
     if extra <= 0:
         return []
     note = (
-        f"{extra} of {np.count_nonzero(estimate.present)} samples in tracks are no sample of the "
+        f"{extra} of {np.count_nonzero(estimate.present)} samples in tracks are not samples of the "
         "truth: ghosts, or moved points"
     )
     warnings.warn(note, stacklevel=3)

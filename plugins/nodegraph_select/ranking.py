@@ -40,7 +40,7 @@ def count_of(recording: Trajectories, k: int | None, like: Selection | None) -> 
     Refusal
         If there are fewer.
     ValueError
-        If there is neither or both, or the setting is no number of markers.
+        If there is neither or both, or the setting is not a number of markers.
     """
     if (k is None) == (like is None):
         raise ValueError(f"give k or a selection `like`, got {'neither' if k is None else 'both'}")
@@ -59,7 +59,7 @@ def first_pairs(
     values: NDArray[np.float64] | None = None,
     column: str = "",
 ) -> Selection:
-    """Return the first pairs of an order that have so many markers together.
+    """Return the first pairs of an order that together have a number of markers.
 
     Parameters
     ----------

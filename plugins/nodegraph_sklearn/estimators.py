@@ -25,7 +25,7 @@ _FEWEST = 2
 """Frames from which a regressor learns, at least."""
 
 _NOT_SET = ("n_jobs", "verbose", "copy", "copy_X", "missing_values", "add_indicator")
-"""Parameters that change no result, or make one that is no recording; they are not settings."""
+"""Parameters that change no result, or make one that is not a recording; they are not settings."""
 
 _SEED = "random_state"
 
@@ -192,7 +192,9 @@ def _application(kind: type[object], name: str) -> Callable[[Trajectories, Any],
         return regress
     if issubclass(kind, TransformerMixin) and hasattr(kind, "inverse_transform"):
         return project
-    raise NodegraphError(f"{name} is no imputer, no regressor and no transformer with an inverse")
+    raise NodegraphError(
+        f"{name} is neither an imputer nor a regressor nor a transformer with an inverse"
+    )
 
 
 def _settings(kind: type[object]) -> list[inspect.Parameter]:

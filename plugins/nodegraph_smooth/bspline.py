@@ -26,7 +26,7 @@ def _lookahead(settings: Mapping[str, Any]) -> int:
 
 
 def _frames_before(settings: Mapping[str, Any]) -> int:
-    # a run of so many frames and one more is long, and past its irregular start
+    # a run of this many frames and one more is long, and past its irregular start
     return 2 * irregular(settings["order"], settings["ends"])
 
 
@@ -91,7 +91,7 @@ def bspline(
     Raises
     ------
     ValueError
-        If `order` or `ends` is none of its choices.
+        If `order` or `ends` is not one of its choices.
     """
     if not 1 <= order <= HIGHEST:
         raise ValueError(f"order must be 1 to {HIGHEST}, got {order}")

@@ -72,7 +72,7 @@ def kalman(
         If the cut-off is not below half the frame rate or too low to be computed, or every run
         is too short.
     ValueError
-        If `motion` is none of its choices or `noise` not positive.
+        If `motion` is not one of its choices or `noise` not positive.
     """
     order = components(motion)
     if not noise > 0.0:
@@ -86,7 +86,7 @@ def components(motion: Motion) -> int:
     Raises
     ------
     ValueError
-        If `motion` is none of its choices.
+        If `motion` is not one of its choices.
     """
     if motion not in get_args(Motion):
         raise ValueError(f"motion must be {' or '.join(get_args(Motion))}, got {motion!r}")

@@ -114,7 +114,7 @@ def kalman_filter(
     Refusal
         If the cut-off is not below half the frame rate or too low to be computed.
     ValueError
-        If `motion` is none of its choices or `noise` not positive.
+        If `motion` is not one of its choices or `noise` not positive.
     """
     if not noise > 0.0:
         raise ValueError(f"noise must be a positive number of mm, got {noise}")

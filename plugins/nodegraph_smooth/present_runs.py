@@ -67,7 +67,7 @@ class Runs:
             yield int(length), self.subset(self.length == length)
 
     def together(self, most: int) -> Iterator[Runs]:
-        """Yield equally long runs, some at a time: up to so many samples, but one run at least."""
+        """Yield equally long runs, some at a time: up to `most` samples, but one run at least."""
         some = max(1, most // int(self.length[0]))
         for first in range(0, len(self.start), some):
             part = slice(first, first + some)
@@ -113,7 +113,7 @@ def smooth_runs(recording: Trajectories, method: Method, *, shortest: int = 1) -
 
 
 def long_enough(runs: Runs, shortest: int) -> Runs:
-    """Return the runs of so many frames, and warn of the others; called by a node's helper.
+    """Return the runs of at least `shortest` frames, and warn of the others; called by a helper.
 
     Raises
     ------

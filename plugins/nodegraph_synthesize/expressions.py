@@ -154,7 +154,7 @@ def _course(since: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[n
 
 
 def _levels(random: np.random.Generator, lopsided: float, count: int) -> NDArray[np.float64]:
-    """Return (n, K) levels of the channels at the apex of so many expressions."""
+    """Return (n, K) levels of the channels at the apex of n expressions."""
     full = np.array(
         [[_level(muscles, name) for name in CHANNELS] for muscles in EXPRESSIONS.values()]
     )

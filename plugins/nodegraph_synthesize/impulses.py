@@ -114,8 +114,8 @@ def _check(
     samples, fitting = np.count_nonzero(present), np.count_nonzero(hit)
     if fitting < wanted:
         raise ValueError(
-            f"{wanted} impulses asked ({share} of {samples} present samples), {fitting} fit with "
-            f"seed {seed}, in single frames with a present sample on each side: ask for a "
+            f"{wanted} impulses requested ({share} of {samples} present samples), {fitting} fit "
+            f"with seed {seed}, in single frames with a present sample on each side: ask for a "
             "smaller share"
         )
     if share > 0 and not wanted:

@@ -46,7 +46,7 @@ def add(
     ``sqrt(own^2 + sigma^2)``; a recording that states none still states none.
 
     The draws depend on the seed and on the numbers of frames and markers alone: another `sigma`
-    is the same noise at another scale, and a gap changes nothing of the noise around it. Two of
+    is the same noise at another scale, and a gap does not change the noise around it. Two of
     these in a row need two seeds, or the same noise is added twice.
 
     Parameters

@@ -21,7 +21,7 @@ def smooth_noise(
     """Return (T, n) smooth random curves of mean 0 and standard deviation 1.
 
     White noise through a Gaussian low-pass, ``exp(-(f / cutoff)^2)``, over a span longer than
-    the recording, so that its end knows nothing of its start.
+    the recording, so that its end knows nothing about its start.
 
     Parameters
     ----------

@@ -54,9 +54,9 @@ def name_lines(
     """
     up = axis.transScale + axis.transLimits
     places = up.transform([(axis.get_xlim()[0], height) for height in heights])[:, 1]
-    wished = np.clip(places, 0.0, 1.0) * tall * _POINTS
-    shifted = _apart(wished, _LEADING * SMALL) / (tall * _POINTS)
-    for name, place, colour, height in zip(names, shifted, colours, wished, strict=True):
+    desired = np.clip(places, 0.0, 1.0) * tall * _POINTS
+    shifted = _apart(desired, _LEADING * SMALL) / (tall * _POINTS)
+    for name, place, colour, height in zip(names, shifted, colours, desired, strict=True):
         y = height / (tall * _POINTS)
         axis.text(
             1.02, place, name, transform=axis.transAxes, color=colour, fontsize=SMALL, va="center"
@@ -69,14 +69,14 @@ def name_lines(
             )  # fmt: skip
 
 
-def _apart(wished: NDArray[np.float64], least: float) -> NDArray[np.float64]:
-    """Return the places nearest to those wished that are so far apart, in the same order.
+def _apart(desired: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+    """Return the places nearest to those desired that are so far apart, in the same order.
 
     Isotonic regression by pooling adjacent violators (Ayer et al. 1955).
     """
-    order = np.argsort(wished, kind="stable")
+    order = np.argsort(desired, kind="stable")
     pools: list[tuple[float, int]] = []
-    for place in wished[order] - least * np.arange(len(wished)):
+    for place in desired[order] - least * np.arange(len(desired)):
         mean, count = float(place), 1
         while pools and pools[-1][0] > mean:
             other, several = pools.pop()
@@ -84,6 +84,6 @@ def _apart(wished: NDArray[np.float64], least: float) -> NDArray[np.float64]:
             count += several
         pools.append((mean, count))
     means = np.repeat([mean for mean, _ in pools], [count for _, count in pools])
-    places = np.empty_like(wished)
-    places[order] = means + least * np.arange(len(wished))
+    places = np.empty_like(desired)
+    places[order] = means + least * np.arange(len(desired))
     return places

@@ -67,7 +67,7 @@ class Column(NamedTuple):
 
     @property
     def has_intervals(self) -> bool:
-        """Whether something stands beside the numbers."""
+        """Whether there is anything next to the numbers."""
         return any(cell.beside for cell in self.cells)
 
 

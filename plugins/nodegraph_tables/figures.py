@@ -48,7 +48,7 @@ class StoredFigure(Value):
     Raises
     ------
     ValueError
-        If either is no drawing.
+        If either is not a drawing.
     """
 
     svg: bytes

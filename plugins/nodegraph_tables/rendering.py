@@ -62,7 +62,7 @@ def render_table(table: Table, title: str) -> Rendered:
 
     A column whose numbers are all the same is left out, except in the CSV, and stated below. Texts
     in the CSV that a spreadsheet would take for a formula, as they begin with ``=``, ``+``, ``-``
-    or ``@`` and are no numbers, begin with an apostrophe there.
+    or ``@`` and are not numbers, begin with an apostrophe there.
     """
     return _rendered(table, info_of(table).title or title)
 

@@ -138,7 +138,7 @@ def _printable(character: str) -> str:
 
 
 def _broken(text: str, across: int, lines: int) -> list[str]:
-    """Return text in so many lines at most, without its middle where it does not fit."""
+    """Return text in a limited number of lines, without its middle where it does not fit."""
     length = across * lines
     broken = wrap(_shortened(text, length), across)
     # words are not cut where a line can end before them, so that lines may have room left

@@ -53,7 +53,7 @@ def assignment(
     A track m that was at ``p[m]`` in the frame before is expected at ``x[m] = p[m] + v[m]``,
     where the velocity ``v[m]`` is the median, coordinate by coordinate, of the steps per frame
     between its last four points, steps that it does not have yet being 0: one impulse, or one
-    ghost taken by mistake, does not lead it away. A track that gets no point goes on to
+    ghost taken by mistake, does not lead it away. A track that gets no point continues to
     ``x[m]``, and its velocity is multiplied by `fade` in each further frame (the damped trend
     of Gardner & McKenzie): a face turns back sooner than a long occlusion ends.
 
@@ -90,7 +90,7 @@ def assignment(
         Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
         the take has frames.
     fade
-        What is left of a track's velocity from frame to frame while it has no point: 1 goes on
+        What is left of a track's velocity from frame to frame while it has no point: 1 continues
         at constant velocity, 0 stays after the first frame.
 
     Returns

@@ -42,7 +42,7 @@ def gives_each_point_once(tried: Tried) -> Iterator[str]:
     distinct, index = np.unique(every, axis=0, return_inverse=True)
     used = np.bincount(index.ravel()[len(there) :], minlength=len(there))
     if len(distinct) > len(there):
-        yield f"{len(distinct) - len(there)} samples are no point of their frame"
+        yield f"{len(distinct) - len(there)} samples are not points of their frame"
     elif np.any(used > how_many):
         yield f"{np.count_nonzero(used > how_many)} points are used more than once"
 

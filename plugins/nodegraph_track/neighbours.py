@@ -72,7 +72,7 @@ def neighbours(
     A track m that was at ``p[m]`` in the frame before is expected at
     ``x[m] = p[m] + median(q[n] - p[n])``, coordinate by coordinate, over the nearest tracks n
     that have a point both in that frame, ``p[n]``, and in this one, ``q[n]``. A track that gets
-    no point goes on to ``x[m]``: so it is found again where the face has carried it, however
+    no point continues to ``x[m]``: so it is found again where the face has carried it, however
     the head moved meanwhile. This is how Guenter et al. fill gaps, with the median for the mean:
     a neighbour that is linked wrongly does not lead it away.
 
@@ -89,7 +89,7 @@ def neighbours(
     be an impulse.
 
     A marker that is hidden while it moves otherwise than all that are near it, by more than the
-    gate, is lost; `track.assignment` may find it. A track without any such neighbour goes on at
+    gate, is lost; `track.assignment` may find it. A track without any such neighbour continues at
     its own velocity for a frame, and then stays where it is.
 
     A point that no track takes opens one. A track without a point stays open; but one that has

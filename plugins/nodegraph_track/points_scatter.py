@@ -49,7 +49,7 @@ def scatter(
     spread over the frames that have a point, uniformly in time and, within a frame, uniformly
     in the box around its points, grown by a tenth of its size on each side. Which samples are
     dropped, the order and the ghosts are drawn from separate streams of the seed: another share
-    of one changes nothing of the others, and with a larger share what was dropped stays dropped.
+    of one does not change the others, and with a larger share what was dropped stays dropped.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Benchmarks: this machine beside its peers, the same work in one run.
 
-They are no part of the normal test run, and none fails on a clock: what they assert is that all
+They are not part of the normal test run, and none fails on a clock: what they assert is that all
 engines give the same results. How to run them::
 
     pip install -e '.[bench]'

@@ -1,4 +1,4 @@
-"""What shows GLB files in a program that knows nothing of ours: three.js, in a browser.
+"""What shows GLB files in a program that knows nothing about ours: three.js, in a browser.
 
 Set ``NODEGRAPH_THREE`` to the folder of the package ``three``, as ``npm pack three`` gives it.
 """

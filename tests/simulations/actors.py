@@ -36,7 +36,7 @@ STUDIES, GAPS = 20, 40
 """Studies of a recording, and gaps in each."""
 GRAPH: Final = Path(__file__).parents[2] / "graphs" / "fill.yaml"
 ACTORS: Final = range(101, 109)
-"""Seeds of faces that are no samples."""
+"""Seeds of faces that are not samples."""
 
 
 def scores(captured: object, truth: object, count: int, seed: int) -> DataFrame:

@@ -221,7 +221,7 @@ class Worker:
         return self._process.poll() is None
 
     def send(self, request: Request, timeout: float | None = None) -> Response:
-        """Send a request and wait for the response, for which the process has so many seconds.
+        """Send a request and wait for the response, up to a time limit in seconds.
 
         Raises
         ------

@@ -158,7 +158,7 @@ def respond(request: Request, timeout: float | None = None) -> Response:
     ----------
     request
     timeout
-        Seconds that the call may take; one that takes longer goes on until this process ends.
+        Seconds that the call may take; one that takes longer continues until this process ends.
     """
     try:
         finder = finder_for(request.environment)
@@ -231,7 +231,7 @@ def main() -> None:
 
 @contextmanager
 def _limited_memory(gigabytes: float) -> Iterator[None]:
-    """Have this process take no more memory than it has and so many gigabytes."""
+    """Limit the memory of this process to what it has now and some gigabytes more."""
     import resource
 
     _, most = resource.getrlimit(resource.RLIMIT_DATA)
@@ -278,7 +278,7 @@ class _Reader:
 
 
 def _pipes() -> tuple[BufferedReader, BufferedWriter]:
-    """Take over standard input and output, so that what a node prints is no response."""
+    """Take over standard input and output, so that what a node prints is not a response."""
     requests, responses = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     null = os.open(os.devnull, os.O_RDONLY)
     os.dup2(null, 0)

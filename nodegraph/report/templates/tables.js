@@ -23,7 +23,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     caption: [...table.caption?.childNodes ?? []].filter(({ nodeName }) => nodeName !== "B")
       .map(({ textContent }) => textContent).join("").trim(),
   });
-  // a spreadsheet would compute what begins like this and is no number
+  // a spreadsheet would compute what begins like this and is not a number
   const guarded = (text) => (/^[=+\-@\t\r]/.test(text) && Number.isNaN(Number(text)) ? `'${text}` : text);
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const csv = (shown) => {

@@ -29,7 +29,7 @@ _PLAIN = 1e-9
 """As long as no column lies closer to the others (squared sine), normal equations will do."""
 
 _TIE = 5e-14
-"""Up to this share of `noise`, a gradient is no evidence about the bound that a weight is at."""
+"""Up to this share of `noise`, a gradient is not evidence about the bound that a weight is at."""
 
 _ROUNDS = 200
 _FREED = 20

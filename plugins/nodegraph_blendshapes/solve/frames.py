@@ -89,7 +89,7 @@ def patterns(problem: Problem, ridge: float) -> Iterator[Pattern]:
 def columns_of(problem: Problem, there: Flags, ridge: float) -> tuple[NDArray[np.intp], Matrix]:
     """Return which shapes (M,) markers show, and what each does to their coordinates, (K, R).
 
-    A ridge is so many coordinates more, one for each shape, that its weight moves away from 0.
+    A ridge is one more coordinate for each shape, which its weight moves away from 0.
     """
     shapes = np.flatnonzero(moves(problem.shapes[:, there]))
     columns = problem.shapes[np.ix_(shapes, there)].reshape(len(shapes), 3 * there.sum())

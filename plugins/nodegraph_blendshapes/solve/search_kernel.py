@@ -37,7 +37,7 @@ DEPENDENT = 1e-13
 """A column of which no larger share is at right angles to the free ones is not freed."""
 
 CANCEL = 100.0
-"""Weights cancel where ``sum(|weight| |column|)`` is so many times the target's length."""
+"""Weights cancel where ``sum(|weight| |column|)`` is this many times the target's length."""
 
 AT_LOW, AT_HIGH, AT_REST, FREE = 0, 1, 2, 3
 

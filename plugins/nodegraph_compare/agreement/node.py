@@ -86,7 +86,7 @@ def agreement(
     clusters
         Axes, or columns, whose combinations are the independent units. Over three or more, the
         bias is the mean of their means, the limits are those of a single block, and intervals
-        are those of so many pairs; within one or two recordings, blocks are taken as independent.
+        are those of that many pairs; within one or two recordings, blocks are taken as independent.
         Default: the axes along which the data differ, but for those in `compare` and `within`.
     baseline
         A label of `compare`: only pairs with it, as the second. Default: each pair of labels.

@@ -96,8 +96,8 @@ def losses(scores: Across[Table], curves: Curves, *, skipped: bool) -> list[str]
         f"{start_text(points.label)}{count} {what}"
         for points in curves.points
         for count, what in (
-            (points.without_x, f"rows left out, whose {axes.x} is no finite number"),
-            (points.without_value, f"{rows} left out, whose {axes.metric} is no finite number"),
+            (points.without_x, f"rows left out, whose {axes.x} is not a finite number"),
+            (points.without_value, f"{rows} left out, whose {axes.metric} is not a finite number"),
         )
         if count
     ]

@@ -77,7 +77,7 @@ def axes_of(
     ------
     ValueError
         If there is no table, a name is unknown, used twice or one that the result's table needs,
-        or `x` or the metric is no number.
+        or `x` or the metric is not a number.
     """
     if not len(scores):
         raise ValueError("there is no table to draw a curve of")
@@ -141,7 +141,7 @@ def _check_x(scores: Across[Table], x: str) -> None:
     labels = list(dict.fromkeys(at.get(x, "") for at, _ in scores))
     words = [str(label) for label in labels if not _is_number(label)]
     if words:
-        raise ValueError(f"x {x!r} is no axis of finite numbers: it has {', '.join(words[:5])}")
+        raise ValueError(f"x {x!r} is not an axis of finite numbers: it has {', '.join(words[:5])}")
 
 
 def _is_number(label: object) -> bool:

@@ -73,7 +73,7 @@ class Points:
     count : (P,) array of int
         Blocks, or rows, with a number.
     without_x, without_value : int
-        Rows left out because x is no finite number, and blocks (or rows) because the metric is
+        Rows left out because x is not a finite number, and blocks (or rows) because the metric is
         none.
     taken : int
         Blocks whose value is the fallback's.
@@ -206,7 +206,7 @@ def _filled(rows: _Rows, fallback: Label) -> tuple[_Rows, dict[Label, int]]:
 def unit_names(scores: Across[Table], axes: Axes) -> tuple[str, ...]:
     """Return what distinguishes independent units: clusters, or repetitions of few of them.
 
-    Blocks of one recording that are no repetitions are not independent; they are one unit.
+    Blocks of one recording that are not repetitions are not independent; they are one unit.
     """
     if len(set(_together(scores, axes.clusters))) > MOST_RECORDINGS:
         return axes.clusters

@@ -57,7 +57,7 @@ def verdicts(overview: Overview, name: str, meanings: Mapping[str, str]) -> str:
     overview
         Of the comparison.
     name
-        By which its parts are told from those of another on one page.
+        Distinguishes its parts from those of another on one page.
     meanings
         What the labels of an axis are.
     """

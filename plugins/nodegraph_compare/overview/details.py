@@ -210,7 +210,7 @@ class _Takes:
         )
 
     def read(self, at: int, block: int) -> dict[str, Mapping[str, Any]] | None:
-        """Return what the score of each method had read; None where that is not at hand."""
+        """Return what the score of each method had read; None where that is not available."""
         labels = self.labels(at, block)
         methods = self._overview.methods
         key = self._command(labels, methods[0])

@@ -53,7 +53,7 @@ class Excerpt:
 
 
 def excerpt_of(overview: Overview) -> Excerpt:
-    """Return what of an overview a page holds: all, or every so many blocks and the suspect ones.
+    """Return what of an overview a page holds: all blocks, or some of them and the suspect ones.
 
     Before blocks are left out, metrics are.
     """

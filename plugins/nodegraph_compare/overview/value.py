@@ -129,10 +129,10 @@ class Overview(Value):
     Attributes
     ----------
     metrics : tuple of Metric
-        What is compared, then what stands beside it, then up to three more numbers of the same
-        blocks.
+        What is compared, then the metrics shown next to it, then up to three more numbers of the
+        same blocks.
     beside : int
-        How many of the metrics stand beside it.
+        How many of the metrics are shown next to it.
     compare : str
         What the methods are labels of; empty where nothing is compared.
     is_sequence : bool

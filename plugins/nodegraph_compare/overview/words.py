@@ -44,7 +44,7 @@ def signed(value: float, unit: str, mean: float) -> str:
 
 
 def beside_text(values: Sequence[float], metric: Metric) -> str:
-    """Return means of what stands beside the metric, from first to last, in few digits."""
+    """Return means of the metrics shown next to the first, from first to last, in few digits."""
     return shares_text(values) if metric.unit == "share" else in_unit(values, metric.unit)
 
 

@@ -32,7 +32,7 @@ _TALLEST = 7.6
 """Inches: a row of a method, and all rows of a panel at most."""
 
 _NUMBERED = 40
-"""Methods up to which the mean of each stands beside its interval."""
+"""Methods up to which the mean of each is written next to its interval."""
 
 _GAP_ACROSS, _GAP_DOWN, _BELOW = 0.28, 0.42, 0.55
 _LETTERS = 34
@@ -102,7 +102,7 @@ def draw(
 
 
 def _across(summaries: Sequence[Summary]) -> int:
-    """Return how many panels stand beside each other: those of the last axis, if they fit."""
+    """Return how many panels are side by side: those of the last axis, if they fit."""
     last = dict.fromkeys(summary.group.labels[-1:] for summary in summaries)
     rows = math.ceil(len(last) / _MOST_ACROSS)
     return math.ceil(len(last) / rows)

@@ -50,7 +50,7 @@ def wide_table(
 ) -> Table:
     """Return the means in rows and columns.
 
-    What is wanted beside the mean stands in columns of its own, which a reader sees in one cell.
+    Further numbers about the mean are in columns of their own, which a reader sees in one cell.
     The best mean of each group is marked.
 
     Parameters
@@ -62,7 +62,7 @@ def wide_table(
     order
         The compared labels as the graph lists them.
     parts
-        What is wanted beside the mean: ``low``, ``high`` and ``p``, against the baseline, or the
+        Further numbers about the mean: ``low``, ``high`` and ``p``, against the baseline, or the
         best.
     """
     from pandas import DataFrame
@@ -104,7 +104,7 @@ def _side(rows: Sequence[Labels], layout: Layout) -> dict[str, Sequence[object]]
 
 
 def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[str, list[float]]:
-    """Return the columns of numbers under one head: the means, then what is wanted beside them."""
+    """Return the columns of numbers under one head: the means, then the further numbers."""
     beside = {f"{head} {part}": [getattr(cell, part) for cell in column] for part in parts}
     return {head: [cell.mean for cell in column]} | beside
 

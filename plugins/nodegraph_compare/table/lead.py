@@ -46,7 +46,7 @@ def lead_of(
         return None
     first = summaries[0]
     held = f"Scope: {scope(first.units, question, blocks)}." if first.units.count > 1 else ""
-    # the only row of a label is no mean
+    # the only row of a label is not a mean
     is_mean = any(len(s.group.rows) > len(s.group.methods) for s in summaries)
     metric = f"Mean {question.metric}" if is_mean else question.metric.capitalize()
     if len(summaries) == 1:

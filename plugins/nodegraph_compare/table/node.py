@@ -110,11 +110,11 @@ def table(
     in at most about 5 % of studies. Fewer than five clusters are described, without p and verdict;
     five to seven are provisional.
 
-    One or two clusters say nothing of further ones: the claim is then about further blocks of these
-    recordings. The units are the recording's repetitions (axes of `blocks` along which the same
-    data are treated again) or, where the tables have columns ``start`` and ``frames``, ten equal
-    parts of its time where it is 100 times as long as scores are correlated, six from 36 times on,
-    and otherwise nothing is said. Blocks with neither are taken in their order.
+    One or two clusters say nothing about further ones: the claim is then about further blocks of
+    these recordings. The units are the recording's repetitions (axes of `blocks` along which the
+    same data are treated again) or, where the tables have columns ``start`` and ``frames``, ten
+    equal parts of its time where it is 100 times as long as scores are correlated, six from 36
+    times on, and otherwise nothing is said. Blocks with neither are taken in their order.
 
     What differs by rounding alone (1e-9 of the size of a block's values, of a thousandth of what is
     usual at least) is equal, and stands as that of the first method.
@@ -151,8 +151,8 @@ def table(
     fallback
         A label of `compare`: where another method has no number in a block, this one's stands, as
         it would in use. What is refused is not missing at random: a method that refuses the
-        hardest blocks looks better over the rest. Two other rules stand beside it, the blocks that
-        all methods have, and the worst value of the block: a claim stands only if all three
+        hardest blocks looks better over the rest. Two other rules are shown next to it, the blocks
+        that all methods have, and the worst value of the block: a claim stands only if all three
         agree, and the answer says so.
     rows
         Axes, or columns, whose labels stand down the side of a table of means; those not in

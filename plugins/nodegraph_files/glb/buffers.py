@@ -79,7 +79,7 @@ class Accessors:
         Raises
         ------
         ValueError
-            If there are others, they lie outside the file, or one is no finite number.
+            If there are others, they lie outside the file, or one is not a finite number.
         """
         accessor, at = self._accessor(index, where, kind, count)
         stored = self._stored(accessor, at, known=count is not None)
@@ -240,7 +240,7 @@ def split_glb(data: bytes) -> tuple[bytes, bytes]:
     Raises
     ------
     ValueError
-        If the bytes are no such file, or less than the file says.
+        If the bytes are not such a file, or less than the file says.
     """
     if not data.startswith(MAGIC) or len(data) < _HEADER.size:
         raise ValueError("it does not start as a GLB file does")

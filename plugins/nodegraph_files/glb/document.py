@@ -152,7 +152,7 @@ def read_document(text: bytes) -> Document:
     Raises
     ------
     ValueError
-        If it is no such JSON, naming the places; or if its meshes are compressed, or need another
+        If it is not such JSON, naming the places; or if its meshes are compressed, or need another
         extension that is not known here.
     """
     try:

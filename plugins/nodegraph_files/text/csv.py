@@ -113,7 +113,7 @@ class Columns:
         )
 
     def add_other(self, column: int) -> None:
-        """Keep a column that is no coordinate."""
+        """Keep a column that is not a coordinate."""
         is_counter = is_frame(self.names[column]) or seconds_in(self.names[column]) is not None
         (self.counters if is_counter else self.left_out).append(column)
 
@@ -189,7 +189,7 @@ def warn_left_out(columns: Columns) -> None:
     if columns.left_out:
         shown = [columns.names[column] or f"column {column + 1}" for column in columns.left_out]
         warnings.warn(
-            f"{len(columns.left_out)} columns are no coordinates and were left out: "
+            f"{len(columns.left_out)} columns are not coordinates and were left out: "
             f"{listed(shown, _LISTED)}",
             stacklevel=4,
         )
@@ -246,7 +246,7 @@ def read_long(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording from columns frame or time, marker, x, y and z, in any order.
 
     A row that is not there is a missing sample, and so are those of frames that are skipped; a
-    warning counts these. Where steps from frame to frame are no whole multiples of the usual
+    warning counts these. Where steps from frame to frame are not whole multiples of the usual
     one, the frames count as evenly spaced, with a warning.
 
     Raises
@@ -322,7 +322,7 @@ def _grid(rows: Rows, name: str, there: NDArray[np.float64]) -> NDArray[np.int64
     if steps is None:
         if len(there) > 1:
             warnings.warn(
-                f"the {len(there)} values of the column {name!r} are no whole steps apart; they "
+                f"the {len(there)} values of the column {name!r} are not whole steps apart; they "
                 "count as evenly spaced frames",
                 stacklevel=4,
             )
@@ -499,7 +499,7 @@ def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     Raises
     ------
     ValueError
-        With file, line and column, as far as there are any: if a cell is no number, a coordinate
+        With file, line and column, as far as there are any: if a cell is not a number, a coordinate
         has no column, frames, rate or names lack, or commas may mean two things.
     """
     table = read_table(path)

@@ -68,9 +68,10 @@ def read_live_link(path: Path) -> Weights:
     Raises
     ------
     ValueError
-        With the file, and where there are any with line and column: if it is no such file, a cell
-        is no number or infinite, a row has too few or too many cells, a column is there twice, a
-        timecode goes back, or more frames are dropped than there are and than a minute has.
+        With the file, and where there are any with line and column: if it is not such a file, a
+        cell is not a number or infinite, a row has too few or too many cells, a column is there
+        twice, a timecode goes back, or more frames are dropped than there are and than a minute
+        has.
     """
     names, rows = _rows(path)
     columns = _columns(path, names)
@@ -168,7 +169,7 @@ def _times(path: Path, rows: list[tuple[int, list[str]]]) -> _Times:
     for line, cells in rows:
         match = _TIMECODE.fullmatch(cells[0])
         if match is None:
-            raise ValueError(f"{path}:{line}:1: {cells[0]!r} is no timecode hh:mm:ss:ff.fff")
+            raise ValueError(f"{path}:{line}:1: {cells[0]!r} is not a timecode hh:mm:ss:ff.fff")
         hours, minutes, seconds, counts = (float(part) for part in match.groups())
         parts.append((3600 * hours + 60 * minutes + seconds, counts))
     seconds_of, counts_of = np.array(parts).T

@@ -58,7 +58,7 @@ def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
     ------
     ValueError
         With file and line, and column where there is one: if the rows of the header, the rate or
-        all markers lack, the unit is unknown, or a cell is no number.
+        all markers lack, the unit is unknown, or a cell is not a number.
     """
     rate = _rate(table)
     length_unit = _unit(table, unit)

@@ -31,7 +31,7 @@ def text_lines(path: Path) -> list[str]:
     Raises
     ------
     ValueError
-        If the file is no text in UTF-8, or in UTF-16 with a byte order mark.
+        If the file is not text in UTF-8, or in UTF-16 with a byte order mark.
     """
     text = read_text_file(path)
     try:
@@ -80,7 +80,7 @@ def cell_numbers(
     Raises
     ------
     ValueError
-        With file, line and column, if a cell is no number.
+        With file, line and column, if a cell is not a number.
     """
     try:
         if not any("_" in cell for cell in cells):
@@ -150,7 +150,7 @@ class Rows:
     lenient: bool = False
 
     def lines(self) -> Iterator[Line]:
-        """Return the lines that are not blank; tabs are no blanks where they separate cells."""
+        """Return the lines that are not blank; tabs are not blanks where they separate cells."""
         blanks = " " if self.separator == "\t" else None
         return (line for line in self.text.lines(self.start, self.line) if line.text.strip(blanks))
 
@@ -163,7 +163,7 @@ def read_rows(rows: Rows) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        With file and line, and column where there is one: if a cell is no number, a row has too
+        With file and line, and column where there is one: if a cell is not a number, a row has too
         few cells or too many, or a comma may separate decimals or thousands.
     """
     numbers = _at_once(rows)
@@ -392,7 +392,7 @@ class Table:
     ) -> Rows:
         """Return the rows that follow a row of the header; see `Rows`.
 
-        Where they may end early, empty rows right below the header are no frames.
+        Where they may end early, empty rows right below the header are not frames.
         """
         first = next(self.rows(row.end, row.line + 1), None) if lenient else None
         return Rows(
@@ -413,7 +413,7 @@ def read_table(path: Path) -> Table:
     Raises
     ------
     ValueError
-        If it is no text, or has no line.
+        If it is not text, or has no line.
     """
     text = replace(read_text_file(path), commented=True)
     first = [

@@ -202,7 +202,7 @@ def stated_rate(table: Table) -> float | None:
     Raises
     ------
     ValueError
-        If it is no positive number.
+        If it is not a positive number.
     """
     comment = table.comments.get("rate")
     if comment is None:
@@ -231,7 +231,7 @@ def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
         rate = rate_of_times(times)
         if rate is not None and not even:
             warnings.warn(
-                f"times are no whole steps apart; by the median step the rate is {rate:g} Hz, "
+                f"times are not whole steps apart; by the median step the rate is {rate:g} Hz, "
                 "a line '# rate: 60' would say it",
                 stacklevel=4,
             )

@@ -69,7 +69,7 @@ class TextFile:
         Raises
         ------
         ValueError
-            With file and line, if one is no text in UTF-8.
+            With file and line, if one is not text in UTF-8.
         """
         stream = BytesIO(self.content)
         stream.seek(start)
@@ -106,14 +106,14 @@ def read_text_file(path: Path) -> TextFile:
     Raises
     ------
     ValueError
-        If the file is no text.
+        If the file is not text.
     """
     raw = path.read_bytes()
     other = other_format(raw)
     if other is not None:
         raise ValueError(f"{path}: not a table of text: it is {other}")
     content = _in_utf8(path, raw)
-    # The start is enough: what follows is refused where it is read, if it is no text.
+    # The start is enough: what follows is refused where it is read, if it is not text.
     if b"\r" in content[:_START]:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     zero = content.find(b"\0", 0, _START)
@@ -124,7 +124,7 @@ def read_text_file(path: Path) -> TextFile:
 
 
 def other_format(content: bytes) -> str | None:
-    """Return what a file is that is no text, if that is known."""
+    """Return what a file is that is not text, if that is known."""
     if content.startswith(_GZIP):
         with suppress(zlib.error):
             content = zlib.decompressobj(wbits=31).decompress(content, 8)

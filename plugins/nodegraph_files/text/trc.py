@@ -60,8 +60,8 @@ def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     Raises
     ------
     ValueError
-        With the file, and where there are any with line and column: if it is no TRC file, a cell
-        is no number, a name or column is out of place, or the rate or all frames are lacking.
+        With the file, and where there are any with line and column: if it is not a TRC file, a cell
+        is not a number, a name or column is out of place, or the rate or all frames are lacking.
     """
     table = _table(path)
     header = _header(table)

@@ -88,7 +88,7 @@ def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     ------
     ValueError
         With file and line, and column where there is one: if the section, its rate or its frames
-        lack, a name, column or unit is out of place, or a cell is no number.
+        lack, a name, column or unit is out of place, or a cell is not a number.
     """
     rows = _section(table)
     if len(rows) < _HEADER:

@@ -30,7 +30,7 @@ FEWEST_AROUND = 10
 """Frames on each side of a gap; as many as the gap has, if these are more."""
 
 AROUND = 30
-"""Frames on each side of a single frame, where the block is no gap."""
+"""Frames on each side of a single frame, where the block is not a gap."""
 
 MOST_FRAMES = 400
 """In a view; of a longer gap every second, third, ... frame is shown."""
@@ -108,7 +108,7 @@ def pack(
     """Return what the view of a block shows, as data for JSON.
 
     The frames are those of the gap with as many again on each side, at least 10; of a block that
-    is no gap those around the frame in which a method errs most, or, without a truth, in which
+    is not a gap those around the frame in which a method errs most, or, without a truth, in which
     methods differ most.
 
     Parameters

@@ -295,7 +295,7 @@ def _gaps(playback: Playback) -> list[list[object]]:
     """Return where a method has made samples: first and last second, and the marker.
 
     Those at least half as long as the longest, in their order: a reader goes from one to the next.
-    What was made throughout a take is no gap.
+    What was made throughout a take is not a gap.
     """
     gaps: set[tuple[float, float, str]] = set()
     for panel in playback.panels:

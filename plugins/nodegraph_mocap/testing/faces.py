@@ -108,7 +108,7 @@ def models(
 def head_motions(
     *, frames: tuple[int, int] = (1, 24), scaled: bool = True
 ) -> SearchStrategy[HeadMotion]:
-    """Return a strategy for head motions: still, or turned and moved anew in each frame.
+    """Return a strategy for head motions: still, or turned and moved independently in each frame.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ def test_devices_and_pipes_are_refused_at_once(
         ("title: gaps: a study\n", "2:12", "quote a text"),
         ("nodes:\n  a:\n    use: toy.number\n     with: {}\n", "5:10", "indented by 5"),
         ("nodes:\n  a:\n    use: toy.number\n   with: {}\n", "5:4", "indented by 3"),
-        ("title: a\n  b\n  c: d\n", "4:4", "goes on from the line above"),
+        ("title: a\n  b\n  c: d\n", "4:4", "continues from the line above"),
         ("nodes:\na: {use: toy.number}\n", "3:1", "indent it"),
         ("nodes:\n  a:\n    use:toy.number\n    with: {}\n", "4:9", "no space after"),
         ("nodes: {a: {use:toy.number}}\n", "2:13", "use: toy.number"),

@@ -144,6 +144,6 @@ def test_without_its_plugin_a_value_stays_in_the_store(command: Command) -> None
     words = ("export", "runs/lips", "a", "--out", "a.lips", *more)
     status, _, err = command(*words)
     assert status == 2
-    assert "'lips:Lips' is no class of values here; it may need --plugin FILE" in err
+    assert "'lips:Lips' is not a class of values here; it may need --plugin FILE" in err
     assert command(*words, "--plugin", "lips.py")[0] == 0
     assert Path("a.lips").read_text() == "9"

@@ -155,7 +155,7 @@ def test_functions_of_libraries_count_by_version(function: Any) -> None:
 def test_functions_of_libraries_as_nodes() -> None:
     assert set(of(np.linalg.norm).versions) == {"python", "numpy"}
     assert of(namedtuple).units.keys() == {"collections:namedtuple"}
-    assert not of(partial(np.nanmedian)).unstable  # its defaults are no plain values
+    assert not of(partial(np.nanmedian)).unstable  # its defaults are not plain values
     digests = {of(value).digest for value in (namedtuple, wraps, np.mean, np.median, os.path.join)}
     assert len(digests) == 5
 

@@ -131,7 +131,7 @@ def test_a_port_that_only_draws_is_exempt(problems_of: ProblemsOf) -> None:
     [
         ("[capture]", False),
         ("[capture.output]", False),
-        ("[near]", False),  # what comes from it alone is no secret either
+        ("[near]", False),  # what comes from it alone is not a secret either
         ("[gaps.truth]", True),
         ("[capture, near]", False),
     ],

@@ -92,7 +92,7 @@ def test_a_method_that_differs_from_its_family_is_named(
     text = f"nodes: {{n: {{use: read.number}}, fill: @@{{in: n, alternatives: {family}}}}}"
     problems = problems_of(text, more=[method])
     name = f"fill.{method.__name__}"
-    assert problems[0].message == f"{name!r} cannot stand beside 'fill.hold'"
+    assert problems[0].message == f"{name!r} cannot be an alternative to 'fill.hold'"
     assert problems[0].instead.startswith(instead)
 
 

@@ -161,7 +161,7 @@ def test_meanings_call_none_what_a_graph_file_calls_it() -> None:
 
 
 class Odd:
-    """A class that JSON knows nothing of."""
+    """A class that JSON knows nothing about."""
 
 
 @node("odd.setting")

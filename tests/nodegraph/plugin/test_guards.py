@@ -1,4 +1,4 @@
-"""The command line goes on where a plugin's hook fails, or ends with the plugin, hook and line."""
+"""A command continues where a plugin's hook fails, or ends with the plugin, hook and line."""
 
 from __future__ import annotations
 

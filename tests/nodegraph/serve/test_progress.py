@@ -1,4 +1,4 @@
-"""What is read of a run that goes on is whole, whatever its file of events has at the moment."""
+"""What is read of a run under way is whole, whatever its file of events has at the moment."""
 
 from __future__ import annotations
 

@@ -137,7 +137,7 @@ FORGED: Mapping[str, Change] = {
     "a field too few": output('["value","toys:Take",["rate"],2.0]', at=1),
     "another class": output('["value","nodegraph.node.values:Files",["content"],["dict"]]', at=1),
     "a class that is none": output(f'["value","os:system",{FIELDS},1,2]', at=1),
-    "a class that is no text": output(f'["value",5,{FIELDS},1,2]', at=1),
+    "a class that is not text": output(f'["value",5,{FIELDS},1,2]', at=1),
     "a storage that is none": output('["stored","toys:Take",["tuple"]]', at=1),
 }  # fmt: skip
 

@@ -341,7 +341,7 @@ def changes_order_and_rate() -> Pair:
     return broken, untouched
 
 
-@fault("returns an array that it keeps between calls", "build the result anew in every call")
+@fault("returns an array that it keeps between calls", "build a new result in every call")
 def returns_its_own_cache() -> Pair:
     known: dict[bytes, Trajectories] = {}
 
@@ -835,7 +835,7 @@ def test_marks_on_samples_that_were_not_written() -> None:
         everything = np.ones(recording.origin.shape, bool)
         return recording.with_samples(means(recording), changed=everything, origin=Origin.FILLED)
 
-    assert "not written but marked anew" in faults_of(broken)
+    assert "not written but newly marked" in faults_of(broken)
 
 
 def test_a_place_that_the_method_has_by_heart() -> None:

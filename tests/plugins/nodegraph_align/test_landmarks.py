@@ -40,7 +40,7 @@ def test_the_recordings_marker_set_comes_first(face: Trajectories) -> None:
 def test_stable_markers_that_one_of_them_lacks_are_reported(face: Trajectories) -> None:
     chosen, notes = landmarks_of(face, face.keep(["m7", "m3", "m0", "m1"]), None)
     assert chosen == ("m0", "m1", "m3")
-    assert notes == ["1 stable markers are no landmarks, as not all have them: m2"]
+    assert notes == ["1 stable markers are not landmarks, as not all have them: m2"]
 
 
 def test_names_come_in_the_users_order(face: Trajectories) -> None:

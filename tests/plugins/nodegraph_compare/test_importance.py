@@ -150,7 +150,10 @@ def test_bars_are_the_shares_the_largest_on_top() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"compare": "length", "factors": ("fill", "trial")}, "'length' is no factor; factors are"),
+        (
+            {"compare": "length", "factors": ("fill", "trial")},
+            "'length' is not a factor; factors are",
+        ),
         ({"factors": ("fill", "fill")}, "twice: fill, fill"),
         ({"factors": ("fill", "name")}, "no axis or column 'name'"),
     ],

@@ -64,7 +64,7 @@ def test_whole_numbers_are_a_metric_only_when_asked_for() -> None:
             {"metric": "rms"},
             "no metric 'rms' in .* of fill=one; did you mean 'rmse'. columns: gap,",
         ),
-        ({"metric": "name"}, "metric 'name' is no column of numbers .* there are: gap, frames"),
+        ({"metric": "name"}, "metric 'name' is not a column of numbers .* there are: gap, frames"),
         (
             {"compare": "file"},
             "no axis or column 'file' .*; did you mean 'fill'. axes and columns: fill",

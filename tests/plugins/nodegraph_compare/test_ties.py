@@ -213,7 +213,7 @@ def test_equal_differences_have_one_size() -> None:
 
 
 def test_differences_are_measured_by_what_they_are_differences_of() -> None:
-    # 1e-5 beside a thousand is no rounding; beside it, the differences of small values count too
+    # 1e-5 beside a thousand is not a rounding; beside it, the differences of small values count too
     first = np.array([1000.0, 1e-3, 5.0])
     differences = apart(first, first - np.array([1e-5, 1e-9, 1e-7]))
     assert (differences > 0).all()

@@ -88,7 +88,7 @@ def faster(before: Trajectories) -> Trajectories:
         (fills, "filled"),
         (cuts, "removed"),
         (does_not_mark, "changed but not marked"),
-        (marks_too_much, "not changed but marked anew"),
+        (marks_too_much, "not changed but newly marked"),
         (keeps_sigma, "with the sigma of what it was"),
         (drops_sigma, "sigma is gone"),
         (other_sigma, "not changed but with another sigma"),

@@ -101,7 +101,7 @@ def test_motion_that_is_a_polynomial_is_not_seen(
     noise = np.random.default_rng(1).normal(0, 0.01, (60, 1, 3))
     curve = (time ** (moments - 1))[:, None, None] * np.array([1.0, -0.5, 0.2])
     despiked = quietly(wavelet, recorded(curve + noise), wavelet=name, threshold=8.0)
-    # The reflection at the ends is no polynomial.
+    # The reflection at the ends is not a polynomial.
     assert not any(12 <= frame < 48 for frame in repaired(despiked))
     spiky = curve + noise
     spiky[30] += 0.3

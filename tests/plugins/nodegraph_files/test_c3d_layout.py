@@ -72,7 +72,7 @@ def test_of_two_rates_the_parameters_count(build_c3d: Build, samples: Samples) -
     path = build_c3d(samples, header={20: struct.pack("<f", 60.0)}, RATE=50.0)
     with pytest.warns(UserWarning, match="a rate of 50, its header 60; the parameters count"):
         assert read_description(path).rate == 50.0
-    # what the header does not say is no disagreement
+    # what the header does not say is not a disagreement
     assert read_description(build_c3d(samples, header={20: bytes(4)}, RATE=50.0)).rate == 50.0
 
 

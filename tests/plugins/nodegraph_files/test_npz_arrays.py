@@ -76,7 +76,7 @@ def test_numbers_that_stand_for_no_letters_are_refused_as_no_text(
 ) -> None:
     for order in "<>":
         letters = np.array([0x61, code], f"{order}u4").view(f"{order}U1")
-        with pytest.raises(ValueError, match="array 'names' holds what is no text"):
+        with pytest.raises(ValueError, match="array 'names' holds what is not text"):
             npz_arrays(archive(tmp_path, names=member(letters)), KINDS, ())
 
 

@@ -20,7 +20,7 @@ NOWHERE = np.full(3, np.nan)
 
 
 def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) -> list[Positions]:
-    """The textbook's filter, from measurements and their variances; NaN is no measurement."""
+    """The textbook's filter, from measurements and their variances; NaN is not a measurement."""
     f = np.array([[1.0, step], [0.0, 1.0]])
     h = np.array([[1.0, 0.0]])
     g = np.array([[step**2 / 2], [step]])

@@ -1,4 +1,4 @@
-"""Gaps lie where they may, as many as asked, the same for the same seed."""
+"""Gaps lie where they may, as many as requested, the same for the same seed."""
 
 from __future__ import annotations
 
@@ -108,7 +108,9 @@ def test_as_many_gaps_as_there_is_room_for() -> None:
     ("length", "count", "fitting"), [(4, 5, 4), (19, 2, 1), (20, 1, 0), (50, 3, 0)]
 )
 def test_too_many_gaps_say_how_many_fit(length: int, count: int, fitting: int) -> None:
-    with pytest.raises(ValueError, match=rf"{count} gaps of {length} frames asked, {fitting} fit"):
+    with pytest.raises(
+        ValueError, match=rf"{count} gaps of {length} frames requested, {fitting} fit"
+    ):
         cut(recording(frames=21, markers=1), length=length, count=count)
 
 
@@ -186,7 +188,7 @@ def events(result: Cut) -> list[set[int]]:
 
 def test_what_cannot_be_done_is_said() -> None:
     with pytest.raises(
-        ValueError, match="5 markers at once asked, 0 fit into 200 frames of 3 markers"
+        ValueError, match="5 markers at once requested, 0 fit into 200 frames of 3 markers"
     ):
         cut(recording(markers=3), simultaneous=5)
     empty = Trajectories(positions=np.zeros((0, 1, 3)), markers=("a",), rate=60.0)

@@ -57,7 +57,9 @@ def test_single_gaps_fit_to_the_last_one(length: int, missing: float) -> None:
         for seed in range(5):
             result = cut(source, length=length, count=count, seed=seed)
             assert result.hidden.hidden.sum() == count * length
-    with pytest.raises(ValueError, match=f"{most + 1} gaps of {length} frames asked, {most} fit"):
+    with pytest.raises(
+        ValueError, match=f"{most + 1} gaps of {length} frames requested, {most} fit"
+    ):
         cut(source, length=length, count=most + 1)
 
 

@@ -117,5 +117,5 @@ def test_how_many_fit_is_all_that_there_is_room_for(
     length: int, simultaneous: int, pattern: Any, most: int
 ) -> None:
     """41 markers of 1499 frames; no two groups of 20 nearest markers are disjoint there."""
-    with pytest.raises(ValueError, match=f"20 gaps of {length} frames .* asked, {most} fit"):
+    with pytest.raises(ValueError, match=f"20 gaps of {length} frames .* requested, {most} fit"):
         cut(take("animface/cheeks"), length=length, simultaneous=simultaneous, pattern=pattern)

@@ -20,13 +20,13 @@ SINKS = nodegraph_sinks()
     [
         ("lsl:", "no name"),
         ("lsl:face?timeout=-1", "timeout is a number above 0, not '-1'"),
-        ("qtm:127.0.0.1:http", "'http' is no port from 1 to 65535"),
+        ("qtm:127.0.0.1:http", "'http' is not a port from 1 to 65535"),
         ("qtm:127.0.0.1?timeout=inf", "timeout is a number above 0, not 'inf'"),
-        ("natnet:127.0.0.1:99999", "'99999' is no port from 1 to 65535"),
+        ("natnet:127.0.0.1:99999", "'99999' is not a port from 1 to 65535"),
         ("natnet:127.0.0.1?rate=fast", "rate is a number above 0, not 'fast'"),
         ("vmc:39539?rate=60&hz=5", "no setting 'hz'; there is rate, timeout"),
-        ("livelink:0", "'0' is no port from 1 to 65535"),
-        ("udp:127.0.0.1:", "'' is no port from 1 to 65535"),
+        ("livelink:0", "'0' is not a port from 1 to 65535"),
+        ("udp:127.0.0.1:", "'' is not a port from 1 to 65535"),
     ],
 )
 def test_a_wrong_address_is_answered_with_the_form(address: str, message: str) -> None:

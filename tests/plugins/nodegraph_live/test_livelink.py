@@ -1,4 +1,4 @@
-"""Packets of Live Link Face, as two programs that read them describe them; no phone at hand."""
+"""Packets of Live Link Face, as two programs that read them describe them; no phone available."""
 
 from __future__ import annotations
 
@@ -81,8 +81,8 @@ def test_the_rate_of_the_address_and_midnight() -> None:
         (b"\7" + face(1)[1:], "version 7 of Live Link Face is not known, only 6"),
         (face(1)[:-1], "61 values in 243 bytes"),
         (face(1) + b"\0", "61 values in 245 bytes"),
-        (face(-1), "is no time"),
-        (face(1, rate=0), "is no time"),
+        (face(-1), "is not a time"),
+        (face(1, rate=0), "is not a time"),
         (face(1, subject="tablet"), "it is of 'tablet', the stream of 'phone'"),
         (face(1)[:-4] + struct.pack(">f", np.inf), "infinite"),
     ],
@@ -113,7 +113,7 @@ def test_weights_are_sent_by_the_names_of_the_app() -> None:
     assert {place: value for place, value in enumerate(sent) if value} == {0: 0.75, 17: 0.5}
     assert struct.unpack_from(">ifiiB", without_face, start)[4] == 0
 
-    with pytest.raises(NodegraphError, match="grin are no shapes of Live Link Face"):
+    with pytest.raises(NodegraphError, match="grin are not shapes of Live Link Face"):
         SINK("127.0.0.1").open(Weights(values=np.empty((0, 1)), names=("grin",), rate=60))
 
 

@@ -111,7 +111,7 @@ def test_weights_are_named_by_their_labels_and_a_lost_sender_is_found_again() ->
             next(packets)
         source.close()
         sink.open(weights)
-    assert frame.index == 1  # counting goes on
+    assert frame.index == 1  # counting continues
     sink.close()
 
 

@@ -127,7 +127,7 @@ def test_damaged_packets_are_refused_or_sound(scheme: str) -> None:
             continue
         for frame in frames:
             check_sound(header, frame)
-        # one that is damaged is no frame where a checksum tells
+        # one that is damaged is not a frame where a checksum tells
         assert scheme != "udp" or not frames or damaged in packets
     assert refused > 100
 

@@ -1,4 +1,4 @@
-"""Names are found from any start, across expression, and where the take begins anew."""
+"""Names are found from any start, across expression, and where the take begins again."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def test_an_axis_of_numbers_may_be_drawn_to_the_right() -> None:
     both = Across(("length",), (({"length": 5}, table), ({"length": 45}, table)))
     assert points(scatter(both, x="length"))["5"][:, 0].tolist() == [5, 5]
     named = Across(("fill",), (({"fill": "linear"}, table),))
-    with pytest.raises(ValueError, match="'fill' has the label 'linear', which is no number"):
+    with pytest.raises(ValueError, match="'fill' has the label 'linear', which is not a number"):
         scatter(named, x="fill")
 
 

@@ -72,7 +72,7 @@ def test_a_marker_never_tracked_has_no_share() -> None:
 
 
 def test_ghosts_in_tracks_are_reported() -> None:
-    with pytest.warns(UserWarning, match="1 of 2 samples in tracks are no sample of the truth"):
+    with pytest.warns(UserWarning, match="1 of 2 samples in tracks are not samples of the truth"):
         table = tracking(recording(p=[1, 9]), recording(a=[1, 1]))
     assert len(info_of(table).notes) == 1
 

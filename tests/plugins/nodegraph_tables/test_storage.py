@@ -335,7 +335,7 @@ FORGED: dict[str, dict[str, Any]] = {
     "an index with no name": {"index": ("range", 0, 2, 1, [])},
     "a code beyond its level": {"index": levels(np.array([0, 9]))},
     "a code below its level": {"index": levels(np.array([0, -2]))},
-    "codes that are no numbers": {"index": levels([0, 1])},
+    "codes that are not numbers": {"index": levels([0, 1])},
     "codes that are fractions": {"index": levels(np.array([0.0, 1.0]))},
     "codes in rows": {"index": levels(np.array([[0], [1]]))},
     "fewer codes than levels": {"index": ("multi", [RANGE, RANGE], [CODES], [None, None])},

@@ -49,7 +49,7 @@ def one_side(detections: Detections, recording: Trajectories) -> Trajectories:
 @pytest.mark.parametrize(
     ("spoil", "text"),
     [
-        (moved, "samples are no point of their frame"),
+        (moved, "samples are not points of their frame"),
         (twice, "points are used more than once"),
         (faster, "rate went in as"),
         (by_order, "in another order give other tracks"),

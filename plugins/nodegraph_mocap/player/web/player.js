@@ -214,7 +214,7 @@ nodegraph.define("mocap/player", [
       });
     }
 
-    // A tab that was out of sight goes on where it was; who wants little motion sees a take once.
+    // A tab that was out of sight continues where it was; who wants little motion sees a take once.
     advance(now) {
       const passed = Math.min(0.1, (now - (this.last ?? now)) / 1000);
       this.last = now;

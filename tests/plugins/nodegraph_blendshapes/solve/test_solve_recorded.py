@@ -47,7 +47,7 @@ def take() -> Trajectories:
 
 
 def still(positions: Matrix) -> Matrix:
-    """Head motion taken away: by the inverse, as rotations in float32 are no exact ones."""
+    """Head motion taken away: by the inverse, as rotations in float32 are not exact ones."""
     _, rotations, translations = stored()
     back = np.linalg.inv(rotations)
     return np.asarray(np.einsum("tij,tmj->tmi", back, positions - translations[:, None]))

@@ -211,7 +211,9 @@ def test_what_has_no_number_is_left_out_and_counted() -> None:
 
 def test_rows_without_a_place_are_left_out_and_counted() -> None:
     frame = pd.DataFrame({"markers": [5.0, NAN, 9.5], "mse": [1.0, 2.0, 3.0]})
-    with pytest.warns(UserWarning, match="ME: 1 rows left out, whose markers is no finite number"):
+    with pytest.warns(
+        UserWarning, match="ME: 1 rows left out, whose markers is not a finite number"
+    ):
         result = drawn(Across.of({"ME": frame}, axis="actor")).table
     assert result["markers"].tolist() == [5.0, 9.5]
 
@@ -220,7 +222,7 @@ def test_a_block_that_lacks_a_number_is_left_out() -> None:
     frame = pd.DataFrame(
         {"trial": [0, 0, 1, 2, 3], "x": 1, "rmse": [1.0, NAN, 2.0, 3.0, 4.0], "who": "a"}
     )
-    with pytest.warns(UserWarning, match="a: 1 blocks left out, whose rmse is no finite number"):
+    with pytest.warns(UserWarning, match="a: 1 blocks left out, whose rmse is not a finite number"):
         result = curve(Across((), (({}, frame),)), x="x", compare="who", blocks=("trial",)).table
     assert result[["rmse", "blocks"]].to_numpy().tolist() == [[3.0, 3.0]]
 
@@ -269,14 +271,14 @@ def test_labels_with_markup_stay_as_they_are() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"x": "actor"}, "x 'actor' is no axis of finite numbers: it has ME"),
-        ({"x": "name"}, "x 'name' is no column of numbers in the table of actor=ME, k=5; there"),
+        ({"x": "actor"}, "x 'actor' is not an axis of finite numbers: it has ME"),
+        ({"x": "name"}, "x 'name' is not a column of numbers in the table of actor=ME, k=5; there"),
         (
             {"x": "size"},
             r"no axis or column 'size'.*axes and columns: actor, k, markers, mse, name",
         ),
         ({"metric": "mae"}, r"no metric 'mae' in the table of actor=ME, k=5;.* columns: markers"),
-        ({"metric": "name"}, "metric 'name' is no column of numbers"),
+        ({"metric": "name"}, "metric 'name' is not a column of numbers"),
         ({"compare": "markers"}, "x, metric, compare and blocks share a name: markers"),
         ({"blocks": ("trial",)}, "no axis or column 'trial'"),
     ],

@@ -1,4 +1,4 @@
-"""A program that knows nothing of ours shows the vertices that we mean."""
+"""A program that knows nothing about ours shows the vertices that we mean."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def test_a_column_twice_is_refused(write: Write) -> None:
 
 
 def test_columns_that_are_no_coordinates_are_told(write: Write) -> None:
-    with pytest.warns(UserWarning, match="1 columns are no coordinates and were left out: note"):
+    with pytest.warns(UserWarning, match="1 columns are not coordinates and were left out: note"):
         read_csv(write("# rate: 60\nframe,a.x,a.y,a.z,note\n0,1,2,3,4\n"))
 
 

@@ -181,7 +181,7 @@ def test_a_ragged_row_is_told_with_its_line(write: Write, row: str) -> None:
 
 @pytest.mark.parametrize("written", ["", "1", "00:00:01.000", "00:00:00:x", "-1:00:00:01", "1e5"])
 def test_what_is_no_timecode_is_refused(write: Write, written: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv:2:1: '{written}' is no timecode"):
+    with pytest.raises(ValueError, match=rf"take\.csv:2:1: '{written}' is not a timecode"):
         read_live_link(write(f"{HEADER}\n{written},2,0.1,0.2\n"))
 
 

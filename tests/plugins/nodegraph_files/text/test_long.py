@@ -61,7 +61,7 @@ def test_frames_count_where_there_are_times_as_well(written: Written) -> None:
 
 def test_uneven_times_are_told(written: Written) -> None:
     rows = "".join(f"{time},a,1,2,3\n" for time in (0, 1, 2, 3.5, 4.5))
-    with pytest.warns(UserWarning, match="5 values of the column 'time' are no whole steps apart"):
+    with pytest.warns(UserWarning, match="5 values of the column 'time' are not whole steps apart"):
         assert read_csv(written(f"# rate: 1\ntime,marker,x,y,z\n{rows}")).frames == 5
 
 
