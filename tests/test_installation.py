@@ -26,6 +26,14 @@ def place(tmp_path: Path) -> Environment:
     return Environment.create(tmp_path)
 
 
+def leave_what_an_earlier_version_left(place: Environment) -> None:
+    """Make folders that look like packages, without modules."""
+    for package in (ROOT / "plugins").glob("nodegraph_*"):
+        left = place.site_packages / package.name / "left"
+        left.mkdir(parents=True)
+        (left / "a_kernel.run-1.py311.nbi").touch()
+
+
 def check_all_is_there(place: Environment) -> None:
     """Check that nodes and example graphs are listed."""
     assert {"fill.muscle", "fill.subspace_kalman"} <= set(
@@ -34,15 +42,9 @@ def check_all_is_there(place: Environment) -> None:
     assert "fill" in place.run("nodegraph", "examples").split()
 
 
-def test_a_run_writes_nothing_into_the_packages(place: Environment, wheel: Path) -> None:
-    place.install(wheel)
-    installed = place.files()
-    place.run("nodegraph", "run", "graph.yaml", "--executor", "processes")
-    assert place.files() == installed
-    assert list(place.home.rglob("nodegraph/kernels/*/one_euro_kernel.*.nbc"))
-
-
-def test_wheel_and_checkout_replace_each_other(place: Environment, wheel: Path) -> None:
+def test_wheel_and_checkout_replace_each_other_and_a_run_writes_nothing_there(
+    place: Environment, wheel: Path
+) -> None:
     before = place.files()
     for source, steps in (
         ([wheel], "3 computed"),
@@ -50,27 +52,23 @@ def test_wheel_and_checkout_replace_each_other(place: Environment, wheel: Path) 
         ([wheel], "3 stored"),
     ):
         place.install("--force-reinstall", *source)
-        check_all_is_there(place)
-        assert f"3 steps: {steps}" in place.run("nodegraph", "run", "graph.yaml")
+        installed = place.files()
+        ran = place.run("nodegraph", "run", "graph.yaml", "--executor", "processes")
+        assert f"3 steps: {steps}" in ran
+        assert place.files() == installed
+    check_all_is_there(place)
+    assert list(place.home.rglob("nodegraph/kernels/*/one_euro_kernel.*.nbc"))
     place.uninstall("nodegraph")
     assert place.files() == before
-
-
-@pytest.mark.parametrize("source", ["wheel", "checkout"])
-def test_what_an_earlier_version_left_hides_nothing(
-    place: Environment, wheel: Path, source: str
-) -> None:
-    for package in (ROOT / "plugins").glob("nodegraph_*"):
-        left = place.site_packages / package.name / "__pycache__"
-        left.mkdir(parents=True)
-        (left / "a_kernel.run-1.py311.nbi").touch()
-    place.install(*([wheel] if source == "wheel" else ["-e", ROOT]))
+    leave_what_an_earlier_version_left(place)
+    place.install("-e", ROOT)
     check_all_is_there(place)
 
 
 def test_kernels_compile_where_neither_packages_nor_home_can_be_written(
     place: Environment, wheel: Path
 ) -> None:
+    leave_what_an_earlier_version_left(place)
     place.install("--no-compile", wheel)
     for package in place.site_packages.glob("nodegraph_*"):
         (package / "__pycache__").touch()  # a file where a folder would be written
@@ -78,3 +76,4 @@ def test_kernels_compile_where_neither_packages_nor_home_can_be_written(
     installed = place.files()
     assert "3 steps: 3 computed" in place.run("nodegraph", "run", "graph.yaml")
     assert place.files() == installed
+    check_all_is_there(place)

@@ -19,6 +19,8 @@ import pytest
 SCHEDULER, *WORKERS, PROGRAM = (f"10.77.0.{number}" for number in range(1, 5))
 ADDRESS = f"tcp://{SCHEDULER}:8786"
 COUNT = 40
+SOON_GONE = {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "3s"}
+"""How long programs try to reach a scheduler that was there, which is half a minute by default."""
 NODES = """
 import os
 import time
@@ -89,7 +91,7 @@ class Machines:
         started = subprocess.Popen(
             [*command, sys.executable, "-P", "-m", *words],
             cwd=self.folder,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            env={**os.environ, **SOON_GONE, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             stdout=subprocess.DEVNULL if address in WORKERS else subprocess.PIPE,
             stderr=subprocess.DEVNULL if address in WORKERS else subprocess.PIPE,
             text=True,
