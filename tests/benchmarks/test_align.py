@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph.plugin.registry import default_registry
-from nodegraph_align.poses import fit, moved
+from nodegraph_align.poses import fit
 from nodegraph_align.procrustes import procrustes
 from nodegraph_mocap import Trajectories
 from tests.benchmarks.conftest import Clock
@@ -46,7 +46,7 @@ def turned(angle: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
 def compiled(take: Trajectories, rest: Trajectories, count: int) -> Positions:
     columns = np.arange(count)
     poses = fit(take.positions, columns, rest.positions[0, :count], np.ones((1, count)), "none")
-    return moved(take.positions, *poses.affine())
+    return poses.moved(take.positions, None).positions
 
 
 def whole_node(take: Trajectories, rest: Trajectories, count: int) -> Positions:
