@@ -23,7 +23,7 @@ def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
 
 @hookimpl
 def nodegraph_sources() -> Mapping[str, Callable[[str], Source]]:
-    """Return what plays files."""
+    """Return the source that replays files."""
     from nodegraph.live.files import replay
 
     return {"replay": replay}
@@ -31,7 +31,7 @@ def nodegraph_sources() -> Mapping[str, Callable[[str], Source]]:
 
 @hookimpl
 def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
-    """Return what writes files."""
+    """Return the sink that writes files."""
     from nodegraph.live.files import FileSink
 
     return {"file": FileSink}
@@ -39,7 +39,7 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
 
 @hookimpl
 def nodegraph_streamables() -> Iterable[Streamable]:
-    """Return how numbers that are current in every frame are split into frames."""
+    """Return how running numbers are split into frames."""
     from nodegraph.live.running_numbers import STREAMABLE
 
     return [STREAMABLE]
@@ -47,7 +47,7 @@ def nodegraph_streamables() -> Iterable[Streamable]:
 
 @hookimpl
 def nodegraph_renderers() -> Iterable[Renderer]:
-    """Return how these numbers are written."""
+    """Return how running numbers appear in a report."""
     from nodegraph.live.running_numbers import RENDERER
 
     return [RENDERER]
@@ -55,7 +55,7 @@ def nodegraph_renderers() -> Iterable[Renderer]:
 
 @hookimpl
 def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:
-    """Return what finds the file of an address."""
+    """Return the resolver of files at web addresses."""
     from nodegraph.remote import SCHEMES, remote_file
 
     def finder(scheme: str) -> Callable[[str], Path]:

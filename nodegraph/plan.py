@@ -32,7 +32,7 @@ class Output(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Gathered:
-    """What feeds a gathering port: outputs with their labels, and the combinations left out.
+    """The sources of a gathering port: outputs with their labels, and combinations left out.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class Plan:
     skipped: Mapping[str, Mapping[Combination, str]]
 
     def skipped_together(self) -> Mapping[str, Mapping[str, int]]:
-        """Return how many combinations of each node are skipped, by the reason."""
+        """Return the number of skipped combinations of each node by reason."""
         together: dict[str, dict[str, int]] = {}
         for node, reasons in self.skipped.items():
             for reason, count in Counter(reasons.values()).items():
@@ -256,7 +256,7 @@ class _Planner:
     def _gathered(
         self, node: GraphNode, feed: Gather, labels: Mapping[str, Label]
     ) -> Gathered | str:
-        """Return what a gathering port takes at one combination, or why it takes nothing."""
+        """Return the sources of a gathering port at one combination, or why it has none."""
         axes = self._gathered_axes(node, feed)
         entries: list[tuple[Combination, Output]] = []
         absent: list[tuple[Combination, str]] = []
@@ -291,7 +291,7 @@ class _Planner:
         return Gathered(names, tuple(entries), tuple(absent), known, sources, unused, methods)
 
     def _declared(self, axis: str) -> Mapping[Label, Declared]:
-        """Return what the alternatives of an axis declare; nothing if it is not that of a node."""
+        """Return the declarations of the alternatives of an axis; empty for other axes."""
         if axis not in self._methods:  # needed for every combination of a node
             node = self._graph.nodes.get(axis)
             known = node.methods.values() if node is not None and node.has_alternatives else ()
@@ -376,7 +376,7 @@ def _unused_axes(
 
 
 def _declared(method: Method) -> Declared:
-    """Return what a method declares: for its settings where they vary, what holds for all."""
+    """Return the declarations of a method; where settings vary, those that hold for all."""
     node = method.node
     declared: Declared = {"adapted": node.declaration.adapted} if node.declaration.adapted else {}
     settings = list(method.settings.values.values())

@@ -36,7 +36,7 @@ _PART = 1 << 20
 
 _Outcomes = dict[str, NodegraphError | None]
 _outcomes: ContextVar[_Outcomes | None] = ContextVar("outcomes", default=None)
-"""What became of each address, within `fetching`."""
+"""The outcome for each address, within `fetching`."""
 
 
 def is_remote(path: str) -> bool:

@@ -22,7 +22,7 @@ from nodegraph.runs.record import Record
 from nodegraph.runs.settings import RunSettings
 
 _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
-"""What precedes a path in a text, so that none is matched inside of base 64."""
+"""Characters before a path in a text, so that none is matched inside of base 64."""
 _AFTER = r"(?![\w\-])"
 _USERS = ("/home", "/Users")
 _MOST_BYTES = 512_000_000

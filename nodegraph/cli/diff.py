@@ -91,7 +91,7 @@ def _changes(pair: Pair) -> Iterator[str]:
 
 
 def _values(pair: Pair, now: Record, registry: Registry, store: Store) -> Iterator[str]:
-    """Yield how the outputs of the two steps differ, as far as they are stored."""
+    """Yield the differences between the outputs of the two steps, as far as they are stored."""
     from nodegraph.runs.diff import value_differences
     from nodegraph.runs.saved_run import stored_values
 

@@ -94,7 +94,7 @@ def _check_file_name(name: str, files: Collection[Path]) -> None:
 
 
 def _owner(name: str, registry: Registry) -> str:
-    """Return what is already called by the name of a package; empty if nothing is."""
+    """Return what already has the name of a package; empty if nothing has."""
     for plugin in registry.loaded:
         if plugin.name == name:
             return "a plugin"

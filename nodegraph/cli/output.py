@@ -1,4 +1,4 @@
-"""What commands print, and the files that they write."""
+"""The output of commands: printed text, and files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 MOST = 12
-"""How many items of a kind are printed."""
+"""Number of items of a kind that are printed."""
 
 
 def say(text: str) -> None:
@@ -25,7 +25,7 @@ def say(text: str) -> None:
 
 
 def console(stream: IO[str], *, color: bool = True) -> Console:
-    """Return what prints to a stream in the width of its terminal.
+    """Return a console that prints to a stream in the width of its terminal.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
 
 
 def counted(counts: Counter[str]) -> str:
-    """Return how many combinations of each node there are: ``fill (4), total (1)``."""
+    """Return the number of combinations of each node: ``fill (4), total (1)``."""
     return ", ".join(f"{node} ({count})" for node, count in counts.items() if count)
 
 

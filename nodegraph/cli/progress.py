@@ -77,7 +77,7 @@ class Display(ABC):
                 self.say(f"and {count} more {kind}")
 
     def settled(self, detail: Mapping[str, Any]) -> tuple[int, int]:
-        """Return how many steps have ended, and of how many; unneeded ones are in neither."""
+        """Return the number of ended steps and of all steps, both without unneeded ones."""
         settled = sum(detail[name] for name in _COUNTS)
         # while stored results are looked up, the number of steps left is not known
         return settled, settled + detail["left"] if detail["left"] else self._planned
@@ -144,7 +144,7 @@ class _Bar(Display):
             self._running.pop(event.step, None)
 
     def _now(self) -> str:
-        """Return what has run for longest, and how many others run."""
+        """Return the step that has run for longest, and the number of others that run."""
         first = next(iter(self._running.values()))
         short = first if len(first) <= _LONGEST else f"{first[: _LONGEST - 1]}…"
         others = len(self._running) - 1

@@ -1,4 +1,4 @@
-"""What a terminal shows of a finished run: answer, comparisons, warnings, failures, files."""
+"""The summary of a finished run in a terminal: answer, comparisons, warnings, failures, files."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def print_summary(
 
 
 def summary_json(study: Study, run: Run, folder: Path) -> str:
-    """Return what a run gave as JSON."""
+    """Return the summary of a run as JSON."""
     tables = [
         {"node": section.title, "labels": section.labels, **_grid_data(section.rendered.grid)}
         for section in study.sections
@@ -210,7 +210,7 @@ def _warning(group: NoteGroup) -> str:
 
 
 def _failure(group: NoteGroup) -> str:
-    """Return what failed, with the command that repeats the first such step alone."""
+    """Return the failures, with the command that repeats the first failed step alone."""
     first = f" at {group.labels[0]}" if group.labels else ""
     more = f" and {group.count - 1} more" if group.count > 1 else ""
     repeat = f"\n    repeat it alone: {group.repeat}" if group.repeat else ""

@@ -62,7 +62,7 @@ def outline(paths: Mapping[str, Path]) -> Iterator[tuple[str, str, int]]:
 
 
 def shared_frames(path: Path, other: Path) -> int:
-    """Return how many frames, from the outermost, two paths have in common."""
+    """Return the number of outer frames that two paths have in common."""
     same = (a == b for a, b in zip(path, other, strict=False))
     return sum(takewhile(bool, same))
 

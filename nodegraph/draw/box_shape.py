@@ -127,7 +127,7 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class _Slot:
-    """What is written at one place on a box's edge, and for which ports it stands."""
+    """The text at one place on a box's edge, and the ports that it names."""
 
     ports: tuple[str, ...]
     lines: tuple[tuple[str, str], ...]

@@ -68,7 +68,7 @@ def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
 
 
 def _gathered(graph: Graph, ends: _Ends, feed: Gather) -> str:
-    """Return how many values a gathering port gets over an arrow, and of what."""
+    """Return the number and the kind of the values that an arrow brings to a gathering port."""
     source, output, target, _ = ends
     own = {
         label: reference
@@ -79,7 +79,7 @@ def _gathered(graph: Graph, ends: _Ends, feed: Gather) -> str:
 
 
 def _received(graph: Graph, node: GraphNode, feed: Reference | Gather | None) -> str:
-    """Return how many values a gathering port gets, and of what; empty for another port."""
+    """Return the number and the kind of the values of a gathering port; empty for other ports."""
     if not isinstance(feed, Gather):
         return ""
     return _counted(graph, node, feed, f"{len(feed.sources)}: {', '.join(feed.sources)}")

@@ -45,11 +45,11 @@ class Cell:
     outputs: Mapping[Any, float]
 
     def input_offset(self, port: Hashable) -> float:
-        """Return how far right of the middle wires into a port end."""
+        """Return the distance to the right of the middle at which wires into a port end."""
         return self.inputs[port] - self.width / 2
 
     def output_offset(self, port: Hashable) -> float:
-        """Return how far right of the middle wires out of a port begin."""
+        """Return the distance to the right of the middle at which wires out of a port begin."""
         return self.outputs[port] - self.width / 2
 
 

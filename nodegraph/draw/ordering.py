@@ -56,7 +56,7 @@ def order_layers(net: Net) -> list[list[int]]:
 
 
 def crossings(net: Net, layers: Sequence[Sequence[int]]) -> int:
-    """Return how many pairs of segments cross."""
+    """Return the number of crossings of segments."""
     places = _places(net, layers)
     return sum(_crossings_in(gap, places, net.widths) for gap in net.gaps)
 
@@ -146,7 +146,7 @@ def _ends(net: Net, number: int, places: Mapping[int, int]) -> dict[int, _Ends]:
 
 
 def _saved(left: _Ends, right: _Ends) -> int:
-    """Return how many crossings fewer there are when two neighbours change places."""
+    """Return the number of crossings saved when two neighbours change places."""
     saved = 0
     for ours, theirs in zip(left, right, strict=True):
         saved += sum(bisect_left(theirs, end) for end in ours)
@@ -206,7 +206,7 @@ def _neighbours(net: Net) -> tuple[_Pulls, _Pulls]:
 
 
 def _distances(layer: Sequence[int], widths: Sequence[float]) -> list[float]:
-    """Return how far the middles of neighbours in a layer must be apart."""
+    """Return the least distances between the middles of neighbours in a layer."""
     apart = []
     for left, right in pairwise(layer):
         bends = (widths[left] <= BEND_WIDTH) + (widths[right] <= BEND_WIDTH)

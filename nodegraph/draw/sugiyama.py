@@ -51,7 +51,7 @@ class Arrangement:
 
 @dataclass(frozen=True, slots=True)
 class _Gap:
-    """What lies between a layer and the next."""
+    """The space between a layer and the next."""
 
     lanes: Mapping[Segment, int]
     height: float
@@ -198,7 +198,7 @@ def lanes(gap: Sequence[Segment], middles: Sequence[float]) -> dict[Segment, int
 
 
 def lane_count(taken: Mapping[Segment, int]) -> int:
-    """Return how many lanes are taken."""
+    """Return the number of lanes used."""
     return max(taken.values(), default=-1) + 1
 
 

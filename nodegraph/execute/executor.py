@@ -1,4 +1,4 @@
-"""What an executor is, what it works on, and how one is chosen."""
+"""The interface of executors, the work that they get, and the choice of an executor."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ _VARIABLES = (
     "BLIS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )  # fmt: skip
-"""What the libraries read when they are loaded, which may be in the middle of a run."""
+"""Variables that libraries read when they are loaded, possibly in the middle of a run."""
 
 
 class SharedContext:

@@ -78,5 +78,5 @@ class RemainingTime:
 
 
 def _kind(step: Step) -> str:
-    """Return what steps that take about as long share: one method, in one place of a graph."""
+    """Return the kind of a step, whose steps take about as long: a method at a place of a graph."""
     return f"{step.node} {step.method.node.name}"

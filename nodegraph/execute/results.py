@@ -81,7 +81,7 @@ class Run:
         return not any(outcome.state is State.FAILED for outcome in self.outcomes.values())
 
     def counts(self) -> dict[str, int]:
-        """Return how many steps were computed, were stored, and so on."""
+        """Return the number of steps by how they ended: computed, stored, and so on."""
         counts = Counter(outcome.status for outcome in self.outcomes.values())
         return {state.value: counts[state] for state in State}
 

@@ -93,7 +93,7 @@ def execute(
 
 
 def _checked(result: object, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
-    """Return what an executor yielded, which may be a plugin's, if it is a step and its outcome."""
+    """Return the step and the outcome that an executor yielded, possibly a plugin's."""
     if isinstance(result, tuple) and len(result) == 2:  # `match` would take five times as long
         index, outcome = result
         if isinstance(index, int) and isinstance(outcome, Outcome) and 0 <= index < len(plan.steps):

@@ -100,7 +100,7 @@ class StepCache:
         return step_key(self._digests.of(step).digest, step.inputs, outcomes)
 
     def look_again(self, step: Step, key: str, *, whole: bool = False) -> Outcome | None:
-        """Return how a step ended, if its final key is stored and was not looked up at first.
+        """Return the outcome of a step, if its final key is stored and was not looked up at first.
 
         Parameters
         ----------
@@ -120,7 +120,7 @@ class StepCache:
         return outcome
 
     def stored(self) -> dict[int, Outcome]:
-        """Return how those steps ended whose results are in the store by now."""
+        """Return the outcomes of the steps whose results are in the store by now."""
         return {index: _outcome(entry) for index, entry in self._entries.items()}
 
     def gives(self, index: int, positions: Iterable[int]) -> bool:
@@ -139,7 +139,7 @@ class StepCache:
             return None
 
     def entry(self, step: Step, key: str) -> Entry | None:
-        """Return what is stored of a step under a key, without its values."""
+        """Return the entry of a step under a key, without its values."""
         outputs = len(step.method.node.outputs)
         return self.store.find(key, outputs=outputs) if key else None
 
@@ -209,7 +209,7 @@ class StepCache:
         return self.store.writable
 
     def distrusted(self, step: Step) -> str:
-        """Return what an audit found of a step's code, if it has several results."""
+        """Return the finding of an audit if a step's code has several results."""
         return self._finding(self._digests.of(step).code.digest)
 
     @gc_paused()

@@ -1,4 +1,4 @@
-"""What a call reads that is in no key: files that no setting names, environment variables."""
+"""Reads of a call that are in no key: files that no setting names, environment variables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ reads_of_call: ContextVar[Reads | None] = ContextVar("reads_of_call", default=No
 
 
 class Reads:
-    """What a call reads that is not in its key, noted while it is in `reads_of_call`.
+    """The reads of a call that are not in its key, noted while it is in `reads_of_call`.
 
     What other threads or C code read is not seen.
 

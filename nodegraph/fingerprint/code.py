@@ -21,7 +21,7 @@ from nodegraph.plugin.hook_types import Format
 
 
 def edited_since(modules: Iterable[Module], function: Callable[..., object]) -> Iterator[str]:
-    """Yield what was edited since the program began, or since the module was last read.
+    """Yield the files edited since the program began, or since their module was last read.
 
     A module that was imported later may be up to date all the same; that is not known.
     """
@@ -115,7 +115,7 @@ class Code:
         return known[1]
 
     def remembered(self) -> dict[str, Any]:
-        """Return what a later process need not read again, as plain values for JSON."""
+        """Return data that a later process need not read again, as plain values for JSON."""
         return {
             "format": _FORMAT,
             "python": _PYTHON,

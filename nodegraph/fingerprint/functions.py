@@ -213,7 +213,7 @@ def captured(function: FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 def definition_of(module: Module, function: FunctionType) -> Definition | None:
-    """Return what a function is in its module: a name, and which one if several have it."""
+    """Return the name of a function in its module, and its number if several have that name."""
     code, summary = function.__code__, module.summary
     if summary.trouble:
         return Definition(module, STATEMENTS)
@@ -274,7 +274,7 @@ class Live:
         self.troubles: list[str] = []
 
     def look_at(self, value: object, label: str = "") -> Reach:
-        """Return what a function, or a value that holds functions, leads to in files."""
+        """Return the code in files that a function, or a value that holds functions, depends on."""
         self._waiting.append((label or _label(value), value))
         while self._waiting:
             label, value = self._waiting.pop()

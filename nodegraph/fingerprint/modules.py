@@ -1,4 +1,4 @@
-"""Where modules lie, found without importing them, and whether their code or version counts."""
+"""Locations of modules, found without importing them, and whether code or version counts."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Distributions:
             return ""
 
     def remembered(self) -> dict[str, list[list[str]]]:
-        """Return what was found, for a later process."""
+        """Return all locations found, for a later process."""
         return {
             top: [[owner.name, owner.version] for owner in owners]
             for top, owners in self._known.items()
@@ -107,7 +107,7 @@ def _files(distribution: metadata.Distribution) -> str:
 
 
 def _owners(remembered: object) -> dict[str, list[Owner]]:
-    """Return what is well formed of what was remembered."""
+    """Return the well-formed entries of remembered data."""
     owners: dict[str, list[Owner]] = {}
     for top, items in remembered.items() if isinstance(remembered, Mapping) else ():
         try:
@@ -124,7 +124,7 @@ _INSTALLED = {"site-packages", "dist-packages"}
 
 
 class Place(NamedTuple):
-    """Where a module lies.
+    """The location of a module.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ class Place(NamedTuple):
 
 
 class Origin(NamedTuple):
-    """What changes with a top-level module and all below it.
+    """The version, or files, that stand for a top-level module and all below it.
 
     Attributes
     ----------
@@ -170,13 +170,13 @@ class Places:
         self._origins: dict[str, Origin] = {}
 
     def place(self, name: str) -> Place | None:
-        """Return where a module lies, or None when there is none."""
+        """Return the location of a module, or None if there is none."""
         if name not in self._places:
             self._places[name] = self._find(name)
         return self._places[name]
 
     def origin(self, name: str) -> Origin:
-        """Return what changes with a module."""
+        """Return the version, or files, that stand for a module."""
         top = name.partition(".")[0]
         if top not in self._origins:
             self._origins[top] = self._judge(top)

@@ -1,4 +1,4 @@
-"""What each name of a module leads to; what was followed once is kept."""
+"""The code that each name of a module depends on; every name is resolved once."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ class Definition(NamedTuple):
 
 
 class Reach(NamedTuple):
-    """What a piece of code leads to: names of modules, and modules whose version counts."""
+    """The dependencies of a piece of code: names of modules, and modules whose version counts."""
 
     definitions: frozenset[Definition]
     versioned: frozenset[str]
 
 
 class Unit(NamedTuple):
-    """What a definition is made of, and what it leads to."""
+    """The parts of a definition, and its dependencies."""
 
     label: str
     digest: str
@@ -74,7 +74,7 @@ class Unit(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """What a name of a module stands for: its own, what it imports, modules with a version."""
+    """The meaning of a name: definitions of its module, imported names, modules with a version."""
 
     own: frozenset[Definition]
     imported: tuple[tuple[str, str], ...]
@@ -134,7 +134,7 @@ class Search:
         self._stack: list[Step] = []
 
     def run(self, references: Iterable[str]) -> Reach:
-        """Return what references lead to."""
+        """Return the dependencies of references."""
         if self._here is not None:
             self._definitions |= self._links.entered(self._here)
         for reference in references:
@@ -150,7 +150,7 @@ class Search:
         return Reach(frozenset(self._definitions), frozenset(self._versioned))
 
     def run_on(self, step: Step) -> Reach:
-        """Return what a name of a module leads to."""
+        """Return the dependencies of a name of a module."""
         self._stack.append(step)
         while self._stack:
             step = self._stack.pop()
@@ -250,7 +250,7 @@ class Links:
         return self._by_file[at]
 
     def entered(self, module: Module) -> frozenset[Definition]:
-        """Return what runs when a module is imported: its statements, and its packages'."""
+        """Return the code that an import of a module runs: its statements, and its packages'."""
         if module not in self._entered:
             above = self.module(module.name.rpartition(".")[0]) if "." in module.name else None
             own = {Definition(module, STATEMENTS)} if runs(module.summary) else set()
@@ -258,7 +258,7 @@ class Links:
         return self._entered[module]
 
     def meaning(self, module: Module, name: str) -> Meaning | None:
-        """Return what a name stands for in a module, or None if the module does not bind it."""
+        """Return the meaning of a name in a module, or None if the module does not bind it."""
         known = self._meanings.setdefault(module, {})
         if name not in known:
             known[name] = self._meant(module, name)
@@ -271,17 +271,17 @@ class Links:
         )
 
     def unit(self, definition: Definition) -> Unit:
-        """Return what a definition is made of, and what it leads to."""
+        """Return the parts of a definition, and its dependencies."""
         if definition not in self._units:
             self._units[definition] = self._unit(definition)
         return self._units[definition]
 
     def reach(self, module: Module | None, references: Iterable[str]) -> Reach:
-        """Return what references lead to, those without a module's name as seen in a module."""
+        """Return the dependencies of references; those without a module's name are of this one."""
         return Search(self, self._places, module).run(references)
 
     def step(self, step: Step) -> Reach:
-        """Return what a name leads to that was found in one module and belongs to another."""
+        """Return the dependencies of a name that one module uses and another defines."""
         if step not in self._steps:
             self._steps[step] = Search(self, self._places, None).run_on(step)
         return self._steps[step]

@@ -42,7 +42,7 @@ class Part(NamedTuple):
 
 
 class Summary(NamedTuple):
-    """What a module binds, and how.
+    """The names that a module binds, and the statements that bind them.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ class Bindings:
 
 
 def bindings(block: Iterable[ast.AST]) -> Bindings:
-    """Return what statements bind, without what functions and classes in them bind inside."""
+    """Return the names that statements bind, without those bound inside functions and classes."""
     bound = Bindings()
     outer: set[str] = set()
     stack = list(block)
@@ -278,7 +278,7 @@ def _bind(node: ast.AST, bound: Bindings) -> None:
 
 
 def _inside_comprehension(comprehension: Any) -> list[ast.AST]:
-    """Return what may bind around a comprehension: its targets are its own, unlike those of :=."""
+    """Return the nodes of a comprehension that may bind names around it, as := does."""
     loops = [part for loop in comprehension.generators for part in (loop.iter, *loop.ifs)]
     return loops + [part for part in children(comprehension) if type(part) is not ast.comprehension]
 
@@ -298,7 +298,7 @@ class _Scope:
 
 
 def references(statement: ast.stmt, marks: Marks) -> tuple[str, ...]:
-    """Return what a statement refers to, sorted.
+    """Return the names that a statement refers to, sorted.
 
     ``name.attribute`` is a name of its module, ``module:name.attribute`` an import of its own.
     What is bound inside of it, arguments and local variables, does not count. Imports at its top,
@@ -493,7 +493,7 @@ _CHANGES = (ast.Assign, ast.AugAssign, ast.AnnAssign)
 
 
 def summarise(source: bytes) -> Summary:
-    """Return what a module's source binds, and how.
+    """Return the names that a module's source binds, and the statements that bind them.
 
     Raises
     ------

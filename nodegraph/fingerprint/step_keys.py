@@ -28,7 +28,7 @@ _ADDRESS = " at 0x"
 
 
 class Result(Protocol):
-    """What the key of a step depends on of a step that feeds it."""
+    """The part of a step that enters the keys of the steps that it feeds."""
 
     @property
     def key(self) -> str:
@@ -195,7 +195,7 @@ class Files:
         )
 
     def remembered(self) -> dict[str, Any]:
-        """Return what a later process needs so as not to read the same files again."""
+        """Return data that saves a later process from reading the same files again."""
         return self._known
 
     def _content(self, path: str) -> str:

@@ -344,7 +344,7 @@ class _Inlined:
         return value
 
     def _resolved(self, variable: Variable, written: Written) -> Written:
-        """Return what a variable of the graph stands for here, in place of `written`."""
+        """Return the value of a variable of the graph here, in place of `written`."""
         name = variable.name
         if name not in self.spec.inputs:
             return replace(written, value=replace(variable, name=self.prefix + name))

@@ -228,7 +228,7 @@ def _origins(
 
 
 class _Truth:
-    """What a node hides, and the nodes that it reaches by ways around the node's plain outputs.
+    """The data that a node hides, and the nodes that it reaches past the node's plain outputs.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ class _Truth:
                 )
 
     def _instead(self, way: Sequence[_Flow]) -> str:
-        """Return what to write: the truth of a node that damages it on the way, or another feed."""
+        """Return a remedy: the truth of a node that damages it on the way, or another source."""
         for flow in reversed(way):
             truths = _truth_outputs(self._nodes[flow.source]) if flow.output else set()
             if way[0].source == self._hiding != flow.source and truths - {flow.output}:

@@ -83,7 +83,7 @@ class LostAxes:
         return False
 
     def notices(self) -> Iterator[Problem]:
-        """Yield what was dropped, one notice per axis."""
+        """Yield a notice for each axis that was dropped."""
         for axis, places in self._places.items():
             first, *more = sorted(set(places))
             also = f", and in {len(more)} more places" if more else ""

@@ -217,7 +217,7 @@ def _resolved(
 
 
 def shared_and_own(spec: NodeSpec, method: MethodSpec, node: Node | None) -> Wiring:
-    """Return what feeds a method: what the node's methods share, overridden by its own."""
+    """Return the references that feed a method: the shared ones, overridden by its own."""
     return {**_by_port(spec.wiring, node), **_by_port(method.wiring, node)}
 
 
@@ -240,7 +240,7 @@ def _check_family(
 
 
 def _signature(node: Node) -> tuple[object, ...]:
-    """Return what the methods of a family have in common."""
+    """Return the ports and settings that the methods of a family have in common."""
     required = {port.name: port for port in public_inputs(node) if not port.optional}
     return (*sorted(required.items()), node.outputs[0].truth, node.outputs[0].type)
 

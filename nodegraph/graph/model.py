@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Choices:
-    """What the command or the caller sets: inputs, axes, and the labels to run.
+    """The choices of the command or the caller: inputs, axes, and the labels to run.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class Method:
 
     @property
     def gathers(self) -> tuple[Gather, ...]:
-        """What feeds its gathering ports."""
+        """The references that feed its gathering ports."""
         return tuple(feed for feed in self.inputs.values() if isinstance(feed, Gather))
 
 

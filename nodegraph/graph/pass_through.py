@@ -62,7 +62,7 @@ class PassThrough(Node):
 
     @property
     def doc(self) -> str:
-        """What the report says about the node."""
+        """The description of the node in the report."""
         return self.text
 
 

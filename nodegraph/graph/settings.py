@@ -364,6 +364,6 @@ class _NameCheck:
 
 
 def _names(values: Mapping[str, Any], setting: str) -> tuple[str, ...]:
-    """Return what a setting names: nothing, a single name or several."""
+    """Return the names in a setting: none, one or several."""
     value = values.get(setting) or ()
     return (value,) if isinstance(value, str) else tuple(value)

@@ -58,7 +58,7 @@ class Subgraph:
 
 
 def invalid_subgraph(spec: GraphSpec, ports: Mapping[str, Port]) -> Subgraph:
-    """Return what is known of a graph with errors."""
+    """Return the subgraph of a graph with errors, as far as it is known."""
     inputs = {name: replace(port, truth=True, across=True) for name, port in ports.items()}
     return Subgraph(_without_ports(spec, ports), {}, inputs, {}, is_valid=False)
 
@@ -187,13 +187,13 @@ class Use:
 
     @property
     def prefix(self) -> str:
-        """What precedes the names of nodes and axes inside: ``clean.``."""
+        """The prefix of the names of nodes and axes inside: ``clean.``."""
         label = self.method.label
         return f"{self.node.name}.{label}." if label else f"{self.node.name}."
 
     @property
     def wiring(self) -> Wiring:
-        """What feeds the graph's ports; shared wires included."""
+        """The wires that feed the graph's ports, shared ones included."""
         return shared_and_own(self.node, self.method, self.stand_in(*self.graph.outputs))
 
     @property
@@ -336,7 +336,7 @@ def expands_too_far(spec: GraphSpec, settings: Mapping[str, Written]) -> bool:
 
 
 def _extent(value: object) -> tuple[int, int]:
-    """Return how many values a value holds, and how deep they are nested."""
+    """Return the number of values inside a value, and the depth of their nesting."""
     size = depth = 0
     pending = [(value, 0)]
     while pending:

@@ -35,7 +35,7 @@ class WireChecker:
     def inputs(
         self, where: str, method: ResolvedMethod, node: Node
     ) -> dict[str, Reference | Gather]:
-        """Return what feeds each port of a method; `where` names the method in messages."""
+        """Return the source of each port of a method; `where` names the method in messages."""
         inputs: dict[str, Reference | Gather] = {}
         for name, feed in method.wiring.items():
             port = self._port(where, name, node, feed.place)
@@ -74,7 +74,7 @@ class WireChecker:
             self._problems.add(reference.place, f"{where}: no node {name!r}", self._nearest(name))
 
     def _instead_of_value(self, name: str) -> str:
-        """Return what may be meant: a port whose type is unknown, or a node."""
+        """Return a suggestion: a port whose type is unknown, or a node."""
         value = self._namespace.inputs.get(name[1:])
         if isinstance(value, str):
             return f"{name[1:]!r} is a port only if {value!r} is the name of a port's type"

@@ -1,4 +1,4 @@
-"""The keys of a graph file: what stands at each, and what it means.
+"""The keys of a graph file: the form of each value, and its meaning.
 
 The reader and the JSON Schema are both driven by these tables and patterns.
 """
@@ -29,7 +29,7 @@ ALTERNATIVES_HINT = (
 
 
 class Form(Enum):
-    """What stands at a key."""
+    """The form of the value at a key."""
 
     NUMBER = auto()
     TEXT = auto()
@@ -52,7 +52,7 @@ class Form(Enum):
 
 @dataclass(frozen=True)
 class Key:
-    """What stands at a key, and its meaning, which editors show."""
+    """The form of the value at a key, and its meaning, which editors show."""
 
     form: Form
     meaning: str

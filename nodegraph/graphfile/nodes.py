@@ -70,7 +70,7 @@ def _fixed_reference(item: Located, problems: Problems) -> Reference | None:
 
 
 def read_report_entry(item: Located, problems: Problems) -> ReportEntry | None:
-    """Return what an entry of ``report`` shows, or None, with the error noted."""
+    """Return the content of an entry of ``report``; None, with the error noted, if invalid."""
     parts = item.value if isinstance(item.value, dict) else {}
     if "show" not in parts:
         if isinstance(item.value, dict) and "from" not in parts:

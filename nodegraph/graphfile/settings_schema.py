@@ -23,7 +23,7 @@ _KEYWORDS = {
     "minLength", "maxLength", "minItems", "maxItems", "required", "additionalProperties",
     "minProperties", "maxProperties",
 }  # fmt: skip
-"""What is taken over from pydantic's schema as it is."""
+"""Keys of pydantic's schema that are kept unchanged."""
 
 _EXACT_TYPES = {
     "any", "none", "bool", "int", "float", "str", "literal", "enum", "list", "set", "frozenset",
@@ -71,7 +71,7 @@ def or_variable(schema: Schema) -> Schema:
 
 
 class _Accepted(GenerateJsonSchema):
-    """What a strict model accepts; anything, for types that accept more than their schema says."""
+    """The schema of a strict model; any value for types that accept more than their schema says."""
 
     ignored_warning_kinds = {"skipped-choice", "non-serializable-default"}  # noqa: RUF012
 

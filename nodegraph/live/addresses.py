@@ -128,7 +128,7 @@ class Outlet:
 
 
 def outlets_of(planned: LivePlan, node: str, sink: str | Sink) -> Iterator[Outlet]:
-    """Yield what takes the frames of a node: one for each of the alternatives side by side.
+    """Yield the sinks of the frames of a node: one for each of the alternatives side by side.
 
     Raises
     ------

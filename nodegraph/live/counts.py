@@ -1,4 +1,4 @@
-"""What is counted of a stream: frames in and out, missing, late and dropped, and latencies."""
+"""Counts of a stream: frames in and out, missing, late and dropped, and latencies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ QUANTILES = {"p50": 0.5, "p99": 0.99, "p99.9": 0.999}
 
 
 class Latencies:
-    """How often which latency occurred."""
+    """A histogram of latencies."""
 
     def __init__(self) -> None:
         self._counts = [0] * (64 << _BITS)
@@ -82,7 +82,7 @@ class Causes:
         return ((text, self._counts[line]) for line, text in self._texts.items())
 
     def as_json(self) -> dict[str, int]:
-        """Return how often it happened by the last texts."""
+        """Return the counts by the last texts."""
         counts: Counter[str] = Counter()
         for text, count in self:
             counts[text] += count
@@ -91,7 +91,7 @@ class Causes:
 
 @dataclass
 class Counts:
-    """What a stream has counted so far.
+    """The counts of a stream so far.
 
     Attributes
     ----------

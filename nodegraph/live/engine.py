@@ -22,7 +22,7 @@ Step = Callable[[list[Any]], None]
 """Computes one step in one frame: takes payloads from their places, and puts others there."""
 
 _SOURCE, _OPEN = 0, 1
-"""Where the payload of the source lies, and where there is never one: at a port left open."""
+"""Indices of the payload of the source, and of a port left open, which never has a payload."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ class _Delay:
         self._waiting: deque[Any] = deque()
 
     def step(self) -> Step:
-        """Return what does so in one frame."""
+        """Return the function that does so for one frame."""
         source, target, delay, waiting = self._source, self._target, self._delay, self._waiting
 
         def step(payloads: list[object]) -> None:
@@ -204,7 +204,7 @@ class _Runner:
         self._first = next(source for source in sources if source != _OPEN)
 
     def step(self) -> Step:
-        """Return what computes the step in one frame.
+        """Return the function that computes the step for one frame.
 
         It is made once, since a look-up of an attribute counts in every frame.
         """

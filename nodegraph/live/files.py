@@ -27,7 +27,7 @@ _INDEX = struct.Struct("<q")
 
 
 def replay(address: str) -> Source:
-    """Return what plays a file as if it were arriving: one that a reader reads, or packets.
+    """Return a source that replays a file: one that a reader reads, or recorded packets.
 
     Parameters
     ----------

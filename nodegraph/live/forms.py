@@ -46,7 +46,7 @@ def streamable_of(kind: type) -> Streamable:
 def live_state(
     node: Node, headers: Mapping[str, Any], values: Mapping[str, Any], settings: Mapping[str, Any]
 ) -> LiveState:
-    """Return what computes a node frame by frame.
+    """Return the state that computes a node frame by frame.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def rows_of(values: Iterable[object]) -> Iterator[tuple[object, ...]]:
 
 
 def results(state: LiveState, rows: Iterable[tuple[object, ...]]) -> Iterator[Any]:
-    """Yield what a state gives for all frames of a stream, of which it is at the start."""
+    """Yield the results of a state for all frames of a stream from its start."""
     for row in rows:
         result = state.push(*row)
         if result is not None:
@@ -210,7 +210,7 @@ class _WindowState:
         ]
         self._slot = -1
         self._ahead = after
-        """How many frames are still needed before the first result."""
+        """Number of frames still needed before the first result."""
 
     def push(self, payload: object) -> object:
         slot = self._slot = (self._slot + 1) % self._length

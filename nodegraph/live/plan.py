@@ -1,4 +1,4 @@
-"""What of a graph runs on a stream, in which order, and how many frames later."""
+"""The part of a graph that runs on a stream, in its order, with the delay of each step."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def live_plan(
     sinks: Collection[str] = (),
     hold: Collection[str] = (),
 ) -> LivePlan:
-    """Return what of a graph runs on a stream.
+    """Return the part of a graph that runs on a stream.
 
     Parameters
     ----------
@@ -391,7 +391,7 @@ class _Planner:
         )
 
     def _unavailable(self, output: Output) -> str:
-        """Return what an output is that has no frames; empty if it has, or is not a stream."""
+        """Return the kind of an output without frames; empty if it has some, or is not a stream."""
         if output.step in self._cut:
             return self._plan.steps[output.step].node
         return not_given(self._plan, output) if output.step in self._live else ""

@@ -1,4 +1,4 @@
-"""Numbers that are current in every frame of a stream: the error so far, say."""
+"""Running numbers: kept current in every frame of a stream, such as the error so far."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunningNumbers:
-    """What a `RunningForm` gives on a stream, frame by frame.
+    """The results of a `RunningForm` on a stream, frame by frame.
 
     Attributes
     ----------

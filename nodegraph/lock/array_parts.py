@@ -145,7 +145,7 @@ def _spans(
 
 
 def part_difference(was: Parts, now: Parts, axes: Axes, least: float) -> str:
-    """Return how the shape or which members of the axes differ; empty if none do.
+    """Return the differences in shape or in members of the axes as text; empty without any.
 
     A difference may be within the rounding of the sums of one axis and not of another.
     """

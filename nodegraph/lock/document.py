@@ -63,7 +63,7 @@ class _Model(BaseModel):
 
 
 class LockedChoices(_Model):
-    """What the command chose."""
+    """The choices of the command."""
 
     inputs: dict[str, Any] = Field({}, alias="set")
     axis: dict[str, Any] = {}
@@ -113,7 +113,7 @@ class _Study(_Model):
 
 
 class Provenance(_Model):
-    """What decides the results of a run.
+    """Everything that decides the results of a run.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ _WITHOUT_VALUE = (State.REFUSED, State.FAILED, State.SKIPPED)
 
 @dataclass(frozen=True)
 class LockedResult:
-    """What a lock holds of one result.
+    """One result as a lock holds it.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What decides the results of a run, under names that are valid on other machines."""
+"""Everything that decides the results of a run, under names valid on other machines."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def _is_absolute(text: str) -> bool:
 
 
 def provenance(run: Run, names: FileNames) -> Provenance:
-    """Return what decided the results of a run."""
+    """Return everything that decided the results of a run."""
     graph = run.plan.graph
     reached = dict(_reached(run))
     return Provenance(

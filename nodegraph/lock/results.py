@@ -302,7 +302,7 @@ def scales(cells: Iterable[Cell], results: Results, run: Run) -> dict[str, dict[
 
 
 def recorded(cell: Cell, results: Results, scale: Mapping[str, float]) -> LockedResult:
-    """Return what a lock holds of a combination.
+    """Return the locked result of a combination.
 
     Parameters
     ----------

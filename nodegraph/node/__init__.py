@@ -1,1 +1,1 @@
-"""What a node is: the decorator, ports, values, and the description of a node."""
+"""Nodes: the decorator, ports, values, and the description of a node."""

@@ -1,4 +1,4 @@
-"""What a method declares beside its ports and settings, so that comparisons are fair."""
+"""Declarations of a method besides its ports and settings, which keep comparisons fair."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Ends = bool | None | Callable[[Mapping[str, Any]], bool]
 
 
 class Declared(TypedDict, total=False):
-    """What a method declares for its settings; what it does not declare is left out.
+    """The declarations of a method for given settings; those it does not make are left out.
 
     The text of what differs from the published method, the look-ahead in frames (None: the whole
     take), and whether both ends of a gap are met.
@@ -38,7 +38,7 @@ class Declared(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class Declaration:
-    """What a fair comparison needs to know of a method; see `nodegraph.node` for the meanings.
+    """The properties of a method that a fair comparison depends on; see `nodegraph.node`.
 
     `nodegraph.node.decorator.Node` evaluates it for settings.
 

@@ -69,7 +69,7 @@ def summary_of(node: Node) -> str:
 def describe_declaration(
     node: Node, settings: Iterable[Mapping[str, object]] | None = None
 ) -> tuple[str, ...]:
-    """Return what a method declares, a phrase each: source, look-ahead, ends, live form.
+    """Return the declarations of a method, a phrase each: source, look-ahead, ends, live form.
 
     Parameters
     ----------

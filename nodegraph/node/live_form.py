@@ -42,7 +42,7 @@ class Window(Generic[P, H]):
 
 
 class LiveState(Protocol):
-    """What computes a node frame by frame, made for one stream.
+    """Computes a node frame by frame; created for one stream.
 
     It is made with the arguments of the node's function, in which each port of `streams` is given
     the header of its stream (the value, without frames), other ports their whole value.
@@ -71,7 +71,7 @@ class LiveState(Protocol):
         """
 
     def drain(self) -> Iterable[object]:
-        """Return what the last `lookahead` frames give, now that no other follows."""
+        """Return the results of the last `lookahead` frames, after the end of the stream."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class StateForm:
 
 
 class RunningState(Protocol):
-    """What keeps the numbers of a `RunningForm` current, made for one stream as a `LiveState`."""
+    """Keeps the numbers of a `RunningForm` current; created for one stream, as a `LiveState` is."""
 
     def push(self, *args: Any, **kwargs: Any) -> Any:
         """Take the next frame and return the numbers of all frames so far.

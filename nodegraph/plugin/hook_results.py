@@ -1,4 +1,4 @@
-"""What the loaded plugins return from their hooks, checked, guarded and put together.
+"""The results of the hooks of the loaded plugins, checked, guarded and combined.
 
 A hook that fails, or an item of another type than the hook's specification declares, is left out
 with a warning that names the plugin and the hook; everything else continues.
@@ -51,7 +51,7 @@ from nodegraph.plugin.streaming import LiveView, Streamable
 
 @dataclass
 class HookResults:
-    """What plugins add besides nodes; each hook is called when its result is first needed."""
+    """The hook results except nodes; each hook is called when its result is first needed."""
 
     plugins: list[Plugin]
 
@@ -102,12 +102,12 @@ class HookResults:
 
     @cached_property
     def sources(self) -> Mapping[str, Callable[[str], Any]]:
-        """What makes a source of frames from an address, by scheme."""
+        """Functions that open a source of frames at an address, by scheme."""
         return self._named("nodegraph_sources", guard_stream_end)
 
     @cached_property
     def sinks(self) -> Mapping[str, Callable[[str], Any]]:
-        """What makes a sink of frames from an address, by scheme."""
+        """Functions that open a sink of frames at an address, by scheme."""
         return self._named("nodegraph_sinks", guard_stream_end)
 
     @cached_property
@@ -213,7 +213,7 @@ class HookResults:
             yield from _of_type(items, item_type, source)
 
     def _results(self, hook: str) -> Iterator[tuple[Any, Source]]:
-        """Yield what each plugin's hook returns, the last plugin's first."""
+        """Yield the result of each plugin's hook, the last plugin's first."""
         declared = declared_hooks()[hook]
         for implementation in reversed(getattr(self._manager.hook, hook).get_hookimpls()):
             package = package_of(implementation.function)

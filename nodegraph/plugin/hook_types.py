@@ -1,4 +1,4 @@
-"""What the hooks of plugins return: how values are read, stored, shown and compared."""
+"""The types that hooks of plugins return: how values are read, stored, shown and compared."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def json_script(value: Any, element_id: str) -> str:
 
 
 class Origin(Protocol):
-    """Where a value in a report comes from: what a renderer may ask of the run."""
+    """The origin of a value in a report: the part of the run that a renderer may read."""
 
     @property
     def node(self) -> str:
@@ -199,13 +199,13 @@ class Origin(Protocol):
         """Return the unit of an axis's labels, that of the settings that take them; or nothing."""
 
     def meaning(self, axis: str) -> str:
-        """Return what the settings that take an axis's values say of themselves, or nothing."""
+        """Return the meaning of the settings that take an axis's values; empty if unknown."""
 
     def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
         """Return the gathered axes that labels leave open, each with its labels."""
 
     def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
-        """Return what the step behind a gathered value had read, by port.
+        """Return the inputs of the step behind a gathered value, by port.
 
         Parameters
         ----------

@@ -78,7 +78,7 @@ class Registry:
 
     @cached_property
     def hooks(self) -> HookResults:
-        """What this package and the loaded plugins add besides nodes."""
+        """The hook results of this package and the loaded plugins, except nodes."""
         return HookResults([loading.built_in(), *self.loaded])
 
     @cached_property

@@ -146,7 +146,7 @@ class Source(Protocol):
 
 @runtime_checkable
 class Sink(Protocol):
-    """Where frames go."""
+    """A sink of frames."""
 
     def open(self, header: object) -> None:
         """Connect, before the first frame; the header is a value without frames."""

@@ -1,4 +1,4 @@
-"""What the labels of an axis are: the unit and the meaning of the settings that take them."""
+"""The meaning of the labels of an axis: unit and description of the settings that take them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class AxisText(NamedTuple):
 
 
 def axis_text(graph: Graph, name: str) -> AxisText:
-    """Return what the settings that take the values of an axis as they are say of it."""
+    """Return the meaning of an axis from the settings that take its values unchanged."""
     axis = graph.axes.get(name)
     if axis is None or not axis.values:
         return AxisText()

@@ -40,7 +40,7 @@ class Description:
 
     @property
     def sources(self) -> list[tuple[str, str]]:
-        """What it cites, as it is printed, and the key of the entry."""
+        """The reference as it is printed, and the key of its entry."""
         texts = self.row.citation.splitlines()
         keys = [*self.row.keys, *[""] * len(texts)]
         return list(zip(texts, keys, strict=False))

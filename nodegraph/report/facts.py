@@ -1,4 +1,4 @@
-"""What a page says of its study in one line: in its head, and beside what is folded."""
+"""One-line summaries of a study: in the head of its page, and next to folded parts."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def fold_facts(study: Study) -> dict[str, str]:
 
 
 def _sizes(study: Study) -> Iterator[str]:
-    """Yield how many labels each axis has: ``18 methods``, ``8 recordings``."""
+    """Yield the number of labels of each axis: ``18 methods``, ``8 recordings``."""
     of_methods = {row.node for row in study.methods if row.label}
     nodes = of_methods & {axis.name for axis in study.axes if len(axis.labels) > 1}
     for axis in study.axes:

@@ -1,4 +1,4 @@
-"""What failed, was refused, was left out or gave a warning: from a run, and by kind for a page."""
+"""Notes on failures, refusals, exclusions and warnings: from a run, and by kind for a page."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class RunOrigin:
         return axis_text(self.run.plan.graph, axis).unit
 
     def meaning(self, axis: str) -> str:
-        """Return what the settings say of themselves that take an axis's values."""
+        """Return the meaning of the settings that take an axis's values."""
         return axis_text(self.run.plan.graph, axis).meaning
 
     def open_axes(self, labels: Mapping[str, Label]) -> dict[str, tuple[Label, ...]]:
@@ -77,7 +77,7 @@ class RunOrigin:
         return {axis: tuple(axes[axis].labels) for axis in gathered if axis not in labels}
 
     def inputs(self, labels: Mapping[str, Label]) -> dict[str, Any] | None:
-        """Return what the step behind a gathered value had read, by port."""
+        """Return the inputs of the step behind a gathered value, by port."""
         step = self.step(labels)
         if step is None:
             return None

@@ -166,7 +166,7 @@ def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
 
 @cache  # a template takes longer to compile than to fill in
 def templates_of(package: str) -> Environment:
-    """Return what fills in a package's templates; all that is not marked as trusted is escaped.
+    """Return the template engine of a package; text not marked as trusted is escaped.
 
     They may extend those of a report, such as ``document.html``.
     """

@@ -27,7 +27,7 @@ _MOST_BYTES = 256_000_000
 
 
 class Kind(StrEnum):
-    """What a note is about."""
+    """The subject of a note."""
 
     FAILED = "failed"
     REFUSED = "refused"
@@ -235,7 +235,7 @@ class StepNote:
 
 @dataclass(frozen=True, slots=True)
 class TimingRow:
-    """How long a node took: its steps, all their seconds, those of the longest; how many stored.
+    """Time of a node: its steps, all their seconds, those of the longest, and the stored steps.
 
     A stored step counts with the time that it took when it was computed.
     """

@@ -1,4 +1,4 @@
-"""What changed about a step between two runs: its settings, its code, what feeds its ports."""
+"""Changes of a step between two runs: its settings, its code, the sources of its ports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from nodegraph.formatting import labels_of
 from nodegraph.runs.record import RecordedCode, RecordedStep
 
 Sources = Mapping[str, tuple[str, ...]]
-"""What feeds each port: a text per value."""
+"""The sources of each port: a text per value."""
 
 Code = RecordedCode | Reached
 
@@ -52,7 +52,7 @@ def source_changes(was: Sources, now: Sources) -> Iterator[str]:
 
 
 def recorded_sources(step: RecordedStep, steps: Mapping[int, RecordedStep]) -> Sources:
-    """Return what fed each port of a step in a record, whose steps are known by their numbers."""
+    """Return the sources of each port of a step in a record, whose steps are numbered."""
     return {
         port: tuple(
             source_text(steps[source.step].node, source.output, source.labels) for source in sources

@@ -1,4 +1,4 @@
-"""Where two runs differ first, and what explains it."""
+"""The first difference between two runs, and its explanation."""
 
 from __future__ import annotations
 

@@ -222,7 +222,7 @@ def _files_in(folder: Path) -> set[Path]:
 
 
 def _identity(folder: Path) -> object | None:
-    """Return what two folders of the same run share; None if a result has no key or is lost."""
+    """Return the identity of a run, equal in copies; None if a result has no key or is lost."""
     try:
         record = json.loads(content_of(folder / RECORD))
         settings = {name: value for name, value in record["settings"].items() if name not in _HOW}

@@ -92,7 +92,7 @@ def saved_graph(
 
 
 class Advance(NamedTuple):
-    """How far a computation is: steps that have ended, steps left, and the last that ended."""
+    """Progress of a computation: steps that have ended, steps left, and the last that ended."""
 
     ended: int
     left: int
@@ -114,7 +114,7 @@ class ReopenedRun(Run):
     in_memory: dict[int, tuple[Any, ...]]
 
     def changes(self, indices: Iterable[int]) -> tuple[str, ...]:
-        """Return what has changed since the run of all that steps depend on.
+        """Return the changes since the run in everything that steps depend on.
 
         If anything has, or may have, they cannot be computed as they were then.
         """
@@ -249,7 +249,7 @@ def reopen(saved: SavedRun, registry: Registry, store: Store) -> ReopenedRun:
 
 
 def _outcomes(planned: Plan, record: Record) -> Mapping[int, Outcome]:
-    """Return how the steps of a plan ended in a run."""
+    """Return the outcomes of the steps of a plan in a run."""
     recorded = {
         (cell.node, *sorted(cell.labels.items())): step
         for step in record.steps

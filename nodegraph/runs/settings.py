@@ -29,7 +29,7 @@ _DEFAULT = HowToRun()
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
-    """What a run was started with.
+    """The options that a run was started with.
 
     Attributes
     ----------

@@ -101,7 +101,7 @@ def _text(error: Exception) -> str:
 
 
 class NotComputed(NodegraphError):
-    """What is asked for has to be computed first.
+    """The requested values must be computed first.
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ class _Pages:
         return _attachment(path.read_bytes(), path.name)
 
     def detail(self, request: Request) -> Any:
-        """Return what the view of a block shows."""
+        """Return the data of the view of a block."""
         run, query = self._run(request), _query(request)
         values = self._values(run, query)
         try:
@@ -291,7 +291,7 @@ _WANTED: Mapping[str, Callable[[ReopenedRun, Query], object]] = {"value": shown,
 
 
 def _wanted(body: bytes) -> tuple[str, dict[str, str]]:
-    """Return what is to be computed, and the query that asked for it."""
+    """Return the kind of values to compute, and the query that requested them."""
     try:
         data = json.loads(body)
         wanted, query = data["for"], data["query"]

@@ -85,7 +85,7 @@ class Guard:
         await answer(scope, receive, _with_headers(send))
 
     def _answer(self, scope: Scope) -> ASGIApp | Refused:
-        """Return what answers a request."""
+        """Return the response to a request."""
         refused = self._refusal(scope)
         if refused is not None:
             return refused

@@ -1,4 +1,4 @@
-"""How far a run is, from the events that it writes while it runs."""
+"""The progress of a run, from the events that it writes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from nodegraph.state import State
 
 WAITING, RUNNING = "waiting", "running"
 COUNTED = (WAITING, RUNNING, *(state.value for state in State if state is not State.UNNEEDED))
-"""What the steps of a node are counted as; those that are not needed are among the waiting."""
+"""The states that steps are counted by; unneeded steps count as waiting."""
 
 _MOST_BYTES = 1 << 24
 _MOST_FAILURES = 20
@@ -23,7 +23,7 @@ _MOST_FAILURES = 20
 
 @dataclass
 class Progress:
-    """What the events of a run say so far.
+    """The progress of a run according to its events.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Progress:
         self.last, self.seconds = kind, seconds
 
     def counts(self, *, is_over: bool = False) -> dict[str, dict[str, int]]:
-        """Return how many steps of each node are in which state; states without any are absent.
+        """Return the number of steps of each node by state; states without any are absent.
 
         Parameters
         ----------

@@ -98,7 +98,7 @@ class OpenRun:
         return Condition(RunState.FINISHED)
 
     def snapshot(self, state: RunState | None = None) -> dict[str, Any]:
-        """Return how far the run is, as plain data.
+        """Return the progress of the run as plain data.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class OpenRun:
         }
 
     def study(self) -> Study:
-        """Return what the report shows.
+        """Return the study that the report shows.
 
         Raises
         ------
@@ -184,7 +184,7 @@ class OpenRun:
 
     @property
     def _settings(self) -> RunSettings | None:
-        """What the run was started with, from its first event."""
+        """The settings of the run, from its first event."""
         from pydantic import TypeAdapter, ValidationError
 
         settings = self._events.progress.planned.get("settings")
@@ -250,7 +250,7 @@ def _command(settings: RunSettings, origin: Path, folder: Path) -> str:
 
 
 def _version(path: Path) -> tuple[int, int]:
-    """Return what changes when a file is replaced."""
+    """Return the stamp of a file, which changes when the file is replaced."""
     try:
         status = path.stat()
     except OSError:
@@ -259,7 +259,7 @@ def _version(path: Path) -> tuple[int, int]:
 
 
 def entry_of(run: OpenRun) -> dict[str, object]:
-    """Return what a list of runs says of a run, without reading all of it."""
+    """Return the entry of a run in a list of runs, without reading all of it."""
     progress = Progress()
     try:
         is_going = is_written(run.folder / EVENTS)

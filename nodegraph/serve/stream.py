@@ -87,7 +87,7 @@ class StreamPage:
         shown = list(_shown(session.plan, self._registry.hooks.live_views))
         self._to_begin = dict.fromkeys(shown)
         self._begun: list[tuple[_Shown, Any]] = []
-        """What is shown, each with what scripts need of it."""
+        """The outputs that are shown, each with the data for scripts."""
         self._sent_begun = 0
         self._newest: dict[Output, Frame] = {}
         self._watched: Collection[str] = ()
@@ -185,7 +185,7 @@ class StreamPage:
         self._process.stdin.flush()
 
     def _update(self, state: State, message: str = "", *, with_counts: bool) -> Update:
-        """Return what is new of the outputs that browsers show; in the end, of all."""
+        """Return the new frames of the outputs that browsers show; at the end, of all outputs."""
         frames: dict[str, list[bytes]] = {}
         begun = {shown.name: data for shown, data in self._begun[self._sent_begun :]}
         self._sent_begun += len(begun)

@@ -44,7 +44,7 @@ _SILENT = 1.0
 
 
 class Update(NamedTuple):
-    """What has changed since the message before.
+    """The changes since the previous message.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ def _application(content: str, shown: _Shown) -> Starlette:
 
 
 class _Shown:
-    """What the page shows now, for browsers that take it when they can.
+    """The current content of the page, which browsers take when they can.
 
     Nothing waits for a browser: each gets what is newest when it has taken what it had got.
     """
@@ -180,7 +180,7 @@ class _Shown:
         }
 
     async def events(self, names: Sequence[str]) -> AsyncIterator[str]:
-        """Yield what a page needs that shows some groups, until the stream ends."""
+        """Yield the data for a page that shows some groups, until the stream ends."""
         self._watch(Counter(names))
         try:
             async for event in self._events(names):

@@ -141,7 +141,7 @@ class BlockQuery:
 
     @classmethod
     def of(cls, query: Query) -> BlockQuery:
-        """Return what a query asks for.
+        """Return the request in a query.
 
         Raises
         ------
@@ -163,7 +163,7 @@ class BlockQuery:
 
 
 def packed(run: ReopenedRun, query: Query) -> Mapping[str, Any]:
-    """Return what the view of a block shows; see `nodegraph.Detail`.
+    """Return the data of the view of a block; see `nodegraph.Detail`.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def packed(run: ReopenedRun, query: Query) -> Mapping[str, Any]:
 
 
 def _summary(value: object) -> str:
-    """Return what a value is made of, where no plugin shows it."""
+    """Return a summary of a value that no plugin shows."""
     if not is_dataclass(value):
         return _part(value)
     return "\n".join(f"{each.name}: {_part(getattr(value, each.name))}" for each in fields(value))

@@ -118,7 +118,7 @@ def _html(page: Page, *, script: bool = False) -> bytes:
 
 
 def _index(pages: Iterable[Page]) -> Iterator[tuple[str, str, str, str]]:
-    """Yield what the search finds: name, sentence, address, title of the page."""
+    """Yield the entries of the search: name, sentence, address, title of the page."""
     for page in pages:
         yield page.title, "", page.path, ""
         for entry in page.entries:

@@ -57,7 +57,7 @@ class Unstorable(NodegraphError):
 
 
 class Unreadable(NodegraphError):
-    """What was kept cannot be put together again."""
+    """Stored data cannot be read."""
 
 
 class UnknownClass(Unreadable):
@@ -143,7 +143,7 @@ def array_together(
 
 
 def span(shape: Iterable[int], strides: Iterable[int], itemsize: int) -> int:
-    """Return how many bytes lie between the ends of an array, its gaps included."""
+    """Return the number of bytes between the ends of an array, gaps included."""
     steps = zip(shape, strides, strict=True)
     return sum((length - 1) * abs(stride) for length, stride in steps) + itemsize
 
@@ -274,7 +274,7 @@ def is_numpys(kind: type) -> bool:
 
 
 def numpys_way(kind: type) -> Callable[[Any, Apart], object]:
-    """Return what takes values of such a type apart."""
+    """Return the function that takes values of such a type apart."""
     import numpy as np
 
     def array(value: Any, apart: Apart) -> Any:
@@ -481,7 +481,7 @@ class Apart:
         return self._ways[type(value)](value, self)
 
     def all(self, values: Iterable[object], outer: str) -> list[Any]:
-        """Return what something is made of, and say where something lies that cannot be kept."""
+        """Return the plain parts of a value; errors name the place of what cannot be kept."""
         self._depth += 1
         if self._depth > _DEEPEST:
             raise RecursionError
@@ -583,7 +583,7 @@ class Together:
 
 
 def way_of(kind: type, storage: Storage | None) -> Way:
-    """Return what takes values of that type apart.
+    """Return the function that takes values of a type apart.
 
     Raises
     ------
@@ -611,7 +611,7 @@ def storage_name(storage: Storage) -> str:
 def restorers(
     storages: Iterable[Storage], packages: Callable[[str], bool]
 ) -> Mapping[str, Restorer]:
-    """Return what puts each kind of list together, by its first word."""
+    """Return the functions that restore each kind of list, by its first word."""
     by_name = {storage_name(storage): storage for storage in reversed(tuple(storages))}
     return {
         **_RESTORED,
@@ -903,7 +903,7 @@ class Packer:
         return kind in BASIC or kind is Across or issubclass(kind, Value) or is_numpys(kind)
 
     def lend(self, value: object) -> Any:
-        """Return what one reader gets of a value.
+        """Return a value as one reader gets it.
 
         Raises
         ------
@@ -982,7 +982,7 @@ def _refuse_iterator(value: Iterator[object]) -> object:
 
 
 class _ByType(dict[type, T]):
-    """What is found out once for each type."""
+    """Functions for each type, found once."""
 
     def __init__(self, find: Callable[[type], T]) -> None:
         super().__init__()

@@ -141,7 +141,7 @@ def seal(text: str) -> bytes:
 
 
 def unseal(content: bytes) -> bytes | None:
-    """Return what `seal` was given, or None if it is not that any more."""
+    """Return the content that `seal` was given, or None if it has changed."""
     rest = content[65:]
     whole = hashlib.sha256(rest).hexdigest().encode("ascii") == content[:64]
     return rest if whole and content[64:65] == b"\n" else None
@@ -241,7 +241,7 @@ class Blobs:
         return content
 
     def path(self, name: str) -> str:
-        """Return where bytes lie."""
+        """Return the address of bytes in memory."""
         return f"{self.folder}/{name[:2]}/{name[2:]}"
 
     def _there(self, name: str, size: int) -> bool:

@@ -28,7 +28,7 @@ _MAGIC = b"nodegraph pack 1"
 _KEY = 32
 _RECORD = struct.Struct("<QIII")
 _HOUR_AT = 12
-"""Where in a record the hour stands."""
+"""Offset of the hour in a record."""
 _HOUR = 3600.0
 _CAN_PACK = hasattr(os, "pread")
 """Whether this system reads at a place of a file that others read as well; Windows does not."""
@@ -43,7 +43,7 @@ _LATELY = 2.0
 
 
 class Record(NamedTuple):
-    """Where an entry lies in a pack, and what is known without reading it.
+    """The place of an entry in a pack, and the data known without reading it.
 
     Attributes
     ----------

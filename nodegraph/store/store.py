@@ -53,7 +53,7 @@ _Part = str | tuple[_Sum, Annotated[int, Field(ge=0)]]
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What is kept with a result.
+    """The data kept with a result.
 
     Attributes
     ----------
@@ -292,7 +292,7 @@ class Store:
         self._make()
 
     def find(self, key: str, *, outputs: int | None = None) -> Entry | None:
-        """Return what is stored under a key, without its values.
+        """Return the entry under a key, without its values.
 
         A damaged entry is removed, reported, and not found.
 
@@ -397,7 +397,7 @@ class Store:
                 self._give_up(error)
 
     def recall(self, name: str) -> dict[str, Any]:
-        """Return what `remember` kept last; nothing if that is damaged."""
+        """Return the data that `remember` kept last; empty if it is damaged."""
         try:
             text = files.unseal(files.read(f"{self._root}/{name}.json")[0])
             value = json.loads(text) if text is not None else {}

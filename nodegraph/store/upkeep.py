@@ -1,4 +1,4 @@
-"""How much is stored, how it is packed, and how the longest unused of it goes."""
+"""Upkeep of the store: its size, packing, and removal of what was unused for longest."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class _Placed:
-    """What pruning has to know of an entry, and its place: a path, or within a pack."""
+    """An entry as pruning sees it, with its place: a path, or within a pack."""
 
     place: str | Packed
     used: float
@@ -61,7 +61,7 @@ class _Placed:
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """How many entries, how many files of arrays, and how many bytes all files have."""
+    """The number of entries, of files of arrays, and of bytes in all files."""
 
     entries: int = 0
     blobs: int = 0
@@ -105,7 +105,7 @@ class Upkeep:
                 yield kept
 
     def size(self) -> Amount:
-        """Return how much there is."""
+        """Return the size of the store."""
         amount = _NONE
         for entry in self._entry_files():
             amount += Amount(1, 0, _size(entry))

@@ -22,7 +22,7 @@ def first_infinite(values: Values) -> str:
 
 
 def oddities(value: object) -> set[str]:
-    """Return what is odd about a value's numbers: infinite, missing, or missing in part."""
+    """Return the oddities of a value's numbers: infinite, missing, or missing in part."""
     odd: set[str] = set()
     for _, array in _arrays(value, ""):
         if array.dtype.kind in "fc" and not np.isfinite(array).all():

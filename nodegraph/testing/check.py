@@ -111,7 +111,7 @@ def _check(
 
 
 def _declaration_faults(node: Node, settings: Mapping[str, object]) -> Iterator[str]:
-    """Yield what is wrong with the docstring and the settings, or with given values of these."""
+    """Yield the faults of the docstring and the settings, or of given values of these."""
     if not node.summary.strip():
         yield "has no docstring: say in its first line what the method does; users see it in lists"
     documented = meanings(node)

@@ -1,4 +1,4 @@
-"""What a node must not change: random states, settings of libraries, the process, the disk."""
+"""Side effects that no node may have: on random states, libraries, the process, the disk."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ class Request:
 
 
 class ResponseKind(StrEnum):
-    """What a worker could do about a request.
+    """The response of a worker to a request.
 
     ``missing``: it does not have the node; ``unsendable``: a value cannot be sent;
     ``interrupted``: the node asked for the end of the run.
@@ -148,7 +148,7 @@ class Response:
 
 @dataclass(frozen=True)
 class NodeAddress:
-    """Where a worker finds a node.
+    """The address of a node for a worker.
 
     Attributes
     ----------
@@ -258,7 +258,7 @@ def _source_files(package: str) -> list[tuple[str, Path]]:
 
 @dataclass(frozen=True)
 class Environment:
-    """What results depend on in the process that sends requests.
+    """The environment of the process that sends requests, on which results depend.
 
     Attributes
     ----------

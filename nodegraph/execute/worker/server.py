@@ -50,7 +50,7 @@ class MissingNodeError(NodegraphError):
 
 
 def finder_for(environment: bytes) -> NodeFinder:
-    """Return what finds nodes for the requests of an environment, created once for each."""
+    """Return the resolver of nodes for the requests of an environment, created once for each."""
     with _lock:  # threads of one process would import a plugin twice
         finder = _finders.get(environment)
         if finder is None:
