@@ -59,7 +59,10 @@ WORDS_OF_THE_FIELD = {
     "trajectories", "mocap", "blendshape", "blendshapes", "landmark", "landmarks", "skeleton",
     "neutral", "procrustes",
 }  # fmt: skip
-HEAVY = {"distributed", "matplotlib", "numba", "pandas", "pywt", "scipy", "sklearn"}
+HEAVY = {
+    *("distributed", "matplotlib", "numba", "pandas", "pywt", "rerun", "scipy", "sklearn"),
+    "xarray",
+}
 """Libraries that nodes import when they are called, so that commands start fast."""
 
 NAMES_OF_PLUGGY = {"HookspecMarker", "HookimplMarker"}
@@ -138,7 +141,7 @@ def test_plugins_import_public_names_only_and_never_each_other() -> None:
 def test_imported_libraries_are_declared() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     extras = project["optional-dependencies"]
-    users = ("archive", "testing", "dask", "open", "live")
+    users = ("archive", "testing", "dask", "open", "live", "rerun", "xarray")
     optional = (requirement for extra in users for requirement in extras[extra])
     declared = library_names((*project["dependencies"], *optional))
     declared |= {name for library in declared for name in library_names(requires(library) or ())}

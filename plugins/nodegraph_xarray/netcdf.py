@@ -1,0 +1,74 @@
+"""Recordings as netCDF files, in which ``movement`` keeps its datasets of poses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from nodegraph import Files, Format, node
+from nodegraph_files.units import AUTO, UnitSetting
+from nodegraph_mocap.recording import Trajectories
+from nodegraph_xarray.poses import from_xarray, require_xarray, to_xarray
+
+_CLASSIC = b"CDF"
+_DEFLATED = 1100
+"""Bytes that one of a compressed file may stand for: no more than 1032, by deflate."""
+_SMALL = 1 << 24  # bytes, for which there is room in any case
+
+
+@node("write.nc")
+def write_nc(
+    recording: Trajectories, *, name: Annotated[str, Field(min_length=1)] = "recording"
+) -> Files:
+    """Write a recording as netCDF, a dataset of poses of the package movement, bit for bit.
+
+    The dataset is that of `nodegraph_xarray.to_xarray`; ``xarray.open_dataset`` opens it.
+
+    Parameters
+    ----------
+    recording
+        Any.
+    name
+        Of the file, without its suffix.
+
+    Returns
+    -------
+    Files
+        One file, in the classic form of netCDF with offsets of 64 bits.
+
+    Raises
+    ------
+    NodegraphError
+        If xarray is not installed.
+    """
+    content = bytes(to_xarray(recording).to_netcdf(engine="scipy", format="NETCDF3_64BIT"))
+    return Files({name if name.lower().endswith(".nc") else f"{name}.nc": content})
+
+
+def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO) -> Trajectories:
+    """Read a recording from a netCDF file that holds a dataset of poses; see `from_xarray`.
+
+    Raises
+    ------
+    ValueError
+        With the file, if it is no such file.
+    NodegraphError
+        If xarray is not installed.
+    """
+    require_xarray()
+    import xarray
+
+    with path.open("rb") as stream:
+        engine = "scipy" if stream.read(len(_CLASSIC)) == _CLASSIC else "h5netcdf"
+    try:
+        with xarray.open_dataset(path, engine=engine, decode_times=False, cache=False) as dataset:
+            if dataset.nbytes > max(_DEFLATED * path.stat().st_size, _SMALL):
+                raise ValueError(f"it announces {dataset.nbytes} bytes, more than it can hold")
+            return from_xarray(dataset.load(), unit=unit, zeros_missing=zeros_missing)
+    except (ValueError, TypeError, OSError, KeyError, IndexError, RuntimeError) as error:
+        raise ValueError(f"{path}: not a readable netCDF file of poses: {error}") from None
+
+
+FORMAT = Format("netCDF", Trajectories, (".nc",), read_nc, lambda start: start.startswith(_CLASSIC))
