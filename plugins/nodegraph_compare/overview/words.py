@@ -102,6 +102,8 @@ def label_text(label: Label, unit: str = "") -> str:
         return str(label)
     if unit == "share":
         return f"{100 * label:.10g}{SPACE}%"
+    if label == 1 and len(unit) > 1:
+        unit = unit.removesuffix("s")  # 1 frame
     return f"{label:.12g}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 

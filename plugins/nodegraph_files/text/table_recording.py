@@ -237,6 +237,7 @@ def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
             )
     if rate is None:
         raise ValueError(
-            f"{table.path}: no rate; add a line '# rate: 60' or a column 'time' in seconds"
+            f"{table.path}: no rate; add a line '# rate: 60' in Hz above the head, "
+            "or a column 'time' in seconds"
         )
     return rate

@@ -282,6 +282,20 @@ def test_few_units_and_disagreeing_rules_have_no_verdict() -> None:
     assert "One method for all" not in text
 
 
+class Timer(Bakery):
+    def unit(self, axis: str) -> str:
+        return "minutes"
+
+
+def test_numbers_are_named_with_what_they_are_numbers_of() -> None:
+    recipes: Any = {2: 1.0, 3: 9.0}
+    overview = compared(kitchens(recipes, heats=(1, 5)), within=("heat",)).overview
+    text = text_of(rendered(overview, Timer()).lead)
+    assert "recipe 2 is best throughout" in text
+    assert "heat 1 minute " in text
+    assert "heat 5 minutes " in text
+
+
 def test_what_leads_some_groups_only_is_not_called_best_throughout() -> None:
     overview = compared(kitchens({"plain": 1.0, "rich": 9.0}), within=("heat",)).overview
     assert "plain is best throughout" in text_of(rendered(overview).lead)
