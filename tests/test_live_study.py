@@ -22,7 +22,7 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
     ended = studies.command(
         "live",
         str(GRAPH),
-        *("--source", "recording=replay:sample:face", "--sink", "still=file:{fill}.npz"),
+        *("--source", "recording=replay:sample:face@0", "--sink", "still=file:{fill}.npz"),
         *("--sink", "error=file:{fill}.csv", "--out", "live"),
         folder=tmp_path,
     )

@@ -25,7 +25,7 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
 
-KILLS = {"serial": 50, "threads": 50, "processes": 20, "dask": 8}
+KILLS = {"serial": 20, "threads": 50, "processes": 20, "dask": 8}
 """By executor: other processes take longer to start."""
 GRAPH = """
 nodegraph: 1

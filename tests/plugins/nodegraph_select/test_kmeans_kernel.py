@@ -69,7 +69,7 @@ def same_as_plain(rows: Numbers, draws: Numbers) -> None:
 @pytest.mark.parametrize("dimensions", [1, 2, 3, 4, 7])
 @pytest.mark.parametrize("k", [1, 2, 9, 25, 39, 40])
 def test_every_run_is_the_plain_one(k: int, dimensions: int) -> None:
-    draws = np.random.default_rng([k, dimensions]).random((12, k))
+    draws = np.random.default_rng([k, dimensions]).random((4, k))
     same_as_plain(rows_of(dimensions, dimensions=dimensions), draws)
 
 
@@ -167,7 +167,7 @@ def test_inertia_is_distributed_as_that_of_scikit_learn(k: int) -> None:
     from sklearn.cluster import KMeans
     from threadpoolctl import threadpool_limits
 
-    rows, runs = rows_of(7, count=90, dimensions=8), 1000
+    rows, runs = rows_of(7, count=90, dimensions=8), 300
     _, ours, _ = kmeans_kernel.restarts(rows, np.random.default_rng([1, k]).random((runs, k)))
     with threadpool_limits(1):
         theirs = [
