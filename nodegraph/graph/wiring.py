@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import networkx as nx
 
-from nodegraph.errors import Place, Problems, nearest
+from nodegraph.errors import Place, Problems, listed, nearest
 from nodegraph.graph.methods import ResolvedMethod, labelled
 from nodegraph.graph.model import Gather, GraphNode, Wire
 from nodegraph.graph.namespace import Namespace
@@ -31,6 +31,7 @@ class WireChecker:
         self._nodes = nodes
         self._namespace = namespace
         self._problems = problems
+        self._noted: set[tuple[Place, str]] = set()
 
     def inputs(
         self, where: str, method: ResolvedMethod, node: Node
@@ -52,8 +53,8 @@ class WireChecker:
             elif port.across:
                 inputs[port.name] = Gather(port.name, sources)
             else:
-                message = f"{where}: port {port.name!r} takes one value, not a mapping of several"
-                self._problems.add(feed.place, message, "a port typed Across gathers")
+                message = f"port {port.name!r} takes one value, not a mapping of several"
+                self._note(feed.place, where, message, "a port typed Across gathers")
         self._check_open_ports(where, method, node)
         return inputs
 
@@ -68,10 +69,16 @@ class WireChecker:
             if name in self._nodes:
                 self._check_output(reference, target, where)
         elif name.startswith("$"):
-            message = f"{where}: {reference} names a value; a port is fed by a node"
-            self._problems.add(reference.place, message, self._instead_of_value(name))
+            message = f"{reference} names a value; a port is fed by a node"
+            self._note(reference.place, where, message, self._instead_of_value(name))
         else:
-            self._problems.add(reference.place, f"{where}: no node {name!r}", self._nearest(name))
+            self._note(reference.place, where, f"no node {name!r}", self._nearest(name))
+
+    def _note(self, place: Place, where: str, message: str, hint: str) -> None:
+        """Note an error once, by the first of the methods that share the reference."""
+        if (place, message) not in self._noted:
+            self._noted.add((place, message))
+            self._problems.add(place, f"{where}: {message}", hint)
 
     def _instead_of_value(self, name: str) -> str:
         """Return a suggestion: a port whose type is unknown, or a node."""
@@ -84,19 +91,23 @@ class WireChecker:
         return nearest(name, [node for node in self._spec.nodes if "." not in node])
 
     def _check_output(self, reference: Reference, target: Port | None, where: str) -> None:
+        wrong: dict[tuple[str, str], list[str]] = {}  # nodes, by what is wrong and the hint
         for method in self._nodes[reference.node].methods.values():
             node, name = method.node, reference.port
             output = node.output(name) if name else node.outputs[0]
-            source = f"{reference.node} ({node.name})"
             if output is None:
-                message = f"{where}: {source} has no output {name!r}"
+                reason = f" has no output {name!r}"
                 hint = nearest(name, public_outputs(node))
-                self._problems.add(reference.place, message, hint)
             elif target is not None and (reason := mismatch(output, target)):
-                instead = (
-                    "" if target.truth or not output.truth else _instead_of_truth(reference, node)
-                )
-                self._problems.add(reference.place, f"{where}: {source}: {reason}", instead)
+                reason = f": {reason}"
+                is_hidden = output.truth and not target.truth
+                hint = _instead_of_truth(reference, node) if is_hidden else ""
+            else:
+                continue
+            wrong.setdefault((reason, hint), []).append(node.name)
+        for (reason, hint), names in wrong.items():
+            source = f"{reference.node} ({listed(dict.fromkeys(names), most=2)})"
+            self._note(reference.place, where, f"{source}{reason}", hint)
 
     def _port(self, where: str, name: str, node: Node, place: Place) -> Port | None:
         port = node.port(name) if name else next(iter(node.inputs), None)

@@ -208,6 +208,21 @@ def test_a_port_must_exist_in_every_alternative(problems_of: ProblemsOf) -> None
     assert problems[0].message == "c: b (fill.hold) has no output 'gappy'"
 
 
+def test_a_mistake_that_alternatives_share_is_reported_once(problems_of: ProblemsOf) -> None:
+    problems = problems_of(
+        """
+        nodes:
+          b: {in: @@m, alternatives: {one: fill.hold, two: fill.hold, three: gaps.cut}}
+          c: {alternatives: {one: text.write, two: text.write}}
+          d: {use: fill.hold, in: @@c}
+        """
+    )
+    assert [problem.message for problem in problems] == [
+        "b (one): no node 'm'",
+        "d: c (text.write): 'recording' takes float, not str",
+    ]
+
+
 def test_each_first_output_must_fit_every_reader(problems_of: ProblemsOf) -> None:
     problems = problems_of(
         """
