@@ -21,6 +21,10 @@ hypothesis.settings.register_profile("tests", max_examples=30, deadline=None, de
 hypothesis.settings.load_profile("tests")
 
 
+# tests run side by side, as steps of a run do: threads of numerical libraries would wait for each
+# other, which takes a third more time; numpy reads it when it is imported
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 _NUMBERS = count()
 
 gc.disable()  # until all tests are collected: nothing of theirs is garbage

@@ -400,7 +400,7 @@ CHANGES: dict[str, tuple[Callable[[], object], str, str]] = {
         "warnings.catch_warnings()",
     ),
     "environment": (
-        lambda: os.environ.update(OMP_NUM_THREADS="1"),
+        lambda: os.environ.update(OMP_NUM_THREADS="3"),
         "os.environ",
         "as an argument",
     ),
