@@ -98,8 +98,8 @@ class WireChecker:
             if output is None:
                 reason = f" has no output {name!r}"
                 hint = nearest(name, public_outputs(node))
-            elif target is not None and (reason := mismatch(output, target)):
-                reason = f": {reason}"
+            elif target is not None and (misfit := mismatch(output, target)):
+                reason = f": {misfit}"
                 is_hidden = output.truth and not target.truth
                 hint = _instead_of_truth(reference, node) if is_hidden else ""
             else:
@@ -123,7 +123,19 @@ class WireChecker:
         for port in node.inputs:
             if not port.optional and port.name not in wired:
                 message = f"{where}: port {port} of {node.name} is not fed"
-                self._problems.add(method.place, message, f"write in: {{{port.name}: node}}")
+                source = self._only_source(port)
+                self._problems.add(method.place, message, f"write in: {{{port.name}: {source}}}")
+
+    def _only_source(self, port: Port) -> str:
+        """Return the only output of the nodes so far that fits a port, or else a placeholder."""
+        fitting = [
+            f"{name}.{output.name}"
+            for name, node in self._nodes.items()
+            if node.methods
+            for output in node.first.node.outputs
+            if not mismatch(output, port)
+        ]
+        return fitting[0] if len(fitting) == 1 else "node"
 
 
 def _instead_of_truth(reference: Reference, node: Node) -> str:

@@ -53,6 +53,11 @@ ProblemsOf = Callable[..., list[Problem]]
             "write in: {recording: node}",
         ),
         (
+            "nodes: {n: {use: read.number}, a: {use: @@fill.hold}}",
+            "a: port recording: float of fill.hold is not fed",
+            "write in: {recording: n.output}",
+        ),
+        (
             "nodes: {a: {use: text.write}, b: {use: fill.hold, in: @@a}}",
             "b: a (text.write): 'recording' takes float, not str",
             "",
