@@ -85,7 +85,7 @@ def _library_parts(value: Any) -> Mapping[str, object] | None:
         return {".index": value.index.to_numpy(), ".values": value.to_numpy()}
     if "matplotlib.Figure" in kinds:
         return {".pixels": _pixels(value)}
-    equals: Any = type(value).__eq__
+    equals: object = type(value).__eq__
     if equals is object.__eq__ and hasattr(value, "__dict__"):
         return {f".{name}": part for name, part in vars(value).items()}
     return None

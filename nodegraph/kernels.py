@@ -16,7 +16,7 @@ import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from platformdirs import user_cache_path
 
-_Function = TypeVar("_Function", bound=Callable[..., Any])
+_Function = TypeVar("_Function", bound=Callable[..., object])
 
 
 def kernel(**options: Any) -> Callable[[_Function], _Function]:

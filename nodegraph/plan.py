@@ -187,7 +187,7 @@ class _Planner:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
         self._drafts: list[_Draft] = []
-        self._by_call: dict[tuple[Any, ...], int] = {}
+        self._by_call: dict[tuple[object, ...], int] = {}
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
         self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}

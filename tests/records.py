@@ -11,7 +11,7 @@ from typing import Any
 
 def read_record(folder: Path | str) -> dict[str, Any]:
     """Return the record in a folder."""
-    data: dict[str, Any] = json.loads(Path(folder, "run.json").read_text())
+    data: dict[str, object] = json.loads(Path(folder, "run.json").read_text())
     return data | {"steps": steps_of(Path(folder, "steps.jsonl.gz").read_bytes())}
 
 

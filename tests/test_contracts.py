@@ -18,7 +18,7 @@ from nodegraph.testing.specimens import variants
 from nodegraph_files import sample_folder
 
 HERE = Path(__file__).parent
-REQUIRED: Mapping[str, Callable[[], Mapping[str, Any]]] = {
+REQUIRED: Mapping[str, Callable[[], Mapping[str, object]]] = {
     "blendshapes.from_frames": lambda: {"frames": {"smile": 15, "jawOpen": 30}},
     "compare.bayes": lambda: {"clusters": ("gap",)},
     "compare.curve": lambda: {"x": "frames"},
@@ -40,7 +40,7 @@ REQUIRED: Mapping[str, Callable[[], Mapping[str, Any]]] = {
 }
 """Values for settings that have no default."""
 
-SMALL: Mapping[str, Mapping[str, Any]] = {"gaps.cut": {"length": 2, "count": 3}}
+SMALL: Mapping[str, Mapping[str, object]] = {"gaps.cut": {"length": 2, "count": 3}}
 """Values for choices of settings, with which a node accepts more of the specimens."""
 
 TAKES_AND_GIVES_ANSWERS = {

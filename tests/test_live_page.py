@@ -122,7 +122,7 @@ class Fed:
         self.process.send_signal(signal.SIGINT)
         out, _ = self.process.communicate()
         assert self.process.returncode == 0
-        printed: dict[str, Any] = json.loads(out)
+        printed: dict[str, object] = json.loads(out)
         return printed
 
 

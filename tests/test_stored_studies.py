@@ -19,7 +19,7 @@ from tests.studies import FEW, GRAPHS, ONE, ROOT, Studies
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
 SMALL = (*ONE, "--only", FILLS)
-Again = Callable[..., dict[str, Any]]
+Again = Callable[..., dict[str, object]]
 
 
 @pytest.fixture

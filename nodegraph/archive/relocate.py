@@ -122,7 +122,7 @@ def local_folders(record: Record, texts: Iterable[str], folders: Iterable[Path])
 
 def _recorded_folders(record: Record) -> Iterator[str]:
     """Yield the folders of absolute paths in the inputs, settings and messages of a run."""
-    pending: list[Any] = [record.command, record.inputs]
+    pending: list[object] = [record.command, record.inputs]
     pending += [left_out.reason for left_out in record.left_out]
     for step in record.steps:
         pending += [step.settings, step.reason, step.trace, step.warnings, step.labels]

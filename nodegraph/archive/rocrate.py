@@ -194,7 +194,7 @@ class _Crate:
         main["output"] = outputs
         values = [value for _, value in inputs]
         self._describe_action(main, [*values, *parameters.further_files(values)])
-        metadata: Mapping[str, Any] = self._crate.metadata.generate()
+        metadata: Mapping[str, object] = self._crate.metadata.generate()
         return metadata
 
     def _describe_root(self) -> None:

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_graph, add_store
 from nodegraph.cli.output import few, first_and_more
@@ -65,7 +65,7 @@ def _by_reason(steps: list[Explanation]) -> Iterator[tuple[list[str], list[str]]
 
     Changes that are the same at several combinations of a node are one line.
     """
-    groups: dict[tuple[Any, ...], list[Explanation]] = defaultdict(list)
+    groups: dict[tuple[object, ...], list[Explanation]] = defaultdict(list)
     for step in steps:
         if step.changes or not step.stored:
             changes = dict.fromkeys(_node_and_text(line)[::2] for line in step.changes)

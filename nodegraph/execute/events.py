@@ -59,7 +59,7 @@ class Event:
 
     def as_dict(self) -> dict[str, object]:
         """Return the event as plain data, for a line of JSON."""
-        data: dict[str, Any] = {"event": self.kind, "seconds": round(self.seconds, 6)}
+        data: dict[str, object] = {"event": self.kind, "seconds": round(self.seconds, 6)}
         if self.step >= 0:
             data |= {"step": self.step, "node": self.node, "labels": plain(self.labels)}
         return data | {name: plain(value) for name, value in self.detail.items()}
@@ -159,7 +159,7 @@ class EventLog:
             self._remaining.add(step, outcome.seconds)
         else:
             self._remaining.drop(step)
-        detail: dict[str, Any] = {"took": round(outcome.seconds, 6)}
+        detail: dict[str, object] = {"took": round(outcome.seconds, 6)}
         detail |= {"stored": True} if outcome.stored and status is not State.STORED else {}
         detail |= {"reason": outcome.message} if outcome.reason else {}
         detail |= {"warnings": list(outcome.warnings)} if outcome.warnings else {}

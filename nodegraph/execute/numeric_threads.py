@@ -9,7 +9,6 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from typing import Any
 
 _VARIABLES = (
     "BLIS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS",
@@ -74,7 +73,7 @@ def _one_thread(api: str) -> AbstractContextManager[object]:
     from threadpoolctl import get_cached_controller
 
     # selected, because at its end a limit resets all libraries of its controller
-    limit: AbstractContextManager[Any] = (
+    limit: AbstractContextManager[object] = (
         get_cached_controller().select(user_api=api).limit(limits=1)
     )
     return limit

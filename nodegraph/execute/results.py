@@ -44,7 +44,7 @@ class Run:
 
     plan: Plan
     outcomes: Mapping[int, Outcome]
-    in_memory: Mapping[int, tuple[Any, ...]]
+    in_memory: Mapping[int, tuple[object, ...]]
     seconds: float
     cache: StepCache | None
     packer: Packer

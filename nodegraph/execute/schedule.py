@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Protocol
 
 from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
 from nodegraph.execute.step_cache import StepCache
@@ -76,7 +76,7 @@ class Schedule:
         self.registry = plan.graph.registry
         self.packer = packer or Packer()
         self.outcomes = dict(known or {})
-        self.values: dict[int, tuple[Any, ...]] = {}
+        self.values: dict[int, tuple[object, ...]] = {}
         self._cache = cache
         self._observer = observer
         self._timeout = timeout

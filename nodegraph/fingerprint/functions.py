@@ -268,7 +268,7 @@ class Live:
         self._describer = Describer(self._code)
         self._definitions: set[Definition] = set()
         self._versioned: set[str] = set()
-        self._waiting: list[tuple[str, Any]] = []
+        self._waiting: list[tuple[str, object]] = []
         self._seen: set[int] = set()
         self.units: defaultdict[str, set[str]] = defaultdict(set)
         self.troubles: list[str] = []

@@ -47,7 +47,7 @@ class Namespace:
             if name not in ports and name not in choices.axes
         }
         overrides = {name: value for name, value in choices.inputs.items() if name in defaults}
-        self.inputs: dict[str, Any] = defaults | overrides
+        self.inputs: dict[str, object] = defaults | overrides
         varied = [name for name in spec.inputs if name in choices.axes and name not in ports]
         self._valued = (*spec.axes, *varied)
         self.axes = {name: self._axis(name) for name in self._valued}

@@ -79,7 +79,7 @@ class Outlet:
         self.output = output
         self.address = address
         self._sink = sink
-        self._header: Any = None
+        self._header: object = None
         self._retry_at: float | None = None
         """When to open it again, if the connection is lost."""
 

@@ -129,7 +129,7 @@ class Engine:
 
     def drain(self) -> None:
         """Compute what is left, now that no frame follows."""
-        rest: dict[int, list[Any]] = {_SOURCE: []}
+        rest: dict[int, list[object]] = {_SOURCE: []}
         for part in self._parts:
             rest.update(part.drain(rest))
         frames = list(self._frames)
@@ -146,7 +146,7 @@ class _Delay:
         self._source = source
         self._target = target
         self._delay = delay
-        self._waiting: deque[Any] = deque()
+        self._waiting: deque[object] = deque()
 
     def step(self) -> Step:
         """Return the function that does so for one frame."""

@@ -170,9 +170,9 @@ class FileSink:
         self._path = Path(address)
         if self._path.exists():
             raise NodegraphError(f"{address} already exists; name another file")
-        self._header: Any = None
-        self._missing: Any = None
-        self._takes: list[list[Any]] = []
+        self._header: object = None
+        self._missing: object = None
+        self._takes: list[list[object]] = []
         self._expected = 0
 
     def open(self, header: object) -> None:

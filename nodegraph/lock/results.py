@@ -128,7 +128,7 @@ class Results:
     def __init__(self, run: Run) -> None:
         self._run = run
         self._sketches: dict[int, Sketch | None] = {}
-        self._unstored: dict[int, tuple[Any, ...]] = {}
+        self._unstored: dict[int, tuple[object, ...]] = {}
 
     @property
     def comparisons(self) -> tuple[Comparison, ...]:

@@ -200,7 +200,7 @@ class Measured:
 
 def sketch(outputs: Mapping[str, Packed]) -> Sketch:
     """Return the sketch of the values of named outputs."""
-    exact: list[Any] = []
+    exact: list[object] = []
     floats: dict[str, list[NDArray[np.generic]]] = {}
     for name, packed in outputs.items():
         extraction = _FloatExtraction(packed.buffers, floats)

@@ -41,7 +41,7 @@ from nodegraph.node.values import Value
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-F = TypeVar("F", bound=Callable[..., Any])
+F = TypeVar("F", bound=Callable[..., object])
 T = TypeVar("T")
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
@@ -142,7 +142,7 @@ class Setting:
     Attributes
     ----------
     name : str
-    annotation : Any
+    annotation : object
         Its type with bounds and choices, as pydantic reads it.
     default : Any
         `inspect.Parameter.empty` for a setting that is required.
@@ -156,7 +156,7 @@ class Setting:
     """
 
     name: str
-    annotation: Any
+    annotation: object
     default: Any
     unit: str
     is_file: bool

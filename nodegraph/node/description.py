@@ -192,7 +192,7 @@ def example_of(node: Node, use: str = "") -> str:
     use
         The name by which the graph uses it, if not its own.
     """
-    entry: dict[str, Any] = {"use": use or node.name}
+    entry: dict[str, object] = {"use": use or node.name}
     ports = [port.name for port in node.inputs if not port.optional]
     ports = ports or [port.name for port in node.inputs[:1]]
     if ports:

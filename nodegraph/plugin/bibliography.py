@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 
 def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
@@ -56,7 +55,7 @@ def _entries(bibtex: Iterable[str]) -> dict[str, object]:
     from pybtex.database import parse_string
     from pybtex.exceptions import PybtexError
 
-    entries: dict[str, Any] = {}
+    entries: dict[str, object] = {}
     for text in bibtex:
         try:
             parsed = parse_string(text, "bibtex").entries

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import networkx as nx
 
@@ -111,7 +111,7 @@ class ReopenedRun(Run):
     """
 
     record: Record
-    in_memory: dict[int, tuple[Any, ...]]
+    in_memory: dict[int, tuple[object, ...]]
 
     def changes(self, indices: Iterable[int]) -> tuple[str, ...]:
         """Return the changes since the run in everything that steps depend on.

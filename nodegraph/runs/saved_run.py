@@ -95,7 +95,7 @@ class SavedRun:
 
         labels = self.record.axes
         axes = {axis: labels[axis] for axis in self.record.nodes[node].axes}
-        values: dict[Combination, Any] = {}
+        values: dict[Combination, object] = {}
         absent: dict[Combination, Outcome] = {}
         for cell, step in matches:
             combination = tuple(cell[axis] for axis in axes)

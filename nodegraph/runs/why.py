@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import networkx as nx
 
@@ -21,7 +20,7 @@ from nodegraph.runs.changes import (
 from nodegraph.runs.record import Record, RecordedStep
 from nodegraph.state import State
 
-_Cell = tuple[str, tuple[tuple[str, Any], ...]]
+_Cell = tuple[str, tuple[tuple[str, object], ...]]
 
 
 @dataclass(frozen=True)

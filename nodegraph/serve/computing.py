@@ -6,14 +6,13 @@ import asyncio
 import threading
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
 
 from nodegraph.runs.reopen import ReopenedRun
 
 _EVERY = 0.5
 """Seconds between two looks whether the reader still waits for another computation to end."""
 
-Line = Mapping[str, Any]
+Line = Mapping[str, object]
 
 
 class Computing:

@@ -16,7 +16,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from subprocess import TimeoutExpired
 from types import TracebackType
-from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.worker.client import kill, start
@@ -86,7 +85,7 @@ class StreamPage:
         self._source = session.plan.source
         shown = list(_shown(session.plan, self._registry.hooks.live_views))
         self._to_begin = dict.fromkeys(shown)
-        self._begun: list[tuple[_Shown, Any]] = []
+        self._begun: list[tuple[_Shown, object]] = []
         """The outputs that are shown, each with the data for scripts."""
         self._sent_begun = 0
         self._newest: dict[Output, Frame] = {}

@@ -61,7 +61,7 @@ class Update(NamedTuple):
     """
 
     seconds: float
-    begun: Mapping[str, Any]
+    begun: Mapping[str, object]
     frames: Mapping[str, Sequence[bytes]]
     state: State
     message: str = ""
@@ -111,7 +111,7 @@ class _Shown:
     """
 
     def __init__(self) -> None:
-        self._begun: dict[str, Any] = {}
+        self._begun: dict[str, object] = {}
         self._frames: dict[str, list[str]] = {}
         self._figures: Mapping[str, Any] = {}
         """The counts in an event: a new mapping each time, so that no thread changes it."""

@@ -129,7 +129,7 @@ def array_together(
         raise Unreadable(f"{order} is not an order of {len(axes)} axes")
     memory = np.frombuffer(buffer, np.uint8) if size else np.empty(0, np.uint8)
     lengths = shape if order is None else [shape[axis] for axis in order]
-    slow_to_fast: NDArray[Any] = np.ndarray(lengths, kind, memory)
+    slow_to_fast: NDArray[np.generic] = np.ndarray(lengths, kind, memory)
     if not slow_to_fast.flags.aligned:
         slow_to_fast = slow_to_fast.copy()
     if kind.kind == "U" and size:
@@ -258,7 +258,7 @@ def _with_gaps(
     memory = np.zeros(size, np.uint8)
     back = zip(shape, strides, strict=True)
     start = sum((length - 1) * -stride for length, stride in back if stride < 0)
-    spaced: NDArray[Any] = np.ndarray(shape, packed.dtype, memory, start, strides)
+    spaced: NDArray[np.generic] = np.ndarray(shape, packed.dtype, memory, start, strides)
     spaced.transpose(order)[...] = packed
     memory.flags.writeable = spaced.flags.writeable = False
     return spaced
@@ -313,7 +313,7 @@ def _numpys_bytes(together: Together, content: str) -> object:
     return np.bytes_(bytes.fromhex(content))
 
 
-NUMPYS: dict[str, Callable[..., Any]] = {
+NUMPYS: dict[str, Callable[..., object]] = {
     "array": _array_again,
     "number": _number_again,
     "numpy.str": _numpys_str,
@@ -449,8 +449,8 @@ _LARGEST = 2**63
 _DEEPEST = 100
 """Levels of lists in lists: what is kept must be read again wherever in the program that is."""
 
-Way = Callable[[Any, "Apart"], Any]
-Restorer = Callable[..., Any]
+Way = Callable[[Any, "Apart"], object]
+Restorer = Callable[..., object]
 """Called with a `Together` and what follows the first word of a list."""
 
 

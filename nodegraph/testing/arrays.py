@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Values = Mapping[str, Any]
+Values = Mapping[str, object]
 
 
 def first_infinite(values: Values) -> str:

@@ -18,7 +18,7 @@ from nodegraph.live.forms import header_of, live_state, rows_of, streamable_of
 from nodegraph.node.live_form import FrameForm, LiveForm, LiveState, RunningForm, StateForm
 from nodegraph.testing.trial import Trial
 
-Row = tuple[Any, ...]
+Row = tuple[object, ...]
 
 _DIFFERS = (
     "gives on a stream another result than of the whole take: let the function be "

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal, get_args, get_origin
+from typing import Annotated, Literal, get_args, get_origin
 
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Absent, Across, Port
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 
-Inputs = Mapping[str, Any]
+Inputs = Mapping[str, object]
 _AXIS = "method"
 _LABELS = ("one", "other")
 _ABSENT = Absent({_AXIS: "third"}, State.REFUSED.value, "needs one complete frame")
@@ -74,7 +74,7 @@ def examples(node: Node) -> Mapping[str, object]:
 
 def _specimens_of(kind: type, registry: Registry) -> dict[str, object]:
     """Return the specimens, by name, of a type and its subclasses."""
-    specimens: dict[str, Any] = {}
+    specimens: dict[str, object] = {}
     for each, make in registry.hooks.specimens():
         if issubclass(each, kind):
             specimens.update(make())
@@ -82,7 +82,7 @@ def _specimens_of(kind: type, registry: Registry) -> dict[str, object]:
 
 
 def _values(fed: Mapping[Port, Mapping[str, object]], name: str) -> Inputs:
-    values: dict[str, Any] = {}
+    values: dict[str, object] = {}
     for port, specimens in fed.items():
         value = specimens.get(name, next(iter(specimens.values())))
         if port.across:

@@ -109,7 +109,7 @@ class Trial:
 
     def _call(self) -> tuple[object, Mapping[str, str]]:
         """Return what the node returned or raised, and its side effects."""
-        returned: Any = None
+        returned: object = None
         for _ in range(2):
             with side_effects(1) as effects:
                 try:

@@ -22,7 +22,7 @@ from nodegraph.executors import Frame, Request, respond
 CERTIFICATES = "certificates.json"
 """File in the folder of a worker, with what it needs to connect to the scheduler."""
 
-Sent = tuple[Any, ...]
+Sent = tuple[object, ...]
 """The worker's address, then the frames of the response; large ones as arrays of bytes."""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ _PORTS = {"recording": Trajectories, "gappy": Trajectories, "truth": Trajectorie
 
 def has_the_ports_of_a_cut(tried: Tried) -> Iterator[str]:
     """Take `recording`, and give `gappy` first, then `truth` and `hidden`."""
-    ports: dict[str, Any] = {**tried.inputs, **tried.outputs}
+    ports: dict[str, object] = {**tried.inputs, **tried.outputs}
     for name, kind in _PORTS.items():
         if not isinstance(ports.get(name), kind):
             yield f"{name!r} is not a {kind.__name__}; its ports are {', '.join(ports)}"

@@ -18,7 +18,7 @@ _DEEPEST = 4
 _NUMBERS = {"i": "i", "f": "f", "d": "d", "h": "q", "t": "Q", "c": "i", "r": "I", "m": "I"}
 _CONSTANTS = {"T": True, "F": False, "N": None, "I": float("inf")}
 
-Message = tuple[str, tuple[Any, ...]]
+Message = tuple[str, tuple[object, ...]]
 """Address and arguments."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -72,7 +72,7 @@ CONTRACTS: Mapping[str, tuple[Contract, ...]] = {
 
 
 def _wrong_ports(tried: Tried, first: str) -> Iterator[str]:
-    ports: dict[str, Any] = {**tried.inputs, **tried.outputs}
+    ports: dict[str, object] = {**tried.inputs, **tried.outputs}
     for name, kind in {"recording": Trajectories, **_PORTS[first]}.items():
         if not isinstance(ports.get(name), kind):
             yield f"{name!r} is not a {kind.__name__}; its ports are {', '.join(ports)}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def compare_tables(before: Table, now: Table) -> Iterator[str]:
 def _row_names(before: Table, now: Table) -> tuple[list[str], list[str]] | None:
     """Return the names of the rows of both tables, or None if nothing tells them apart."""
     tables = (before, now)
-    columns: list[Any] = []
+    columns: list[object] = []
     for column in before.columns:
         if column not in now.columns or any(table[column].dtype.kind in "fc" for table in tables):
             continue

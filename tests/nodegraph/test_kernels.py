@@ -40,7 +40,7 @@ def write(folder: Path, factor: float) -> Path:
 
 def load(path: Path) -> Callable[..., Any]:
     """Return the kernel of a module, as a new process would."""
-    function: Callable[..., Any] = runpy.run_path(str(path))["scaled"]
+    function: Callable[..., object] = runpy.run_path(str(path))["scaled"]
     return function
 
 

@@ -16,7 +16,6 @@ from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -192,7 +191,7 @@ def _is_importable(function: Callable[..., object]) -> bool:
     """Whether the function is the object of its name in a module that others can import."""
     if function.__module__ == "__main__":
         return False
-    value: Any = sys.modules.get(function.__module__)
+    value: object = sys.modules.get(function.__module__)
     for part in function.__qualname__.split("."):
         value = getattr(value, part, None)
     return value is function

@@ -15,7 +15,6 @@ from functools import partial
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any
 
 from nodegraph.errors import NodegraphError, UnknownNodeError
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
@@ -127,7 +126,7 @@ class NodeFinder:
     def _imported(self, address: NodeAddress) -> Node:
         """Return a node of no plugin, from the module that defines it."""
         try:
-            value: Any = importlib.import_module(address.module)
+            value: object = importlib.import_module(address.module)
             for part in address.qualname.split("."):
                 value = getattr(value, part)
         except (Exception, SystemExit) as error:

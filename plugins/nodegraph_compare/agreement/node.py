@@ -138,7 +138,7 @@ def _table(pairs: Sequence[Pair], question: Question, unit: str, notes: tuple[st
 
 def _row(pair: Pair, question: Question) -> dict[str, Any]:
     limits = pair.limits
-    row: dict[str, Any] = dict(zip(question.within, pair.group.labels, strict=True))
+    row: dict[str, object] = dict(zip(question.within, pair.group.labels, strict=True))
     row |= {"first": pair.first, "second": pair.second, "blocks": len(limits.difference)}
     row |= {"bias": limits.bias, "bias low": limits.of_bias[0], "bias high": limits.of_bias[1]}
     row |= {"sd": limits.sd}

@@ -329,7 +329,9 @@ def _frame(curves: Curves) -> Table:
 def _columns(curves: Curves, curve_points: Points) -> dict[str, Any]:
     axes, marked = curves.axes, curves.marked
     place = np.arange(len(curve_points.x))
-    columns: dict[str, Any] = {name: [curve_points.label] * len(place) for name in _compared(axes)}
+    columns: dict[str, object] = {
+        name: [curve_points.label] * len(place) for name in _compared(axes)
+    }
     columns |= {name: [other[name] for other in curve_points.others] for name in _apart(axes)}
     columns |= {axes.x: curve_points.x, axes.metric: curve_points.value}
     if axes.blocks:

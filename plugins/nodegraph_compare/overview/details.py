@@ -178,7 +178,7 @@ class _Takes:
 
     def __init__(self, overview: Overview, excerpt: Excerpt, origin: Origin) -> None:
         self._overview, self._excerpt, self._origin = overview, excerpt, origin
-        self._inputs: dict[str, dict[str, Mapping[str, Any]] | None] = {}
+        self._inputs: dict[str, dict[str, Mapping[str, object]] | None] = {}
         self._read = 0
         named = (*overview.within, *overview.columns, overview.compare)
         self.members = origin.open_axes(dict.fromkeys(named))

@@ -174,7 +174,7 @@ class GlbBuffer:
     """Gathers arrays, each in a buffer view and an accessor of its own."""
 
     def __init__(self) -> None:
-        self.accessors: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, object]] = []
         self.views: list[dict[str, Any]] = []
         self._content = bytearray()
 

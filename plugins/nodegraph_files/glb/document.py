@@ -5,7 +5,7 @@ Source: glTF 2.0 Specification, sections 3.5 to 3.8 and 5, The Khronos Group.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.alias_generators import to_camel
@@ -31,7 +31,7 @@ class Asset(_Part):
     """Whose file it is; ours says its unit in the extras."""
 
     version: str
-    extras: Any = None
+    extras: object = None
 
 
 class Buffer(_Part):
@@ -100,7 +100,7 @@ class Mesh(_Part):
     name: str = ""
     primitives: Annotated[list[Primitive], Field(min_length=1)]
     weights: list[Number] = []
-    extras: Any = None
+    extras: object = None
 
 
 class Node(_Part):

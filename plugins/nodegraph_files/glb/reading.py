@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -253,7 +253,7 @@ def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
     """
     where = f"mesh {placed.mesh}" + (f" ({mesh.name})" if mesh.name else "")
     names = _target_names(mesh, where)
-    parts: dict[Any, Part] = {}
+    parts: dict[object, Part] = {}
     for number, primitive in enumerate(mesh.primitives):
         at = f"{where}, primitive {number}"
         if primitive.mode < _TRIANGLES:

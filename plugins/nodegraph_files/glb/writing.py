@@ -164,14 +164,14 @@ def _written(head: Head, buffer: GlbBuffer, animations: Sequence[Mapping[str, ob
 def _mesh(head: Head, buffer: GlbBuffer) -> dict[str, object]:
     if not len(head.faces):
         raise ValueError("the head has no faces")
-    primitive: dict[str, Any] = {
+    primitive: dict[str, object] = {
         "attributes": {"POSITION": buffer.vertices(head.vertices * _METRES, "vertices")},
         "indices": buffer.corners(head.faces),
         "material": 0,
     }
-    mesh: dict[str, Any] = {"name": "head", "primitives": [primitive]}
+    mesh: dict[str, object] = {"name": "head", "primitives": [primitive]}
     vertices = [int(vertex) for vertex in head.marker_vertices]
-    extras: dict[str, Any] = {MARKER_VERTICES: dict(zip(head.markers, vertices, strict=True))}
+    extras: dict[str, object] = {MARKER_VERTICES: dict(zip(head.markers, vertices, strict=True))}
     if head.names:
         primitive["targets"] = [
             {"POSITION": buffer.vertices(offsets * _METRES, f"morph target {name!r}")}

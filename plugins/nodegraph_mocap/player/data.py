@@ -183,7 +183,7 @@ class _Packing:
         self.panels = [*((playback.truth,) if playback.truth else ()), *playback.panels]
         self.step = step_of(self.panels)
         self._heads: dict[str, int] = {}
-        self._head_entries: list[dict[str, Any]] = []
+        self._head_entries: list[dict[str, object]] = []
         self._recordings: dict[int, tuple[tuple[str, ...], NDArray[np.float64]]] = {}
         self._steps: dict[int, NDArray[np.int32]] = {}
 

@@ -22,7 +22,7 @@ from tests.records import read_record, write_steps
 
 Command = Callable[..., tuple[int, str, str]]
 Place = tuple[str | int, ...]
-OTHERS: tuple[Any, ...] = (None, 7, "odd", [], {}, [7], {"odd": 7})
+OTHERS: tuple[object, ...] = (None, 7, "odd", [], {}, [7], {"odd": 7})
 READERS = (
     ("archive", "ran", "--out", "new.zip"),
     ("export", "ran", "fill", "--at", "fill=hold,length=1", "--out", "new.raw", "--store", "kept"),

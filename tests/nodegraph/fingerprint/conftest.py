@@ -32,7 +32,7 @@ class Folder:
         """Return ``module:name``, imported from the files as they are."""
         module, _, name = where.partition(":")
         self.forget()
-        result: Callable[..., Any] = getattr(importlib.import_module(module), name)
+        result: Callable[..., object] = getattr(importlib.import_module(module), name)
         return result
 
     def reached(self, where: str) -> Reached:

@@ -211,7 +211,7 @@ def test_both_take_good_nodes(name: str, judge: Any) -> None:
     assert not judge.refusals(data)
 
 
-TOP: dict[str, dict[str, Any]] = {
+TOP: dict[str, dict[str, object]] = {
     "unknown key": {"node": {}}, "number": {"nodegraph": 2}, "no number": {"nodegraph": None},
     "no nodes": {"nodes": {}}, "nodes null": {"nodes": None}, "nodes list": {"nodes": []},
     "title": {"title": ["a"]}, "notes": {"notes": {"a": 1}}, "inputs": {"inputs": ["a"]},
@@ -252,7 +252,7 @@ def test_both_take_good_axes(axis: Any, judge: Any) -> None:
     assert not judge.refusals(data)
 
 
-NODES_BAD: dict[str, Any] = {
+NODES_BAD: dict[str, object] = {
     "null": None,
     "neither": {"in": "n0"},
     "both": {"use": "fill.hold", "alternatives": ["fill.hold"], "in": "n0"},
@@ -363,7 +363,7 @@ def _places(value: object, path: tuple[object, ...] = ()) -> Iterator[tuple[Any,
             yield from _places(part, (*path, key))
 
 
-ODD: list[Any] = [
+ODD: list[object] = [
     None, 0, 1, 3, -1, 1.5, True, "", "x", "n0", "$i", "$start", "$none", "fill.hold", "fill.*",
     "pass", "smooth.hold", "strict.order", [], ["n0"], ["fill.hold"], {}, {"a": 1}, {"from": "n0"},
     {"use": "fill.scale"}, {"a": "fill.hold"}, {"max_gap": 0}, {"order": 1},

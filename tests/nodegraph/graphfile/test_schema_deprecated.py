@@ -63,7 +63,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "family and old": {"alternatives": {"fill.*": {"with": {"most": 2}}, "old": "fill.old"}},
     "family of the old": {"alternatives": ["gone.one"]},
 }
-BAD: dict[str, dict[str, Any]] = {
+BAD: dict[str, dict[str, object]] = {
     "setting": {"use": "fill.old", "with": {"most": 2}},
     "shared": {"alternatives": ["fill.old", "fill.new"], "with": {"most": 2}},
     "family of none": {"alternatives": "gone.*"},

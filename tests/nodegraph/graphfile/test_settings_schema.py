@@ -44,7 +44,7 @@ def listed(value: object) -> Any:
     return [value] if isinstance(value, int) else value
 
 
-TYPES: dict[str, Any] = {
+TYPES: dict[str, object] = {
     "whole": int,
     "bounded": Annotated[int, Field(ge=1, le=9)],
     "number": float,

@@ -180,7 +180,7 @@ def _name(port: Port) -> str:
 
 
 def _giver(name: str, port: Port) -> Any:
-    def give() -> object:
+    def give() -> Any:
         """Give a value of a type."""
 
     truth: Any = Truth

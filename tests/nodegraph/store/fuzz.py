@@ -44,7 +44,7 @@ class Sample(Value):
 def values() -> dict[str, Any]:
     """Return values of every kind that is kept."""
     rng = np.random.default_rng(5)
-    own: dict[str, Any] = {
+    own: dict[str, object] = {
         "plain": {"a": [1, 2.5, None, True], "b": (b"abc", "é", Path("x/y")), "c": 2**80},
         "array": np.arange(12.0).reshape(3, 4),
         "order": np.asfortranarray(rng.normal(size=(4, 5))),

@@ -9,7 +9,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -212,7 +211,7 @@ def test_where_results_lie(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_many_threads_share_a_store(store: Store, messages: list[str], files: Files) -> None:
     array = np.random.default_rng(1).normal(size=(20, 500))
-    wrong: list[Any] = []
+    wrong: list[object] = []
 
     def work(first: int) -> None:
         for number in range(40):

@@ -42,7 +42,7 @@ from nodegraph.testing import check_node
 from nodegraph_mocap import Figure, Mask, Origin, Table, Trajectories
 from nodegraph_tables import TableInfo, with_info
 
-Function = Callable[..., Any]
+Function = Callable[..., object]
 Pair = tuple[Function, Function]
 """A broken node, and the mended one."""
 

@@ -225,7 +225,7 @@ def test_a_file_cut_short_anywhere_is_refused(build_c3d: Build, samples: Samples
             read_c3d(build_c3d(samples, cut=length))
 
 
-KINDS: dict[str, dict[str, Any]] = {
+KINDS: dict[str, dict[str, object]] = {
     "Intel, floats": {},
     "Intel, integers": {"scale": 0.125, "analog": 2},
     "DEC, floats": {"processor": 85, "analog": 1},

@@ -3,7 +3,6 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +24,7 @@ def test_a_description_tells_what_was_written(build_c3d: Build, samples: Samples
     assert layout.end == layout.start + 20 * layout.frame_bytes
 
 
-WRONG: dict[str, dict[str, Any]] = {
+WRONG: dict[str, dict[str, object]] = {
     "frames in the header": {"header": {8: struct.pack("<H", 7)}},
     "frames in the parameters": {"FRAMES": 7},
     "more frames in the parameters": {"FRAMES": 300},

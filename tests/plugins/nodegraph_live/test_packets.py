@@ -37,7 +37,7 @@ class Taken(NamedTuple):
 def sink_to(scheme: str, address: str, value: Trajectories | Weights) -> Callable[[Event], None]:
     def send(ended: Event) -> None:
         sink = SINKS[scheme](address)
-        payloads: list[Any]
+        payloads: list[object]
         if isinstance(value, Trajectories):
             payloads = [
                 MarkerFrame(*each) for each in zip(value.positions, value.origin, strict=True)

@@ -35,8 +35,8 @@ def test_the_longest_panel_says_how_long_it_plays() -> None:
     [
         ({"radius": 0.0}, "radius must be positive, got 0"),
         ({"radius": np.nan}, "radius must be positive"),
-        ({"up": np.array([1.0, 0, 0])}, "no unit vectors at right angles"),
-        ({"right": np.array([2.0, 0, 0])}, "no unit vectors at right angles"),
+        ({"up": np.array([1.0, 0, 0])}, "not unit vectors at right angles"),
+        ({"right": np.array([2.0, 0, 0])}, "not unit vectors at right angles"),
         ({"centre": np.array([0, np.nan, 0])}, "centre: missing"),
     ],
 )

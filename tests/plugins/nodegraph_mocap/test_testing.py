@@ -91,7 +91,7 @@ def test_head_motions_turn_and_do_not_mirror(motion: HeadMotion) -> None:
     assert np.all(motion.scales == 1.0)
 
 
-ODD: dict[str, tuple[Callable[[], st.SearchStrategy[Any]], Callable[[Any], bool]]] = {
+ODD: dict[str, tuple[Callable[[], st.SearchStrategy[object]], Callable[[Any], bool]]] = {
     "one frame": (testing.recordings, lambda value: value.frames == 1),
     "one marker": (testing.recordings, lambda value: len(value.markers) == 1),
     "complete": (testing.recordings, lambda value: value.origin.size > 20 and value.present.all()),

@@ -153,13 +153,13 @@ def test_filled_samples_can_be_hit_and_sigma_stays() -> None:
 
 def test_what_does_not_fit_is_counted() -> None:
     with pytest.raises(
-        ValueError, match=r"4 impulses asked \(0.2 of 20 present.*, 0 fit with seed"
+        ValueError, match=r"4 impulses requested \(0.2 of 20 present.*, 0 fit with seed"
     ):
         add(whole(2, 10), share=0.2)
     # one sample in two is present: no sample has one on each side
     comb = np.zeros((40, 3), dtype=np.bool_)
     comb[::2] = True
-    with pytest.raises(ValueError, match=r"3 impulses asked .* 0 fit with seed 0"):
+    with pytest.raises(ValueError, match=r"3 impulses requested .* 0 fit with seed 0"):
         add(recording(comb), share=0.05)
 
 

@@ -308,7 +308,7 @@ def levels(codes: object) -> tuple[Any, ...]:
     return ("multi", [RANGE], [codes], [None])
 
 
-FORGED: dict[str, dict[str, Any]] = {
+FORGED: dict[str, dict[str, object]] = {
     "no parts": {"columns": 1, "index": None, "data": 5},
     "a column of one number": {"data": [("numpy", np.float64(1))]},
     "a column of rows": {"data": [("numpy", np.zeros((2, 1)))]},

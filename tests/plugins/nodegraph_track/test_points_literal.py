@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -57,7 +56,7 @@ def test_every_number_comes_out_where_it_went_in(points: dict[str, list[list[flo
         np.testing.assert_array_equal(recording.positions[:, column], np.array(frames, dtype=float))
 
 
-WRONG: list[tuple[dict[str, Any], str]] = [
+WRONG: list[tuple[dict[str, object], str]] = [
     ({"Brow": [1]}, "[x, y] or [x, y, z] in finite numbers for 'Brow', not [1]"),
     ({"Brow": [1, 2, 3, 4]}, "for 'Brow', not [1, 2, 3, 4]"),
     ({"Brow": "[1, 2]"}, "for 'Brow', not '[1, 2]'"),

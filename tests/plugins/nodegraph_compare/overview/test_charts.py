@@ -46,7 +46,7 @@ class Bakery:
     labels: Mapping[str, Any] = field(default_factory=dict)
     caption: str = ""
     details: tuple[Detail, ...] = ()
-    gathered: Mapping[str, Iterable[Any]] = field(
+    gathered: Mapping[str, Iterable[object]] = field(
         default_factory=lambda: {"kitchen": range(8), "heat": FACTORS, "recipe": RECIPES}
     )
 

@@ -10,7 +10,7 @@ from nodegraph_files.glb.buffers import Accessors, GlbBuffer
 from nodegraph_files.glb.document import Document, Primitive
 from nodegraph_files.glb.reading import Placed, placed_meshes, vertex_matrices
 
-MESH: dict[str, Any] = {"primitives": [{"attributes": {}}]}
+MESH: dict[str, object] = {"primitives": [{"attributes": {}}]}
 
 
 def placed(nodes: list[dict[str, object]], **parts: object) -> list[Placed]:
@@ -35,7 +35,7 @@ def test_a_mesh_is_turned_scaled_and_shifted_in_this_order() -> None:
 def test_a_matrix_is_stored_by_columns_and_parents_come_last() -> None:
     matrix = np.eye(4)
     matrix[:3, 3] = [1, 2, 3]
-    nodes: list[dict[str, Any]] = [
+    nodes: list[dict[str, object]] = [
         {"children": [1], "scale": [2, 2, 2]},
         {"mesh": 0, "matrix": matrix.T.ravel().tolist()},
     ]
@@ -44,7 +44,7 @@ def test_a_matrix_is_stored_by_columns_and_parents_come_last() -> None:
 
 
 def test_the_scene_says_what_is_shown_and_in_what_order() -> None:
-    nodes: list[dict[str, Any]] = [{"mesh": 0}, {"mesh": 1, "children": [0]}, {"mesh": 0}]
+    nodes: list[dict[str, object]] = [{"mesh": 0}, {"mesh": 1, "children": [0]}, {"mesh": 0}]
     assert [mesh.node for mesh in placed(nodes, scenes=[{"nodes": [2, 1]}])] == [2, 1, 0]
     scenes = [{"nodes": [2]}, {"nodes": [1]}]
     assert [mesh.node for mesh in placed(nodes, scenes=scenes, scene=1)] == [1, 0]
@@ -74,7 +74,7 @@ def test_what_is_no_tree_is_refused(
 
 
 def test_a_deep_tree_is_read() -> None:
-    nodes: list[dict[str, Any]] = [{"children": [n + 1]} for n in range(5000)]
+    nodes: list[dict[str, object]] = [{"children": [n + 1]} for n in range(5000)]
     assert [mesh.node for mesh in placed([*nodes, {"mesh": 0}])] == [5000]
 
 

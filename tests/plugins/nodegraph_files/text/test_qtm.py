@@ -15,7 +15,7 @@ ROWS = ("1 2 3 4 5 6", "7 8 9 10 11 12")
 
 def qtm(*rows: str, extra: tuple[str, ...] = (), **facts: object) -> str:
     """Return an export whose tabs are written as spaces; a fact that is None is left out."""
-    header: dict[str, Any] = {
+    header: dict[str, object] = {
         "NO_OF_FRAMES": str(len(rows)),
         "NO_OF_CAMERAS": "8",
         "NO_OF_MARKERS": "2",

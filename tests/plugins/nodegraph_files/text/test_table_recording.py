@@ -47,7 +47,7 @@ def test_a_rate_that_is_none_is_refused_with_its_line(written: Written, rate: st
 
 def test_a_rate_of_uneven_times_is_told(written: Written) -> None:
     bare = read_table(written("a,b\n"))
-    with pytest.warns(UserWarning, match="no whole steps apart; by the median step .* 2 Hz"):
+    with pytest.warns(UserWarning, match="not whole steps apart; by the median step .* 2 Hz"):
         assert known_rate(bare, np.array([0, 0.5, 1, 1.5, 2.2])) == 2
     with pytest.raises(ValueError, match=r"take\.csv: no rate; add a line '# rate: 60'"):
         known_rate(bare, None)
