@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from nodegraph_files.paths import sample_folder
     from nodegraph_files.text.csv import csv_bytes, read_csv, write_csv
     from nodegraph_files.text.live_link import read_live_link
+    from nodegraph_files.text.mot import read_mot
     from nodegraph_files.text.trc import read_trc, trc_bytes, write_trc
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "read_live_link",
     "read_marker_set_yaml",
     "read_model_npz",
+    "read_mot",
     "read_npz",
     "read_trc",
     "sample_folder",
@@ -60,6 +62,7 @@ _MODULES = {
     "read_csv": "text.csv",
     "write_csv": "text.csv",
     "read_live_link": "text.live_link",
+    "read_mot": "text.mot",
     "read_trc": "text.trc",
     "trc_bytes": "text.trc",
     "write_trc": "text.trc",
@@ -105,9 +108,9 @@ def nodegraph_formats() -> Iterable[Format]:
     """Return the formats that are read; of those that fit a file, the first."""
     from nodegraph_files import c3d, npz, obj
     from nodegraph_files.glb import reading as glb
-    from nodegraph_files.text import csv, live_link, trc
+    from nodegraph_files.text import csv, live_link, mot, trc
 
-    recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, csv.FORMAT)
+    recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, mot.FORMAT, csv.FORMAT)
     return (*recordings, live_link.FORMAT, npz.MODEL_FORMAT, glb.FORMAT, obj.FORMAT)
 
 

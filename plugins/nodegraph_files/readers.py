@@ -39,7 +39,7 @@ def read_recording(
     unit: UnitSetting = AUTO,
     zeros_missing: bool = True,
 ) -> Trajectories:
-    """Read a recording: C3D, TRC, CSV, TSV, NPZ or a plugin's format, by content, then by suffix.
+    """Read a recording: C3D, TRC, MOT, CSV, NPZ or a plugin's format, by content, then by suffix.
 
     Parameters
     ----------
