@@ -72,13 +72,23 @@ class WireChecker:
             message = f"{reference} names a value; a port is fed by a node"
             self._note(reference.place, where, message, self._instead_of_value(name))
         else:
-            self._note(reference.place, where, f"no node {name!r}", self._nearest(name))
+            used_by = self._users_of(f"{name}.{reference.port}")
+            hint = f"write {' or '.join(used_by)}" if used_by else self._nearest(name)
+            self._note(reference.place, where, f"no node {name!r}", hint)
 
     def _note(self, place: Place, where: str, message: str, hint: str) -> None:
         """Note an error once, by the first of the methods that share the reference."""
         if (place, message) not in self._noted:
             self._noted.add((place, message))
             self._problems.add(place, f"{where}: {message}", hint)
+
+    def _users_of(self, node_name: str) -> list[str]:
+        """Return the nodes of the graph that use an installed node, such as ``read.recording``."""
+        return [
+            name
+            for name, node in self._nodes.items()
+            if any(method.node.name == node_name for method in node.methods.values())
+        ]
 
     def _instead_of_value(self, name: str) -> str:
         """Return a suggestion: a port whose type is unknown, or a node."""

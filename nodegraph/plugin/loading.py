@@ -16,7 +16,7 @@ from pathlib import Path
 from traceback import walk_tb
 from typing import Any
 
-from nodegraph.errors import NodegraphError, message_of
+from nodegraph.errors import NodegraphError, message_of, nearest
 from nodegraph.import_time import LOADED
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import hooks
@@ -115,8 +115,10 @@ def from_file(path: Path, *, known: Container[Node] = ()) -> Plugin:
         If the file does not exist or does not import.
     """
     if not path.is_file():
-        reason = "not a regular file" if path.exists() else "no such plugin file"
-        raise NodegraphError(f"{path}: {reason}")
+        if path.exists():
+            raise NodegraphError(f"{path}: not a regular file")
+        hint = nearest(path.name, [file.name for file in sorted(path.parent.glob("*.py"))])
+        raise NodegraphError(f"{path}: no such plugin file; {hint}")
     if path.stat().st_size > _MOST_BYTES:
         raise NodegraphError(f"{path}: too large to be a plugin file")
     spec = importlib.util.spec_from_file_location(path.stem, path)

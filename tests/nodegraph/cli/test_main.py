@@ -45,7 +45,7 @@ Command = Callable[..., tuple[int, str, str]]
         (["toy.yaml", "--axis", "length=\udcff"], "--axis length:1:"),
         (["toy.yaml", "--only", "fill="], "no label is kept"),
         (["toy.yaml", "--only", "fill=held"], "did you mean 'hold'"),
-        (["toy.yaml", "--plugin", "none.py"], "none.py: no such plugin file"),
+        (["toy.yaml", "--plugin", "none.py"], "none.py: no such plugin file; there is"),
         (["toy.yaml", "--plugin", "toy.yaml"], "suffix .py"),
         (["toy.yaml", "--plugin", "raises.py"], "raises.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "exits.py"], "exits.py: the plugin does not import"),

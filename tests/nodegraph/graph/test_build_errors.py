@@ -35,6 +35,11 @@ ProblemsOf = Callable[..., list[Problem]]
             "did you mean 'a'",
         ),
         (
+            "nodes: {a: {use: read.number}, b: {use: fill.hold, in: @@read.number}}",
+            "b: no node 'read'",
+            "write a",
+        ),
+        (
             "nodes: {a: {use: read.number}, b: {use: gaps.cut, in: a}, "
             "c: {use: fill.hold, in: @@b.gapy}}",
             "c: b (gaps.cut) has no output 'gapy'",
