@@ -48,6 +48,8 @@ _SECONDS = {"": 1.0, "ms": 0.001, "msec": 0.001, "millisecond": 0.001, "millisec
 _SECONDS |= dict.fromkeys(("s", "sec", "second", "seconds"), 1.0)
 _LISTED = 10
 _COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
+_NUMBERED = re.compile(r"([xyz])_?(\d+)", re.IGNORECASE)
+_MEDIAPIPE = (468, 478)  # landmarks of a face, without and with the irises
 _AXIS = re.compile(r"([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
 _SHOWN = 8
 _MARKER = {"marker", "label", "name", "keypoint", "landmark", "bodypart", "marker_name"}
@@ -215,22 +217,38 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """Read a recording whose first row names the columns ``NAME.X, NAME.Y, NAME.Z``.
 
     Also with ``_``, ``:`` or a blank before the letter, with a unit in brackets after it, and in
-    any order.
+    any order; or, if there are none of these, the columns ``x0, y0, z0, x1, ...``, also written
+    ``x_0``, which are ``landmark_0``, ``landmark_1``, ... A warning says where there are as many
+    as MediaPipe's landmarks of a face, which are no lengths unless they were made such.
     """
     header = table.opening[0]
     columns = Columns(table, header, header.cells)
+    is_named = any(map(_COLUMN.fullmatch, header.cells))
     for place, name in enumerate(header.cells):
-        match = _COLUMN.fullmatch(name)
-        if match is None:
-            columns.add_other(place)
-        else:
+        match, numbered = _COLUMN.fullmatch(name), _NUMBERED.fullmatch(name)
+        if match:
             columns.add_coordinate(match[1], match[2], place, match[3] or "")
+        elif numbered and not is_named:
+            columns.add_coordinate(f"landmark_{int(numbered[2])}", numbered[1], place)
+        else:
+            columns.add_other(place)
     if not columns.markers:
         shown = ", ".join(header.cells[:_SHOWN])
         raise ValueError(
             f"{table.path}:{header.line}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}"
         )
+    _warn_of_pictures(len(columns.markers), unit)
     return read_columns(columns, zeros_missing=zeros_missing, unit=unit)
+
+
+def _warn_of_pictures(markers: int, unit: str) -> None:
+    if markers in _MEDIAPIPE and unit == AUTO:
+        warnings.warn(
+            f"{markers} landmarks, as MediaPipe finds in a face: its x and z are shares of a "
+            "picture's width, and y of its height, and no lengths; multiply them by these, scale "
+            "them to the size of the face, and set `unit`",
+            stacklevel=4,
+        )
 
 
 def is_long(table: Table) -> bool:
@@ -265,6 +283,7 @@ def read_long(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     if not labels:
         raise ValueError(f"{table.path}: no frames follow line {columns.header.line}")
     frames = _frames(rows, columns, read, labels)
+    _warn_of_pictures(len(set(labels)), unit)
     names = {label: place for place, label in enumerate(dict.fromkeys(labels))}
     of_marker = np.array([names[label] for label in labels])
     _check_samples(rows, frames, of_marker, list(names))
@@ -470,9 +489,9 @@ def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
 
     Exports of Qualisys Track Manager (TSV), OptiTrack Motive and Vicon Nexus; long tables of
     columns frame or time, marker, x, y, z; tables with a row of markers above a row of axes, as
-    pandas and DeepLabCut write them; and tables with columns ``NAME.X, NAME.Y, NAME.Z``. Commas,
-    semicolons or tabs separate cells. Empty cells and ``NaN`` are missing. The text is in UTF-8,
-    or in UTF-16 with a byte order mark.
+    pandas and DeepLabCut write them; and tables with columns ``NAME.X, NAME.Y, NAME.Z`` or
+    ``x0, y0, z0, x1, ...``. Commas, semicolons or tabs separate cells. Empty cells and ``NaN`` are
+    missing. The text is in UTF-8, or in UTF-16 with a byte order mark.
 
     Where the form itself does not hold them, the rate comes from a line ``# rate: 60`` or from
     a column ``time`` in seconds (``time (ms)`` in milliseconds), the unit of length from the names
