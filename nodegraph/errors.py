@@ -92,7 +92,7 @@ class Problems:
         return bool(self._problems)
 
     def add(self, place: Place, message: str, instead: str = "") -> None:
-        """Note one error and go on."""
+        """Note one error and continue."""
         self._problems.append(Problem(place, message, instead))
 
     def all(self) -> tuple[Problem, ...]:

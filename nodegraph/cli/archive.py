@@ -10,7 +10,7 @@ from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
 from nodegraph.state import State
 
-HELP = "Pack a run, and all that it takes to run it again, into one file."
+HELP = "Pack a run, and everything needed to run it again, into one file."
 _SUFFIX = ".zip"
 
 
@@ -25,7 +25,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--lock",
         type=Path,
         metavar="FILE",
-        help="Lock to include (default: GRAPH.lock beside the graph, if it exists).",
+        help="Lock to include (default: GRAPH.lock next to the graph, if it exists).",
     )
     parser.add_argument(
         "--no-inputs",

@@ -53,7 +53,7 @@ def add_plugin(parser: ArgumentParser) -> None:
         default=[],
         type=Path,
         metavar="FILE",
-        help="Python file whose nodes to use as well.",
+        help="Python file with further nodes.",
     )
 
 
@@ -83,7 +83,7 @@ def add_executor(parser: ArgumentParser, default: str = "threads") -> None:
         "--timeout",
         type=float,
         metavar="SECONDS",
-        help="A step that takes longer fails, and the others go on.",
+        help="A step that takes longer fails; the others continue.",
     )
     parser.add_argument(
         "--memory",

@@ -30,8 +30,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         type=float,
         const=0.0,
         metavar="HZ",
-        help="Show instead what runs on a stream, and how far behind it: in frames, and in ms if "
-        "the stream's rate is given.",
+        help="Show instead the part of the graph that runs on a stream, and its delay in frames, "
+        "also in ms if the rate of the stream is given.",
     )
     parser.add_argument(
         "--source", default="", metavar="NAME", help="With --live: what the stream replaces."

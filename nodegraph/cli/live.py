@@ -47,11 +47,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--policy",
         choices=("every", "newest"),
         default="every",
-        help="What is done if frames arrive faster than they are computed: every one is computed, "
-        "or all but the newest are dropped (default: %(default)s).",
+        help="What to do if frames arrive faster than they are computed: compute every one, or "
+        "drop all but the newest (default: %(default)s).",
     )
     parser.add_argument(
-        "--record", type=Path, metavar="FILE", help="File for what arrives, which replay: plays."
+        "--record",
+        type=Path,
+        metavar="FILE",
+        help="File for the received packets, which replay:FILE plays.",
     )
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help=f"Folder for the counts, as {RECORD}."

@@ -23,7 +23,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         type=Path,
         default=Path("runs"),
         metavar="DIR",
-        help="Folder in which the folders of runs lie (default: %(default)s).",
+        help="Folder that contains run folders (default: %(default)s).",
     )
 
 

@@ -38,7 +38,7 @@ def open_store(registry: Registry, folder: Path | None, report: Callable[[str], 
         How values of its plugins' types are stored.
     folder
     report
-        Called with what is wrong with the store; runs go on without it.
+        Called with what is wrong with the store; runs continue without it.
     """
     packages = followed(registry)
     packer = Packer(registry.hooks.storages, packages.__contains__)

@@ -197,7 +197,7 @@ class SkipSpec:
 class GraphSpec:
     """A whole graph file.
 
-    Parts that could not be read are left out and noted in `problems`: later checks go on with
+    Parts that could not be read are left out and noted in `problems`: later checks continue with
     the rest, so that all errors are reported at once.
 
     Attributes

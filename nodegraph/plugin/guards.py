@@ -1,7 +1,7 @@
 """Guards around the functions in hook results: a failure names the plugin, the hook and the line.
 
-A function without whose result nothing can go on raises `PluginError`; any other failure is a
-warning, and a neutral result stands in.
+If the program cannot continue without the result of a function, `PluginError` is raised; any other
+failure is a warning, and a neutral result stands in.
 """
 
 from __future__ import annotations

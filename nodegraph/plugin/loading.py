@@ -48,7 +48,7 @@ class Plugin:
 
 @dataclass(frozen=True)
 class BrokenPlugin:
-    """A plugin that cannot be used, and why; the others go on without it."""
+    """A plugin that cannot be used, and why; the others continue without it."""
 
     name: str
     reason: str

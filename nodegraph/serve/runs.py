@@ -54,7 +54,7 @@ class Condition:
 
 
 class OpenRun:
-    """A run in a folder, which may still be going on.
+    """A run in a folder, which may be in progress.
 
     Parameters
     ----------

@@ -77,7 +77,7 @@ _NONE = Amount()
 
 
 class Upkeep:
-    """Looks after a store's folder; other programs may go on using it meanwhile."""
+    """Looks after a store's folder; other programs may keep using it meanwhile."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.absolute()

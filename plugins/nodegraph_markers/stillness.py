@@ -61,7 +61,7 @@ def head_frame(recording: Trajectories) -> HeadFrame:
         aligned = poses.apply(np.where(poses.known[:, None, None], positions, np.nan))
         median, motion = _median_and_motion(aligned, shape)
         before = shape, still
-        # the median of coordinates may turn a little in every round, and must not go on turning
+        # the median of coordinates may turn a little in every round, and must not keep turning
         shape = fit(median[np.newaxis], shape, still[np.newaxis] * 1.0).apply(median[np.newaxis])[0]
         still = np.zeros_like(still)
         still[np.argsort(motion, kind="stable")[:size]] = True
