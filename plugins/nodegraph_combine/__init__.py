@@ -20,7 +20,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
 
 @hookimpl
 def nodegraph_bibtex() -> str:
-    """Return what they cite."""
+    """Return the references that the nodes cite."""
     return files(__name__).joinpath("references.bib").read_text(encoding="utf-8")
 
 

@@ -34,7 +34,7 @@ _MOST_LACKING = 3
 def left_out(
     scores: Across[Table], question: Question, groups: Sequence[Group], *, pairwise: bool = False
 ) -> list[str]:
-    """Return what is left out as notes, and warn of all of it that was not skipped on purpose.
+    """Return notes on what is left out, and warn of all that was not skipped on purpose.
 
     Notes on tables that count several times come last.
 
@@ -69,7 +69,7 @@ def left_out(
 
 
 def dropped(group: Group, pairwise: bool = False) -> str:
-    """Return how many blocks were left out of a group, and whose numbers they lack; or nothing."""
+    """Return a note on blocks left out of a group and the methods they lack; empty if none are."""
     some = [f"{name} lacks {count}" for name, count in _lacking(group)]
     total, count = len(group.values), np.count_nonzero(~group.complete)
     what = "are not in every pair" if pairwise else "left out"
@@ -84,7 +84,7 @@ def numberless(group: Group) -> str:
 
 
 def narrowed(group: Group, blocks: str) -> str:
-    """Return how many blocks are left, and who lacks most; empty where none is gone.
+    """Return a note on the blocks left and the method that lacks most; empty if none are gone.
 
     ``10 of 40 gaps: mean_pose lacks 30``, with `blocks` the name of several blocks.
     """
@@ -99,7 +99,7 @@ def narrowed(group: Group, blocks: str) -> str:
 
 
 def filled(group: Group, fallback: Label | None, blocks: str) -> str:
-    """Return which methods take another's value in how many blocks; empty where none does."""
+    """Return a note on methods that take another's value, and in how many blocks; or nothing."""
     lost = [
         f"{name} {count} of {len(group.values)}"
         for name, count in zip(group.methods, group.taken, strict=False)
@@ -109,14 +109,14 @@ def filled(group: Group, fallback: Label | None, blocks: str) -> str:
 
 
 def _lacking(group: Group) -> list[tuple[Label, int]]:
-    """Return how many blocks the methods lack that have any and lack some."""
+    """Return the number of missing blocks of the methods that lack some, not all."""
     lacking = np.count_nonzero(~np.isfinite(group.values), axis=0).tolist()
     both = zip(group.methods, lacking, group.usable, strict=True)
     return [(name, count) for name, count, usable in both if usable and count]
 
 
 def absences(absent: Iterable[Absent], compare: str | None) -> list[str]:
-    """Return how many combinations are absent, by compared label and kind, with the reasons.
+    """Return the number of absent combinations by compared label and kind, with reasons.
 
     What is absent of several labels for the same reasons stands once.
     """
@@ -150,7 +150,7 @@ def start_text(label: Label) -> str:
 
 
 def shortened(sentences: list[str]) -> str:
-    """Return sentences as one text, and how many more there are where there are many."""
+    """Return sentences as one text; of many, the first and the number of others."""
     more = len(sentences) - _LISTED
     rest = f"; and {more} more, see the table's notes" if more > 0 else ""
     return "; ".join(sentences[:_LISTED]) + rest

@@ -121,7 +121,7 @@ def _round_places(span: Span) -> list[float]:
 def reach(
     mean: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return how far the bars go; an end that is not finite has none, or it would set the scale.
+    """Return the ends of the bars; an infinite end is left out, as it would set the scale.
 
     Parameters
     ----------

@@ -63,7 +63,7 @@ def caution(units: Units, question: Question) -> str:
 
 
 def rules(question: Question) -> str:
-    """Return how far numbers of units carry a result."""
+    """Return the scope of a result, given its numbers of units."""
     of = cluster_text(question) if question.clusters else "units"
     few = (
         f"Fewer than {FEWEST_JUDGED} {of} are described, without p; fewer than {FEWEST_SETTLED} "

@@ -49,7 +49,7 @@ def quantile(p: float, means: int, freedom: float) -> float:
 
 
 def _scales(freedom: float) -> tuple[Numbers, Numbers]:
-    """Return values of s and what each weighs."""
+    """Return values of s and their weights."""
     if np.isinf(freedom):
         return np.ones(1), np.ones(1)
     reach = np.sqrt(40.0 / freedom)  # beyond it the density is below exp(-40) of its highest

@@ -198,7 +198,7 @@ def _segments(
 def correlation_length(
     values: NDArray[np.float64], start: NDArray[np.float64], frames: NDArray[np.float64]
 ) -> float:
-    """Return over how many frames the scores of one recording are correlated.
+    """Return the number of frames over which the scores of one recording are correlated.
 
     Twice the integral of the autocorrelation over time: of gaps of length g in a process with
     correlation time tau, about g + 2 tau. What all methods share in a block is removed first. The

@@ -128,7 +128,7 @@ def _is_bad(positions: Floats, bar: float, now: int, marker: int) -> bool:
 
 @inlined
 def _step(positions: Floats, now: int, marker: int) -> float:
-    """Return how far a sample is from the one before it; NaN where one is missing."""
+    """Return the distance of a sample from the one before it; NaN where one is missing."""
     x = positions[now, marker, 0] - positions[now - 1, marker, 0]
     y = positions[now, marker, 1] - positions[now - 1, marker, 1]
     z = positions[now, marker, 2] - positions[now - 1, marker, 2]
@@ -144,7 +144,7 @@ def _to_midpoint(repaired: Floats, positions: Floats, now: int, marker: int) -> 
 
 @inlined
 def _deviation(track: Floats, now: int) -> float:
-    """Return how far a sample is from the midpoint of its neighbours."""
+    """Return the distance of a sample from the midpoint of its neighbours."""
     x = track[now, 0, 0] - (track[now - 1, 0, 0] + track[now + 1, 0, 0]) / 2.0
     y = track[now, 0, 1] - (track[now - 1, 0, 1] + track[now + 1, 0, 1]) / 2.0
     z = track[now, 0, 2] - (track[now - 1, 0, 2] + track[now + 1, 0, 2]) / 2.0

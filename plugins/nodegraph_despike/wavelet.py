@@ -152,7 +152,7 @@ def _peaks(details: NDArray[np.float64], length: NDArray[np.float64]) -> NDArray
 def _excess(
     bad: NDArray[np.intp], details: NDArray[np.float64], half: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return what to take off the bad samples so that their coefficients are 0.
+    """Return the amounts to subtract from the bad samples so that their coefficients are 0.
 
     The equations are ``sum_j h(t_i - t_j) x_j = d_i`` over the bad frames t; the filter's
     frequency response being positive but at 0, their matrix is positive definite.

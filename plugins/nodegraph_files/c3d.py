@@ -274,7 +274,7 @@ def _labels(parameters: Parameters) -> list[str]:
 
 
 def _head(recording: Trajectories) -> bytes:
-    """Return what stands before the samples, of a recording that the format can hold."""
+    """Return the header and parameters, for a recording that the format can hold."""
     if not 0 < recording.frames <= MOST_FRAMES or not recording.markers:
         raise ValueError(
             f"C3D holds 1 to {MOST_FRAMES} frames of at least one marker, not "

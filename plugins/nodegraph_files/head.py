@@ -52,7 +52,7 @@ class RawHead:
         return float(np.ptp(self.vertices, axis=0).max())
 
     def head(self, millimetres: float) -> Head:
-        """Return the head in millimetres, of which the unit is that many."""
+        """Return the head in millimetres, given the millimetres of its unit."""
         offsets = list(self.morphs.values()) or np.zeros((0, *self.vertices.shape))
         return Head(
             vertices=self.vertices * millimetres,

@@ -109,7 +109,7 @@ def label(
 
 
 def _places(tracks: Tracks) -> tuple[NDArray[np.intp], list[str]]:
-    """Return which place of the shape each sample is, (T, K), or -1; and what is doubtful."""
+    """Return the place in the shape of each sample, (T, K), or -1; and the doubtful ones."""
     named = names(tracks)
     if not (named != UNNAMED).any():
         raise Refusal(

@@ -89,7 +89,7 @@ def resample(
 
 
 def _places(recording: Trajectories, rate: float) -> NDArray[np.float64]:
-    """Return where the output frames lie, in source frames; whole numbers where they coincide."""
+    """Return the times of the output frames, in source frames; integers where they coincide."""
     step = recording.rate / rate
     count = math.floor((recording.frames - 1) / step + _SAME) + 1
     places = np.arange(count) * step

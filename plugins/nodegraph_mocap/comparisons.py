@@ -88,7 +88,7 @@ def weight_parts(weights: Weights) -> dict[str, tuple[tuple[str, tuple[str, ...]
 
 
 def _samples(where: NDArray[np.bool_], markers: Sequence[str]) -> str:
-    """Return how many samples there are, in which frames and of which markers."""
+    """Return the number of samples with their frames and markers as text."""
     frames, columns = np.flatnonzero(where.any(axis=1)), np.flatnonzero(where.any(axis=0))
     count = int(np.count_nonzero(where))
     names = listed((markers[column] for column in columns.tolist()), _NAMED)

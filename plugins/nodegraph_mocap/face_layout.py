@@ -20,7 +20,7 @@ REGIONS = (
 
 
 def layout(inputs: Mapping[str, object], column: str) -> dict[str, Any] | None:
-    """Return where the markers lie that a column of a score names.
+    """Return the positions of the markers that a column of a score names.
 
     Parameters
     ----------

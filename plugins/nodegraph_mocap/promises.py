@@ -199,7 +199,7 @@ def differences(
 
 
 def places(recording: Trajectories, where: NDArray[np.bool_]) -> str:
-    """Return the first of some samples, and how many more there are."""
+    """Return the first of some samples and the number of others as text."""
     frame, marker = np.argwhere(where)[0]
     count = int(np.count_nonzero(where))
     more = f" and {count - 1} more samples" if count > 1 else ""

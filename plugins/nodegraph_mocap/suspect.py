@@ -16,7 +16,7 @@ OPPOSITE = 0.25
 
 
 def impulses(positions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far samples are off where they look like an impulse.
+    """Return the deviation of samples that look like an impulse.
 
     With ``m[t] = x[t] - (x[t-1] + x[t+1]) / 2``, a marker's sample off the midpoint of its
     neighbours, an impulse e at t makes ``m[t] = e`` and ``m[t-1] = m[t+1] = -e / 2``. Frame t is

@@ -126,7 +126,7 @@ def _absent(kind: str, gathered: Across[object] | None) -> Iterator[str]:
 
 
 def frames_apart(shown: Iterable[Trajectories | Animation]) -> int:
-    """Return of how many frames one is played: 1 where all fit."""
+    """Return n such that every n-th frame is played: 1 where all fit."""
     samples = sum(motion.frames * _across(motion) for motion in shown)
     return max(1, -(-samples // MOST_SAMPLES))
 
@@ -169,7 +169,7 @@ def check_meshes(shown: Iterable[tuple[str, Trajectories | Animation]]) -> None:
 
 
 def out_of_reach(panels: Iterable[Panel]) -> Iterator[str]:
-    """Yield which recordings have samples too far away to be played, and how many."""
+    """Yield notes on samples that are too far away to be played, by recording."""
     panels = list(panels)
     step = step_of(panels)
     for panel in panels:
@@ -183,7 +183,7 @@ def out_of_reach(panels: Iterable[Panel]) -> Iterator[str]:
 
 
 def _across(shown: Trajectories | Animation) -> int:
-    """Return how many numbers a frame needs, a marker counted as one."""
+    """Return the number of values of a frame, a marker counted as one."""
     if isinstance(shown, Animation):
         return len(shown.head.names) + 4 * (shown.head_motion is not None)
     return len(shown.markers)

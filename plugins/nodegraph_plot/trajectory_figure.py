@@ -239,7 +239,7 @@ def _limit(axis: Axes, steady: NDArray[np.float64], values: NDArray[np.float64])
 
 
 def _handles(others: int, shading: Sequence[str]) -> list[Artist]:
-    """Return what is not named beside its line."""
+    """Return the lines that have no name next to them."""
     handles: list[Artist] = [Line2D([], [], color=LIGHT, linewidth=_BROAD, label="measured in all")]
     if others:
         label = f"{others} others" if others > 1 else "another"

@@ -145,7 +145,7 @@ def _removed(
     recording: Trajectories,
     removed: Across[HeadMotion] | None,
 ) -> HeadMotion:
-    """Return what was taken out of a recording, none where there is none."""
+    """Return the motion that was taken out of a recording; empty without any."""
     if removed is None:
         still = np.tile(np.eye(3), (recording.frames, 1, 1))
         frames = recording.frames

@@ -51,7 +51,7 @@ def _percents(shares: Sequence[float]) -> str:
 
 
 def left_out(recording: Trajectories, pca: Components, moved: Movement) -> Iterator[str]:
-    """Yield what was left out, and what cannot be determined."""
+    """Yield notes on data left out, and on results that cannot be determined."""
     frames = len(moved.curves)
     if frames < _FEWEST:
         yield f"needs {_FEWEST} complete frames; {_lacking(recording)}"

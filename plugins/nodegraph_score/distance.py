@@ -127,7 +127,7 @@ def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:
 
 
 def _left_out(estimate: Trajectories, reference: Trajectories) -> list[str]:
-    """Say which markers only one of the two has."""
+    """Return notes on markers that only one of the two has."""
     notes = []
     for what, recording, other in (
         ("estimate", estimate, reference),

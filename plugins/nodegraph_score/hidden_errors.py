@@ -51,7 +51,7 @@ def hidden_errors(
 
 
 def columns(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
-    """Return where each of the wanted names stands."""
+    """Return the position of each of the wanted names."""
     place = {name: column for column, name in enumerate(names)}
     return [place[name] for name in wanted]
 

@@ -162,7 +162,7 @@ def _table(names: tuple[str, ...], columns: dict[str, NDArray[np.generic]]) -> T
 
 
 def _without(table: Table, per: Per) -> list[str]:
-    """Say how many rows have no impulse."""
+    """Return a note on the number of rows without an impulse."""
     lacking = int((table["hits"] == 0).sum())
     if not lacking:
         return []
@@ -178,7 +178,7 @@ def _left_out(
     both: NDArray[np.bool_],
     judged: NDArray[np.bool_],
 ) -> list[str]:
-    """Say which samples are not judged."""
+    """Return a note on the samples that are not judged."""
     notes = []
     for what, where in (
         ("that only the truth has", truth.present & ~estimate.present),

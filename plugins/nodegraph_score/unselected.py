@@ -133,7 +133,7 @@ def _table(apart: NDArray[np.float64], markers: list[str], selected: int) -> Tab
 
 
 def _left_out(estimate: Trajectories, reference: Trajectories, selection: Selection) -> list[str]:
-    """Say which unselected markers only one of the two has, or that there are none at all."""
+    """Return notes on unselected markers that only one of the two has, or on having none."""
     notes = []
     for what, recording, other in (
         ("estimate", estimate, reference),

@@ -97,7 +97,7 @@ def _rows(
 
 
 def _filled(recording: Trajectories, positions: NDArray[np.float64]) -> Trajectories:
-    """Return a recording with what is finite of its missing samples, and warn of the others."""
+    """Return a recording with those filled samples that are finite, and warn of the others."""
     known = np.isfinite(positions).all(axis=2)
     changed = ~recording.present & known
     positions = np.where(changed[..., np.newaxis], positions, recording.positions)

@@ -35,7 +35,7 @@ _MISSING, _MEASURED = int(Origin.MISSING), int(Origin.MEASURED)
 
 
 def lookahead(settings: Mapping[str, Any]) -> int | None:
-    """Return the look-ahead of a tracker: what makes a point a ghost lies ahead of it."""
+    """Return the look-ahead of a tracker: later frames decide whether a point is a ghost."""
     # a gate that is not set is made from points of the whole take
     return None if settings["gate"] is None else int(settings["shortest"]) - 1
 

@@ -26,7 +26,7 @@ _FARTHEST = 1.7e308
 
 @compiled
 def spaces(points: Floats, offsets: Integers, frames: Integers) -> Floats:
-    """Return how far each point of some frames is from the nearest one of its frame, (K,) mm.
+    """Return the distance of each point of some frames to the nearest of its frame, (K,) mm.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def spaces(points: Floats, offsets: Integers, frames: Integers) -> Floats:
 def pairs_within(
     places: Floats, points: Floats, gate: float, wanting: Flags, free: Flags
 ) -> tuple[Integers, Integers, Floats]:
-    """Return which points lie within the gate of which place.
+    """Return the points within the gate of each place.
 
     Parameters
     ----------

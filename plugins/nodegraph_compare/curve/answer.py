@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def answer(curves: Curves) -> list[str]:
-    """Return sentences: what is marked, or the lowest points, then what the noise floor reaches."""
+    """Return sentences: the marked or the lowest points, then the points that reach the noise."""
     drawn = curves.drawn
     if not drawn:
         return [f"No point has a number for {curves.axes.metric}; nothing can be said."]
@@ -80,7 +80,7 @@ def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
 
 
 def losses(scores: Across[Table], curves: Curves, *, skipped: bool) -> list[str]:
-    """Return what is left out, in counts.
+    """Return counts of what is left out.
 
     Parameters
     ----------

@@ -94,7 +94,7 @@ def _sentence(curves: Curves) -> Text:
 
 
 def _above_noise(curves: Curves) -> str:
-    """Return how far above measurement noise the marked points are."""
+    """Return the distance of the marked points above the measurement noise."""
     places, floors = curves.marked.places, [curves.floor(points) for points in curves.drawn]
     times = [
         float(points.value[places[points.label]]) / floor

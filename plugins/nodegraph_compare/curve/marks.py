@@ -98,7 +98,7 @@ def marks(
     level: Mapping[Label, float] | None,
     scale: Scale,
 ) -> Marks:
-    """Return what is to be marked on the curves of all labels that have one.
+    """Return the marks on the curves of all labels that have one.
 
     Parameters
     ----------

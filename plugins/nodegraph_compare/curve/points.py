@@ -171,7 +171,7 @@ def _rows(scores: Across[Table], axes: Axes) -> _Rows:
 
 
 def _filled(rows: _Rows, fallback: Label) -> tuple[_Rows, dict[Label, int]]:
-    """Return rows in which blocks without a number have the fallback's, and how many by label."""
+    """Return rows in which blocks without a number have the fallback's, and their counts."""
     keys = list(zip(rows.x.tolist(), rows.others, rows.blocks, strict=True))
     of, value = _places(zip(rows.labels, keys, strict=True)), rows.value.copy()
     known = {

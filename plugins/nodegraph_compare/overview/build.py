@@ -100,7 +100,7 @@ def build_overview(
 
 
 def _more_metrics(scores: Across[Table], question: Question, beside: Sequence[str]) -> list[Metric]:
-    """Return what is wanted, then columns of floats of all tables: first in the metric's unit."""
+    """Return the metric, then the float columns of all tables: first those in its unit."""
     tables = scores.values()
     taken = {question.metric, *question.within, *question.compared, *question.identity, *beside}
     first = info_of(tables[0])

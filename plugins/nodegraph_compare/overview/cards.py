@@ -174,7 +174,7 @@ def _line_of(overview: Overview) -> Line | None:
 
 
 def _strip(overview: Overview, group: GroupOverview, line: Line) -> str:
-    """Return the dots of one group: the best filled, ringed what is not clearly apart from it."""
+    """Return the dots of one group: the best filled, those not clearly apart from it as rings."""
     metric = overview.metric
     known = np.flatnonzero(np.isfinite(group.mean)).tolist()
     kinds = dict.fromkeys(known, "rest") | _kinds(overview, group)
@@ -228,7 +228,7 @@ def _beside(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
 
 
 def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
-    """Return what follows the best: what is not clearly apart from it, and what is behind."""
+    """Return the text after the best: methods not clearly apart from it, and those behind."""
     known = np.count_nonzero(np.isfinite(group.mean))
     if known < 2 or overview.metric.better == "none":
         return []
@@ -253,7 +253,7 @@ def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
 
 
 def _step_rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
-    """Return what each step does to the mean."""
+    """Return the effect of each step on the mean."""
     rows = []
     for step, (before, verb) in changes(group).items():
         mean = in_unit([group.mean[step]], overview.metric.unit)

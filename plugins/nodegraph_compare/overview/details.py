@@ -166,7 +166,7 @@ def _first(places: NDArray[np.intp], values: NDArray[np.float64], count: int) ->
 
 
 def _spread(errors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (B,) how far the largest error of a block is above the median of its methods."""
+    """Return (B,) the largest error of each block, less the median of its methods."""
     several = np.isfinite(errors).any(axis=1)
     spread = np.zeros(len(errors))
     spread[several] = np.nanmax(errors[several], axis=1) - np.nanmedian(errors[several], axis=1)

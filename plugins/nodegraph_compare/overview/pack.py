@@ -53,7 +53,7 @@ class Excerpt:
 
 
 def excerpt_of(overview: Overview) -> Excerpt:
-    """Return what of an overview a page holds: all blocks, or some of them and the suspect ones.
+    """Return the part of an overview that a page holds: all blocks, or some and the suspect ones.
 
     Before blocks are left out, metrics are.
     """

@@ -86,7 +86,7 @@ def _sentence(overview: Overview) -> str:
 
 
 def _steps(overview: Overview, stands: Sequence[GroupOverview]) -> str:
-    """Return what each step does to the mean, in the groups where it does so."""
+    """Return the effect of each step on the mean, with the groups in which it has it."""
     clauses: list[str] = []
     for step in sorted({step for group in stands for step in changes(group)}):
         does: dict[str, list[str]] = {}
@@ -181,7 +181,7 @@ def _depends(overview: Overview, stands: Sequence[GroupOverview]) -> str:
 
 
 def _alternatives(overview: Overview, leader: int, groups: Sequence[GroupOverview]) -> str:
-    """Return the best of groups, with what is not clearly apart from it in any of them."""
+    """Return the best of groups, with the methods not clearly apart from it in any of them."""
     tied = set.intersection(*({*group.tied, *group.best} for group in groups)) - {leader}
     (name,) = method_names(overview, [leader])
     if len(tied) > _MOST_TIED:
@@ -269,7 +269,7 @@ def _apart(overview: Overview, place: int, groups: Sequence[GroupOverview]) -> s
 
 
 def _compromise(overview: Overview, stands: Sequence[GroupOverview]) -> str:
-    """Return which method is never far behind, and how far at most."""
+    """Return the method that is never far behind, and its largest distance."""
     if not overview.ratio or len(stands) < 2:
         return ""
     ratios = np.stack([group.ratio for group in stands])

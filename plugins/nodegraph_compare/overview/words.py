@@ -49,7 +49,7 @@ def beside_text(values: Sequence[float], metric: Metric) -> str:
 
 
 def strong(text: object) -> str:
-    """Return a name that stands out, escaped."""
+    """Return an emphasised name, escaped."""
     return f"<strong>{escape(str(text))}</strong>"
 
 
@@ -131,7 +131,7 @@ def changes(group: GroupOverview) -> dict[int, tuple[int, str]]:
 
 
 def change_text(overview: Overview, group: GroupOverview, before: int, step: int) -> str:
-    """Return how far the means of two steps are apart: ``36 %``, or ``0.12 mm``."""
+    """Return the distance between the means of two steps: ``36 %``, or ``0.12 mm``."""
     first, second = float(group.mean[before]), float(group.mean[step])
     if overview.ratio and first > 0:
         return percent(abs(second / first - 1))

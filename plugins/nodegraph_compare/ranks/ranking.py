@@ -219,7 +219,7 @@ def runs(ranking: Ranking) -> list[tuple[int, int]]:
 
 
 def _overall(within: NDArray[np.float64]) -> Overall:
-    """Return Friedman's test, corrected for ties, and what is made of it.
+    """Return Friedman's test of all methods, corrected for ties, with Kendall's W.
 
     With ``S`` the sum of squared deviations of all ranks from their mean ``(k + 1) / 2``, which
     is ``N k (k^2 - 1) / 12`` where nothing is tied,

@@ -109,7 +109,7 @@ def notes(
     against: Label | None,
     overall: Summary | None,
 ) -> list[str]:
-    """Return what the numbers of the table mean, and what they rest on.
+    """Return the meaning of the numbers of the table, and the data behind them.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def _taken(summary: Summary, comparison: Comparison) -> str:
 
 
 def _by_fallback(summary: Summary, comparison: Comparison) -> str:
-    """Return which methods are behind only because another's values stand for missing ones."""
+    """Return the methods that are behind only because another's values replace missing ones."""
     names = _names(summary, tied_with_best(summary) & summary.behind)
     if not names:
         return ""
@@ -238,7 +238,7 @@ def _doubts(summary: Summary, comparison: Comparison) -> str:
 
 
 def _suspects(summary: Summary, comparison: Comparison) -> str:
-    """Return the blocks whose truth is suspect, and what is said without them."""
+    """Return notes on the blocks whose truth is suspect, and on the answer without them."""
     other = without_suspects(summary)
     if other is None:
         return ""
@@ -290,7 +290,7 @@ def _best(summary: Summary, metric: str) -> str:
 
 
 def _verdict(summary: Summary, comparison: Comparison) -> str:
-    """Return what follows the best mean: for what it holds, and what is not behind."""
+    """Return the text after the best mean: its scope, and the methods not behind."""
     question, blocks = comparison.question, comparison.blocks
     if np.count_nonzero(summary.blocks) < 2 or summary.best is None:
         return ""
@@ -318,7 +318,7 @@ def _apart(summary: Summary, verdict: Verdict) -> list[str]:
 
 
 def _numbers(summary: Summary, place: int, comparison: Comparison) -> str:
-    """Return a mean with its interval, and of how many blocks it is where some are left out."""
+    """Return a mean with its interval, and its number of blocks where some are left out."""
     unit = comparison.unit
     text = _valued([float(summary.mean[place])], unit)
     if np.isfinite(summary.low[place]):
@@ -358,7 +358,7 @@ def _counted(summaries: Sequence[Summary], question: Question, blocks: str) -> s
 
 
 def _narrow_groups(summaries: Sequence[Summary], blocks: str) -> list[str]:
-    """Return in how many groups blocks are left out, and an example."""
+    """Return a note on the groups in which blocks are left out, with an example."""
     narrow = [over for summary in summaries if (over := narrowed(summary.group, blocks))]
     if not narrow:
         return []
@@ -369,7 +369,7 @@ def _narrow_groups(summaries: Sequence[Summary], blocks: str) -> list[str]:
 
 
 def _unsteady_groups(summaries: Sequence[Summary], blocks: str) -> list[str]:
-    """Return in how many groups another rule gives another answer."""
+    """Return a note on the groups in which another rule gives another answer."""
     texts = []
     for plain in (False, True):
         groups = [

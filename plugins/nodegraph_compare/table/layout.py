@@ -110,7 +110,7 @@ def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[s
 
 
 def blocks_text(summaries: Sequence[Summary]) -> str:
-    """Return over how many blocks the means of a table are."""
+    """Return the number of blocks behind the means of a table."""
     counts = sorted({int(summary.blocks.max(initial=0)) for summary in summaries})
     if len(counts) == 1:
         return f"Every mean is over {counts[0]} blocks."
@@ -185,7 +185,7 @@ class Layout:
 def implied(
     scores: Across[Table], compare: str | None, within: Names, layout: Layout, blocks: Names
 ) -> tuple[str | None, Names]:
-    """Return what is compared, and within what, as the layout implies.
+    """Return the compared axis and the axes of groups that the layout implies.
 
     Every name laid out is compared or in `within`; without `compare`, the
     last gathered axis among them.

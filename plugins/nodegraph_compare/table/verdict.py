@@ -49,7 +49,7 @@ class Verdict:
 
 
 def verdict_on(summary: Summary, question: Question, blocks: str) -> Verdict:
-    """Return what may be said of a group.
+    """Return the verdict on a group.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ class Accessors:
         return stored.astype(np.int64)
 
     def count(self, index: int, where: str) -> int:
-        """Return how many values an accessor says it has."""
+        """Return the declared number of values of an accessor."""
         return entry_at(self._document.accessors, index, "accessor", where).count
 
     def _accessor(

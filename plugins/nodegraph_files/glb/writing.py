@@ -134,7 +134,7 @@ def animation_bytes(animation: Animation) -> bytes:
 
 
 def _tracks(animation: Animation) -> dict[str, NDArray[np.float64]]:
-    """Return what of the head's node changes, by the name that glTF gives it."""
+    """Return the animated properties of the head's node, by their names in glTF."""
     tracks: dict[str, NDArray[np.float64]] = {}
     if animation.head.names:
         tracks["weights"] = held_weights(animation).reshape(-1, 1)

@@ -298,7 +298,7 @@ def _axes(view: View) -> list[str]:
 
 
 def _face(place: _Place, base: Trajectories, view: View) -> dict[str, Any]:
-    """Return where all markers lie in the picture from the front, in some frames of the view."""
+    """Return the positions of all markers in the picture from the front, in some frames."""
     every = -(-len(place.frames) // MOST_POSES)
     points = view.project(place.of(base.positions)[::every])
     count = np.count_nonzero(np.isfinite(points), axis=0)

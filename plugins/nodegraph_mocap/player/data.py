@@ -119,7 +119,7 @@ def packed(playback: Playback) -> bytes:
 
 
 def step_of(panels: Iterable[Panel]) -> float:
-    """Return to how many mm positions are rounded: 0.01, or finer where the panels are tiny."""
+    """Return the rounding of positions in mm: 0.01, or finer where the panels are tiny."""
     finest = max(panel.radius for panel in panels) / _STEPS_ACROSS
     return float(min(_FINEST, 10.0 ** np.floor(np.log10(finest))))
 

@@ -78,7 +78,7 @@ def _content(panel: Panel) -> str:
 
 
 def _origins(recording: Trajectories) -> str:
-    """Return how many samples come from where: ``1,200 captured, 40 recovered, 3 missing``."""
+    """Return the number of samples by origin: ``1,200 captured, 40 recovered, 3 missing``."""
     counts = {word: int((recording.origin == origin).sum()) for origin, word in _ORIGINS.items()}
     return ", ".join(f"{count:,} {word}" for word, count in counts.items() if count)
 

@@ -63,7 +63,7 @@ def _markers_of(animation: Animation) -> Trajectories:
 
 
 def _fit(points: NDArray[np.float64], seen: View) -> tuple[NDArray[np.float64], float]:
-    """Return the middle of what there is to see, and how far from it the picture's edge is."""
+    """Return the middle of all points, and the distance from it to the picture's edge."""
     if not len(points):
         return seen.centre, 1.0
     axes = np.stack([seen.right, seen.up, np.cross(seen.right, seen.up)])
