@@ -134,10 +134,11 @@ def read_truth(
 
 @node("read.weights")
 def read_weights(*, path: InputFile) -> Weights:
-    """Read weights of blendshapes over time: CSV of Live Link Face, or a plugin's format.
+    """Read weights of blendshapes over time: CSV of Live Link Face, other CSV, a plugin's format.
 
-    Frames that the timecode skips are rows of NaN. The columns of head and eye rotations are no
-    weights and are left out.
+    In Live Link Face's, frames that the timecode skips are rows of NaN, and the columns of head
+    and eye rotations, which are no weights, are left out. Another table has a column per shape,
+    and a column ``time`` in seconds or a line ``# rate: 60``, as `write.weights_csv` writes it.
 
     Parameters
     ----------
@@ -291,8 +292,8 @@ def format_of(file: Path, formats: Sequence[Format]) -> Format:
 
 
 def file_names(stem: str, formats: Sequence[Format]) -> tuple[str, ...]:
-    """Return the names of the files that a reader takes from a folder, one per format."""
-    return tuple(stem + each.suffixes[0] for each in formats)
+    """Return the names of the files that a reader takes from a folder, one per first suffix."""
+    return tuple(dict.fromkeys(stem + each.suffixes[0] for each in formats))
 
 
 def marker_set_for(path: Path, file: Path, named: Path | None) -> MarkerSet | None:
