@@ -15,6 +15,8 @@ from nodegraph_xarray.poses import from_xarray, require_xarray, to_xarray
 _CLASSIC = b"CDF"
 _DEFLATED = 1100
 """Bytes that one of a compressed file may stand for: no more than 1032, by deflate."""
+_BROKEN = (ValueError, TypeError, OSError, KeyError, IndexError, RuntimeError)
+"""What the libraries raise where a file is not of their form."""
 _SMALL = 1 << 24  # bytes, for which there is room in any case
 
 
@@ -66,9 +68,13 @@ def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO)
         with xarray.open_dataset(path, engine=engine, decode_times=False, cache=False) as dataset:
             if dataset.nbytes > max(_DEFLATED * path.stat().st_size, _SMALL):
                 raise ValueError(f"it announces {dataset.nbytes} bytes, more than it can hold")
-            return from_xarray(dataset.load(), unit=unit, zeros_missing=zeros_missing)
-    except (ValueError, TypeError, OSError, KeyError, IndexError, RuntimeError) as error:
-        raise ValueError(f"{path}: not a readable netCDF file of poses: {error}") from None
+            dataset.load()
+    except _BROKEN as error:
+        raise ValueError(f"{path}: not a readable netCDF file: {error}") from None
+    try:
+        return from_xarray(dataset, unit=unit, zeros_missing=zeros_missing)
+    except ValueError as error:
+        raise ValueError(f"{path}: no recording: {error}") from None
 
 
 FORMAT = Format("netCDF", Trajectories, (".nc",), read_nc, lambda start: start.startswith(_CLASSIC))

@@ -140,8 +140,9 @@ def from_xarray(
     if "origin" in poses:
         zeros_missing = False
         origin = _samples(poses, "origin")
+    markers = _names(poses)
     lost = np.zeros(positions.shape[:2], dtype=np.bool_)
-    positions = mark_missing(positions, lost, zeros_missing=zeros_missing)
+    positions = mark_missing(positions, lost, markers, zeros_missing=zeros_missing)
     length.convert(positions)
     sigma = None
     if "sigma" in poses:
@@ -150,7 +151,7 @@ def from_xarray(
     described = poses.attrs.get("marker_set")
     return Trajectories(
         positions=positions,
-        markers=_names(poses),
+        markers=markers,
         rate=_rate(poses),
         marker_set=None if described is None else marker_set_of(json.loads(str(described))),
         origin=None if origin is None else _origin(origin, positions),  # type: ignore[arg-type]

@@ -167,7 +167,7 @@ def test_a_hostile_file_is_refused_with_its_name(tmp_path: Path, processed: Traj
     contents = [good[:400], good[:-9000], hdf[:3000], b"CDF\x01" + b"\xff" * 60, b"\x89HDF"]
     for content in contents:
         (tmp_path / "it.nc").write_bytes(content)
-        with pytest.raises(ValueError, match=r"it\.nc: not a readable netCDF file of poses"):
+        with pytest.raises(ValueError, match=r"it\.nc: (not a readable netCDF file|no recording)"):
             get_node("read.recording")(path=tmp_path / "it.nc")
     with pytest.raises(ValueError, match=r"huge\.nc.*announces 800000000000 bytes"):
         get_node("read.recording")(path=tmp_path / "huge.nc")
