@@ -19,7 +19,7 @@ from platformdirs import user_cache_path
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
-def kernel(**options: Any) -> Callable[[_Function], _Function]:
+def kernel(**options: object) -> Callable[[_Function], _Function]:
     """Return a decorator that compiles a function with numba, to run without the GIL.
 
     The machine code is kept in ``nodegraph/kernels`` in the user's cache folder, or in
@@ -54,7 +54,7 @@ class _Locator:
     numba calls its methods.
     """
 
-    def __init__(self, function: Callable[..., Any], file: str) -> None:
+    def __init__(self, function: Callable[..., object], file: str) -> None:
         path = Path(file).absolute()
         content = f"numba {numba.__version__}\n".encode() + path.read_bytes()
         self._digest = hashlib.sha256(content).hexdigest()
@@ -64,7 +64,7 @@ class _Locator:
         self._folder = Path(root) / f"{path.parent.name}-{self._digest[:16]}"
 
     @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> _Locator:
+    def from_function(cls, function: Callable[..., object], file: str) -> _Locator:
         return cls(function, file)
 
     def ensure_cache_path(self) -> None:

@@ -10,7 +10,6 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 from nodegraph.fingerprint.functions import Live
 from nodegraph.fingerprint.modules import Distributions, Places
@@ -114,7 +113,7 @@ class Code:
                 known = self._known[id(function)] = (function, self._find(function))
         return known[1]
 
-    def remembered(self) -> dict[str, Any]:
+    def remembered(self) -> dict[str, object]:
         """Return data that a later process need not read again, as plain values for JSON."""
         return {
             "format": _FORMAT,

@@ -723,7 +723,7 @@ class Sources:
             self._read[file] = self._summary(file)
         return self._read[file]
 
-    def remembered(self) -> dict[str, Any]:
+    def remembered(self) -> dict[str, object]:
         """Return all summaries by file, for a later process."""
         return self._known
 

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from nodegraph.fingerprint.code import Code, Reached
 from nodegraph.fingerprint.source import SETTLED
@@ -194,7 +194,7 @@ class Files:
             [f"{file.relative_to(path).as_posix()} {self._content(str(file))}" for file in files]
         )
 
-    def remembered(self) -> dict[str, Any]:
+    def remembered(self) -> dict[str, object]:
         """Return data that saves a later process from reading the same files again."""
         return self._known
 

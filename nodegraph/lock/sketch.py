@@ -235,7 +235,7 @@ class _FloatExtraction:
         self._buffers = tuple(buffers)
         self._floats = floats
 
-    def rest(self, plain: Any, at: str) -> Any:
+    def rest(self, plain: object, at: str) -> Any:
         """Return a part of the value without its floats, as data for JSON."""
         if isinstance(plain, float):
             return self._without_numbers(np.array([plain]), at)

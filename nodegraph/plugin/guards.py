@@ -103,7 +103,7 @@ class Source:
 def guard_renderer(renderer: Renderer, source: Source) -> Renderer:
     """Return a renderer that raises `PluginError` where another fails."""
 
-    def render(value: object, title: str) -> Any:
+    def render(value: object, title: str) -> object:
         return expect(renderer.render(value, title), Rendered)
 
     def render_in_run(value: Any, title: str, origin: Any) -> object:
@@ -306,7 +306,7 @@ def _sentences(value: object) -> tuple[str, ...]:
     return tuple(expect(sentence, str) for sentence in expect(value, Iterable))
 
 
-def _checked_parts(parts: Any, value: Any) -> Parts:
+def _checked_parts(parts: Any, value: object) -> Parts:
     """Return what the first axes of a value's arrays are, if it has such arrays."""
     for name, axes in expect(parts, Mapping).items():
         shape = getattr(getattr(value, expect(name, str), None), "shape", None)

@@ -26,7 +26,7 @@ Sent = tuple[object, ...]
 """The worker's address, then the frames of the response; large ones as arrays of bytes."""
 
 
-def work(timeout: float | None, *frames: Any) -> Sent:
+def work(timeout: float | None, *frames: object) -> Sent:
     """Return the response to a request; both are given as frames."""
     request = Request.from_frames([as_frame(frame) for frame in frames])
     text, head, *buffers = respond(request, timeout).frames()

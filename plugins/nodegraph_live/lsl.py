@@ -137,7 +137,7 @@ class LslSink:
         self._address = settings.address
         self._outlet: pylsl.StreamOutlet | None = None
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Offer the stream."""
         header = recording_or_weights(self._address, header)
         if isinstance(header, Trajectories):

@@ -70,7 +70,7 @@ class PacketReader:
         return text
 
 
-def as_doubles(numbers: NDArray[Any]) -> NDArray[np.float64]:
+def as_doubles(numbers: NDArray[np.generic]) -> NDArray[np.float64]:
     """Return numbers as float64; a NaN that is to give an alarm gives none."""
     with np.errstate(invalid="ignore"):
         return numbers.astype(np.float64)

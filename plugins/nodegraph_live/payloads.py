@@ -87,14 +87,14 @@ def numbers_of(payload: Any) -> NDArray[np.float64]:
     return payload.positions.ravel() if isinstance(payload, MarkerFrame) else payload
 
 
-def recording_or_weights(address: str, header: Any) -> Trajectories | Weights:
+def recording_or_weights(address: str, header: object) -> Trajectories | Weights:
     """Return a header that is one of these; any other is an error that names the sink."""
     if isinstance(header, Trajectories | Weights):
         return header
     raise NodegraphError(f"{address}: sends recordings and weights, not {type(header).__name__}")
 
 
-def weights_only(address: str, header: Any) -> Weights:
+def weights_only(address: str, header: object) -> Weights:
     """Return a header that is one of weights; any other is an error that names the sink."""
     if isinstance(header, Weights):
         return header

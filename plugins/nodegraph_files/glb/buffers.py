@@ -128,7 +128,7 @@ class Accessors:
             raise ValueError(f"{at}: has no data")
         return stored if accessor.sparse is None else self._filled(stored, accessor.sparse, at)
 
-    def _filled(self, stored: NDArray[np.generic], sparse: Sparse, at: str) -> NDArray[Any]:
+    def _filled(self, stored: NDArray[np.generic], sparse: Sparse, at: str) -> NDArray[np.generic]:
         """Return the array with the values that a sparse accessor puts into it."""
         count, where = sparse.count, sparse.indices
         component = _COMPONENTS[where.component_type]
