@@ -204,7 +204,7 @@ class StepCache:
             Whether the store could note it.
         """
         digest = self._digests.of(step).code.digest
-        finding = {"node": step.method.node.name, "said": conditions}
+        finding = {"node": step.method.node.name, "conditions": conditions}
         self.store.remember(_audit_of(digest), finding)
         return self.store.writable
 
@@ -238,7 +238,7 @@ class StepCache:
 
     def _finding(self, digest: str) -> str:
         if digest not in self._findings:
-            conditions = self.store.recall(_audit_of(digest)).get("said")
+            conditions = self.store.recall(_audit_of(digest)).get("conditions")
             self._findings[digest] = (
                 f"an audit found that it gives another answer in {conditions}" if conditions else ""
             )
