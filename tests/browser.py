@@ -1,4 +1,4 @@
-"""Pages in Debian's Chromium, through Playwright: a browser for all tests, a new page for each.
+"""Pages in Debian's Chromium, through Playwright: a browser with one tab, which is cleared.
 
 Set ``NODEGRAPH_AXE`` to the folder of the package ``axe-core``, as ``npm pack axe-core`` gives it.
 """
@@ -12,7 +12,14 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from playwright.sync_api import BrowserContext, ConsoleMessage, Page, Request, sync_playwright
+from playwright.sync_api import (
+    BrowserContext,
+    ConsoleMessage,
+    Error,
+    Page,
+    Request,
+    sync_playwright,
+)
 
 AXE = os.environ.get("NODEGRAPH_AXE", "")
 needs_axe = pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
@@ -35,8 +42,13 @@ def chromium() -> Iterator[BrowserContext]:
         pytest.skip("no Chromium is installed")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=_ARGUMENTS)
-        yield browser.new_context()  # a page in a new one takes twice as long
+        yield browser.new_context()
         browser.close()
+
+
+@pytest.fixture(scope="session")
+def _only_tab(chromium: BrowserContext) -> Page:
+    return chromium.new_page()  # a page in a new one takes twice as long
 
 
 @pytest.fixture
@@ -46,8 +58,8 @@ def complaints() -> list[str]:
 
 
 @pytest.fixture
-def tab(chromium: BrowserContext, complaints: list[str]) -> Iterator[Page]:
-    """A new page, which must not complain nor leave this machine; what it stores is forgotten."""
+def tab(_only_tab: Page, complaints: list[str]) -> Iterator[Page]:
+    """An empty page, which must not complain nor leave this machine, and keeps nothing."""
 
     def watch(request: Request) -> None:
         address = urlsplit(request.url)
@@ -58,14 +70,27 @@ def tab(chromium: BrowserContext, complaints: list[str]) -> Iterator[Page]:
         if "GL Driver Message" not in message.text:  # of how fast the processor draws
             complaints.append(message.text)
 
-    page = chromium.new_page()
+    def fail(error: Error) -> None:
+        complaints.append(str(error))
+
+    page = _only_tab
     page.on("request", watch)
     page.on("console", listen)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("pageerror", fail)
     yield page
-    page.evaluate("try { localStorage.clear() } catch { /* a page without storage */ }")
-    chromium.clear_permissions()
-    page.close()
+    page.evaluate("try { localStorage.clear(); sessionStorage.clear(); } catch { /* has none */ }")
+    page.context.clear_permissions()
+    page.remove_listener("request", watch)
+    page.remove_listener("console", listen)
+    page.remove_listener("pageerror", fail)
+    page.unroute_all()
+    page.emulate_media(media="null", color_scheme="null", reduced_motion="null")
+    page.mouse.move(0, 0)
+    for other in page.context.pages:
+        if other is not page:
+            other.close()
+    resize(page, 1280, 720)
+    page.goto("about:blank")
     assert complaints == []
 
 
