@@ -126,7 +126,8 @@ def _array_parts(values: pd.Series[Any] | pd.Index[Any], name: Any) -> tuple[obj
         texts = [
             None if missing else text for text, missing in zip(array, array.isna(), strict=True)
         ]
-        return ("text", texts, dtype.storage, dtype.na_value is pd.NA)
+        # not how pandas holds it, which depends on whether pyarrow is installed
+        return ("text", texts, dtype.na_value is pd.NA)
     for kind, masked in _MASKED.items():
         if type(array) is masked:
             missing = array.isna()
@@ -143,10 +144,10 @@ def _array(parts: tuple[Any, ...]) -> Any:
         case ("categorical", np.ndarray(ndim=1) as codes, categories, bool(ordered)):
             dtype = pd.CategoricalDtype(_index(categories), ordered)
             return pd.Categorical.from_codes(codes, dtype=dtype)
-        case ("text", [*texts], storage, bool(with_na)):
+        case ("text", [*texts], bool(with_na)):
             if not all(text is None or isinstance(text, str) for text in texts):
                 raise ValueError("a text is not a str")
-            return pd.array(texts, dtype=pd.StringDtype(storage, pd.NA if with_na else np.nan))
+            return pd.array(texts, dtype=pd.StringDtype(na_value=pd.NA if with_na else np.nan))
         case (str(kind), np.ndarray(ndim=1) as values, np.ndarray(ndim=1) as missing):
             return _MASKED[kind](values.copy(), missing.copy())
     raise ValueError("these are not the parts of a column")

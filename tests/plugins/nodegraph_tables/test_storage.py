@@ -56,6 +56,16 @@ def test_a_table_comes_back(packer: Packer) -> None:
     assert packer.pack(table).faithful
 
 
+def test_a_digest_does_not_depend_on_how_pandas_holds_texts(packer: Packer) -> None:
+    pytest.importorskip("pyarrow")
+    plain, arrow = (
+        pd.DataFrame({"a": pd.array(["x", None], dtype=pd.StringDtype(storage, na_value=np.nan))})
+        for storage in ("python", "pyarrow")
+    )
+    assert packer.digest(plain) == packer.digest(arrow)
+    assert same(there_and_back(plain, packer), there_and_back(arrow, packer))
+
+
 def test_what_a_table_says_comes_back_with_it(packer: Packer) -> None:
     info = TableInfo(
         answer=("x",), units={"a": "mm"}, best={"a": (0,)}, cells={"a": {"low": "b"}}, labels=()
