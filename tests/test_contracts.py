@@ -67,6 +67,7 @@ TAKES_AND_GIVES_ANSWERS = {
     "score.unselected": (["reference"], []),
     "score.weights_mse": (["reference"], []),
     "synthesize.face": ([], ["truth", "weights", "head_motion", "impulses"]),
+    "write.rrd": (["truth"], []),
 }
 """The ports that take and give the answer, of the nodes that have such."""
 
