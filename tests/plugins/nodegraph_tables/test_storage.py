@@ -59,8 +59,11 @@ def test_a_table_comes_back(packer: Packer) -> None:
 def test_a_digest_does_not_depend_on_how_pandas_holds_texts(packer: Packer) -> None:
     pytest.importorskip("pyarrow")
     plain, arrow = (
-        pd.DataFrame({"a": pd.array(["x", None], dtype=pd.StringDtype(storage, na_value=np.nan))})
-        for storage in ("python", "pyarrow")
+        pd.DataFrame({"a": pd.array(["x", None], dtype=dtype)})
+        for dtype in (
+            pd.StringDtype("python", na_value=np.nan),
+            pd.StringDtype("pyarrow", na_value=np.nan),
+        )
     )
     assert packer.digest(plain) == packer.digest(arrow)
     assert same(there_and_back(plain, packer), there_and_back(arrow, packer))
