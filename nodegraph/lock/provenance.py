@@ -12,6 +12,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.events import plain
 from nodegraph.fingerprint import Reached
+from nodegraph.fingerprint.modules import UNKNOWN
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graphfile.spec import Reference
@@ -211,7 +212,8 @@ def _versions(run: Run, reached: Mapping[str, Reached]) -> dict[str, str]:
     for code in reached.values():
         by_name |= code.versions
     by_name |= versions(run.plan.graph)
-    return {name: by_name[name] for name in sorted(by_name, key=str.lower)}
+    installed = {name for name, version in by_name.items() if version != UNKNOWN}
+    return {name: by_name[name] for name in sorted(installed, key=str.lower)}
 
 
 def _files(run: Run, names: FileNames) -> Iterator[tuple[str, str]]:

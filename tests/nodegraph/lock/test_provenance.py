@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+import nodegraph as ng
 from nodegraph import NodegraphError
+from nodegraph.lock.lockfile import lock_text
 from nodegraph.lock.provenance import refuse_paths, relative
 
 
@@ -41,3 +43,22 @@ def test_a_text_must_not_contain_paths_of_a_folder(tmp_path: Path) -> None:
     refuse_paths("nothing\nof that", [tmp_path, Path(tmp_path.anchor)])
     with pytest.raises(NodegraphError, match=r"see .*notes\.txt$"):
         refuse_paths(f"nothing\n  see {tmp_path}/notes.txt\n", [tmp_path])
+
+
+def test_what_is_not_installed_is_no_version(tmp_path: Path) -> None:
+    (tmp_path / "half.py").write_text(
+        "from nodegraph import node\n"
+        "@node('half.number')\n"
+        "def number(*, optional: bool = False) -> float:\n"
+        "    if optional:\n"
+        "        import nobody_has_this as yaml\n"
+        "    else:\n"
+        "        import yaml\n"
+        "    return float(yaml.safe_load('1'))\n"
+    )
+    graph = tmp_path / "graph.yaml"
+    graph.write_text("nodegraph: 1\nnodes: {a: {use: half.number}}\n")
+    run = ng.run(ng.load(graph, plugins=[tmp_path / "half.py"]), store=tmp_path / "store")
+    text = lock_text(run, tmp_path / "graph.lock")
+    assert "  PyYAML: " in text
+    assert "nobody_has_this: " not in text
