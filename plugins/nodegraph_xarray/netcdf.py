@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import Annotated
 
@@ -63,9 +64,13 @@ def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO)
     import xarray
 
     with path.open("rb") as stream:
-        engine = "scipy" if stream.read(len(_CLASSIC)) == _CLASSIC else "h5netcdf"
+        is_classic = stream.read(len(_CLASSIC)) == _CLASSIC
+    # from memory no more is read than there is, whatever lengths a classic file announces
+    source, engine = (BytesIO(path.read_bytes()), "scipy") if is_classic else (path, "h5netcdf")
     try:
-        with xarray.open_dataset(path, engine=engine, decode_times=False, cache=False) as dataset:
+        if not is_classic:
+            _visit(path)
+        with xarray.open_dataset(source, engine=engine, decode_times=False, cache=False) as dataset:
             if dataset.nbytes > max(_DEFLATED * path.stat().st_size, _SMALL):
                 raise ValueError(f"it announces {dataset.nbytes} bytes, more than it can hold")
             dataset.load()
@@ -75,6 +80,18 @@ def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO)
         return from_xarray(dataset, unit=unit, zeros_missing=zeros_missing)
     except ValueError as error:
         raise ValueError(f"{path}: no recording: {error}") from None
+
+
+def _visit(path: Path) -> None:
+    """Raise the error of a damaged HDF5 file, beside which h5netcdf would print a traceback."""
+    import h5py
+
+    def look(name: str, part: h5py.Group | h5py.Dataset) -> None:
+        dict(part.attrs)
+
+    with h5py.File(path) as file:
+        look("/", file)
+        file.visititems(look)
 
 
 FORMAT = Format("netCDF", Trajectories, (".nc",), read_nc, lambda start: start.startswith(_CLASSIC))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -156,7 +157,11 @@ def test_several_individuals_are_listed_to_choose_from() -> None:
         from_xarray(poses(), individual="both")
 
 
-def test_a_hostile_file_is_refused_with_its_name(tmp_path: Path, processed: Trajectories) -> None:
+def test_a_hostile_file_is_refused_with_its_name(
+    tmp_path: Path, processed: Trajectories, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    printed: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", printed.append)
     good = get_node("write.nc")(processed).content["recording.nc"]
     dataset = to_xarray(processed)
     dataset.to_netcdf(tmp_path / "good.nc", engine="h5netcdf")
@@ -164,13 +169,17 @@ def test_a_hostile_file_is_refused_with_its_name(tmp_path: Path, processed: Traj
     with h5netcdf.File(tmp_path / "huge.nc", "w") as huge:
         huge.dimensions = {"time": 10**11}
         huge.create_variable("position", ("time",), float, chunks=(1000,))
-    contents = [good[:400], good[:-9000], hdf[:3000], b"CDF\x01" + b"\xff" * 60, b"\x89HDF"]
-    for content in contents:
+    endless = good[:8] + b"\0\0\0\x0a\0\0\0\x01\x7f\xff\xff\xff"  # the name of a dimension
+    torn = hdf.replace(b"OHDR", b"ODHR")
+    begun = b"CDF\x01" + b"\xff" * 60
+    for content in (good[:400], good[:-9000], endless, hdf[:3000], torn, begun, b"\x89HDF"):
         (tmp_path / "it.nc").write_bytes(content)
         with pytest.raises(ValueError, match=r"it\.nc: (not a readable netCDF file|no recording)"):
             get_node("read.recording")(path=tmp_path / "it.nc")
     with pytest.raises(ValueError, match=r"huge\.nc.*announces 800000000000 bytes"):
         get_node("read.recording")(path=tmp_path / "huge.nc")
+    gc.collect()
+    assert not printed
 
 
 def test_the_writer_keeps_the_promises_of_nodes() -> None:
