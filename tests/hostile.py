@@ -15,18 +15,39 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from nodegraph.plugin.hook_types import Format
+from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registry
 
 ROOT = Path(__file__).parents[1]
 EXECUTE = ROOT / "tests" / "nodegraph" / "execute"
 GIB = 2**30
 CROWD = 32
+TEXTS = {
+    "head.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n",
+    "long.csv": "Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,1,0.25\n00:00:00:02.000,1,0.5\n",
+    "takes.mot": "\n".join(
+        [
+            "points",
+            "version=1",
+            "nRows=2",
+            "nColumns=4",
+            "Units=mm",
+            "inDegrees=no",
+            "endheader",
+            "time\tlip_tx\tlip_ty\tlip_tz",
+            "0\t100\t20\t3",
+            "0.01\t101\t20\tnan",
+        ]
+    ),
+}
+"""Files of formats that nothing here writes."""
+READERS = ("read.recording", "read.weights", "read.head", "read.model")
 KINDS = ("serial", "threads", "processes", "dask")
 """Executors of runs that are killed."""
 
@@ -97,18 +118,24 @@ def nodes(seed: int, folder: Path) -> Counter[str]:
 ROUNDS: tuple[Callable[[int, Path], Counter[str]], ...] = (readers, stores, kills, crowd, nodes)
 
 
-def samples(registry: Registry) -> Iterator[tuple[Format, bytes]]:
-    """Yield files that every format reads: what the writers make of a small recording."""
-    specimens = {kind.__name__: make for kind, make in registry.hooks.specimens()}
-    (recording, *_) = specimens["Trajectories"]().values()
+def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, Node, bytes]]:
+    """Yield files of every format, with a node that reads them and the name of the file."""
+    made = {kind: next(iter(make().values())) for kind, make in registry.hooks.specimens()}
+    files = {name: text.encode() for name, text in TEXTS.items()}
+    for writer in (each.node for each in registry if each.node.name.startswith("write.")):
+        ports = [port for port in writer.inputs if not port.optional] or writer.inputs[:1]
+        if not any(port.across for port in ports):
+            files |= writer.function(*(made[port.type] for port in ports)).content
+    known = set()
+    for reader in map(registry.find, READERS):
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+            with suppress(ValueError):
+                reader.node.function(path=folder / name)
+                known.add(Path(name).suffix)
+                yield name, reader.node, content
     for each in registry.hooks.formats:
-        suffix = each.suffixes[0]
-        name = f"write.{suffix[1:]}"
-        if each.type.__name__ == "Trajectories" and name in {
-            registered.node.name for registered in registry
-        }:
-            for content in registry.find(name).node.function(recording).content.values():
-                yield each, content
+        assert not known.isdisjoint(each.suffixes), f"no file of the format {each.name}"
 
 
 def damaged(content: bytes, chance: Random) -> bytes:
@@ -136,21 +163,21 @@ def read_damaged(folder: Path, seed: int, count: int = 2000) -> Counter[str]:
 
     chance, counts = Random(seed), Counter[str]()
     warnings.simplefilter("ignore")
-    files = list(samples(Registry.installed()))
+    files = list(samples(Registry.installed(), folder))
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + GIB, used + GIB))
     for number in range(count):
-        each, content = chance.choice(files)
-        path = folder / f"damaged{each.suffixes[0]}"
+        name, reader, content = chance.choice(files)
+        path = folder / name
         path.write_bytes(damaged(content, chance))
         try:
-            each.read(path)
+            reader.function(path=path)
         except ValueError as error:
             if path.name not in str(error):
                 raise AssertionError(f"seed {seed}, file {number}: {error}") from error
-            counts[f"{each.name} refused"] += 1
+            counts[f"{reader.name} {path.suffix} refused"] += 1
         else:
-            counts[f"{each.name} read"] += 1
+            counts[f"{reader.name} {path.suffix} read"] += 1
     return counts
 
 
