@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
@@ -46,8 +47,9 @@ def draw(arguments: Namespace) -> int:
         raise NodegraphError(
             f"--out {arguments.out}: {nearest(suffix, _FORMATS)}; or choose with --format"
         )
-    if name == "pdf" and not arguments.out:
-        raise NodegraphError("--format pdf: needs a file, --out graph.pdf")
+    if not arguments.out and (name == "pdf" or (name == "svg" and sys.stdout.isatty())):
+        file = Path(arguments.graph).with_suffix(f".{name}").name
+        raise NodegraphError(f"the drawing needs a file: --out {file}")
     drawn: str | bytes = getattr(drawing, name)(picture_of(graph_of(arguments)))
     if arguments.out:
         write_and_print(arguments.out, drawn.encode() if isinstance(drawn, str) else drawn)

@@ -13,7 +13,12 @@ HELP = "List the installed nodes."
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.add_argument("family", nargs="?", metavar="FAMILY", help="Family, such as fill.")
+    parser.add_argument(
+        "word",
+        nargs="?",
+        metavar="WORD",
+        help="Family, such as fill, or part of a name or summary.",
+    )
     add_plugin(parser)
 
 
@@ -23,21 +28,12 @@ def nodes(arguments: Namespace) -> int:
     from nodegraph.plugin.registry import Registry
 
     registry = Registry.installed(arguments.plugin)
-    family = (arguments.family or "").removesuffix(".*")
-    if "." in family:
-        registry.find(family)
-        raise NodegraphError(
-            f"{family!r} is a node, not a family; `nodegraph show {family}` shows it"
-        )
-    if family and not registry.family(family):
-        raise NodegraphError(f"no family {family!r}; {nearest(family, registry.families)}")
-    print(
-        columns(
-            [
-                (entry.node.name, summary_of(entry.node), entry.plugin)
-                for entry in registry
-                if not family or entry.node.family == family
-            ]
-        )
-    )
+    word = (arguments.word or "").removesuffix(".*").lower()
+    rows = [(entry.node.name, summary_of(entry.node), entry.plugin) for entry in registry]
+    family = [row for row in rows if row[0].startswith(f"{word}.")]
+    matches = family or [row for row in rows if word in f"{row[0]} {row[1]}".lower()]
+    if word and not matches:
+        names = [row[0] for row in rows] if "." in word else registry.families
+        raise NodegraphError(f"no node has {word!r} in its name or summary; {nearest(word, names)}")
+    print(columns(matches))
     return 0

@@ -56,3 +56,13 @@ def test_a_drawing_that_cannot_be_written_is_an_error(
     status, out, err = command("draw", "toy.yaml", *words)
     assert (status, out) == (2, "")
     assert reason in err
+
+
+def test_a_terminal_is_not_filled_with_a_drawing(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    status, out, err = command("draw", "toy.yaml")
+    assert (status, out) == (2, "")
+    assert "--out toy.svg" in err
+    assert command("draw", "toy.yaml", "--format", "dot")[0] == 0
