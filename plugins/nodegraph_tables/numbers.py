@@ -38,10 +38,10 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in few digits: ``8 %``, ``0.4 %``, and ``under 0.1 %``."""
+    """Return a share in few digits: ``8 %``, ``0.4 %``, ``under 0.1 %`` and ``above -0.1 %``."""
     size = abs(share)
     if 0 < size < 5e-4:
-        return f"under 0.1{SPACE}%"
+        return f"{'under ' if share > 0 else f'above {MINUS}'}0.1{SPACE}%"
     return f"{100 * share:.{0 if size >= 0.0095 or not size else 1}f}{SPACE}%".replace("-", MINUS)
 
 

@@ -408,4 +408,6 @@ def _legend(overview: Overview) -> str:
         else ""
     )
     behind = "; grey: clearly behind" if any(group.behind for group in stands) else ""
-    return f" Dots: a method each; filled: the best{tied}{behind}."
+    line = _line_of(overview)
+    scale = ", on a logarithmic scale" if line is not None and line.log else ""
+    return f" Dots: a method each{scale}; filled: the best{tied}{behind}."

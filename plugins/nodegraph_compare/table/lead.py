@@ -85,12 +85,13 @@ def _of_one(summary: Summary, metric: str, unit: str, held: str) -> Lead | None:
     # what is left of a number by rounding is none
     largest = max(map(abs, values))
     values = [0.0 if abs(each) < 1e-12 * largest else each for each in values]
-    texts = [number_text(each) for each in values]
+    is_share = unit == "share"
+    texts = [_span([each], unit) if is_share else number_text(each) for each in values]
     cards = tuple(
-        Card(label, number_text(value, unit), _interval(summary, place))
+        Card(label, _span([value], unit), _interval(summary, place, unit if is_share else ""))
         for label, value, place in zip(labels, values, known, strict=True)
     )
-    in_unit = f" in {unit_text(unit)}" if unit else ""
+    in_unit = f" in {unit_text(unit)}" if unit and not is_share else ""
     steps = np.sign(np.diff(values))
     verb = " falls from " if (steps < 0).all() else " rises from " if (steps > 0).all() else ": "
     rest = [f"{text} ({label})" for text, label in zip(texts[1:], labels[1:], strict=True)]
@@ -117,6 +118,6 @@ def _listed(texts: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def _interval(summary: Summary, place: int) -> str:
+def _interval(summary: Summary, place: int, unit: str) -> str:
     low, high = float(summary.low[place]), float(summary.high[place])
-    return f"95 %: {span_text([low, high])}" if low < high else ""
+    return f"95 %: {_span([low, high], unit)}" if low < high else ""
