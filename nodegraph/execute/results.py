@@ -95,7 +95,10 @@ class Run:
     def not_stored(self) -> list[str]:
         """Return why results are not stored: ``2 results are not stored: why``."""
         reasons = self.cache.not_stored if self.cache is not None else {}
-        return [f"{count} results are not stored: {reason}" for reason, count in reasons.items()]
+        return [
+            f"{count} result{' is' if count == 1 else 's are'} not stored: {reason}"
+            for reason, count in reasons.items()
+        ]
 
     def tidy(self) -> None:
         """Pack the small results that were stored, and keep the bound on the size of the store.

@@ -70,7 +70,7 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
     status, out, _ = command("run", "toy.yaml", *_STORE, "--out", "ran")
     assert status == 0
     reason = "odd.process: an audit found that it gives another answer in another process"
-    assert f"1 results are not stored: {reason}" in out
+    assert f"1 result is not stored: {reason}" in out
     assert "this result is one of several, and is not stored" in str(read_record("ran"))
     # the same again, with the same code: an audit does not take it back
     assert reason in command("audit", "toy.yaml", "--only", "fill=hold", *_HERE)[1]

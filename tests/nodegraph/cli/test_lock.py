@@ -143,7 +143,7 @@ def test_results_that_vary_in_an_audit_are_named(locked: Locked) -> None:
     words = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
     assert main(["audit", "study.yaml", *words]) == 1
     _, out, _ = locked()
-    reason = "1 results are not stored: read.sheet: an audit found that it gives another answer"
+    reason = "1 result is not stored: read.sheet: an audit found that it gives another answer"
     assert reason in out
 
 

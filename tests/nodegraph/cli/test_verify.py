@@ -130,7 +130,7 @@ def test_a_node_that_varies_in_an_audit_is_named(verified: Verified) -> None:
     for words in ((), ("--rerun",)):
         status, out, _ = verified(*words)
         assert status == 0
-        assert f"1 results are not stored: {reason}" in out
+        assert f"1 result is not stored: {reason}" in out
         first = out.splitlines()[out.splitlines().index("first: sheet") + 1].strip()
         assert first.startswith(
             "code, settings, files and libraries are the same, and an audit found that it gives"

@@ -137,8 +137,8 @@ def test_what_a_node_reads_that_no_setting_names_is_never_stale(
         assert (run["a"].value, run["b"].value) == (content, content)
         why = "which no setting names, so that nothing would say when it changes"
         assert sorted(run.not_stored()) == [
-            f"1 results are not stored: reads.file reads a.txt, {why}",
-            f"1 results are not stored: reads.variable reads $NODEGRAPH_TEST, {why}",
+            f"1 result is not stored: reads.file reads a.txt, {why}",
+            f"1 result is not stored: reads.variable reads $NODEGRAPH_TEST, {why}",
         ]
 
 
@@ -347,9 +347,9 @@ def test_each_reason_why_results_are_not_stored_is_counted(run_of: RunOf, tmp_pa
     first.cache.distrust(first.plan.steps[0], "a second call")
     later = run_of(SHORT, store=tmp_path)
     assert later.not_stored() == [
-        "1 results are not stored: read.number: an audit found that it gives another answer in a "
+        "1 result is not stored: read.number: an audit found that it gives another answer in a "
         "second call",
-        "1 results are not stored: they are made of results that are not stored",
+        "1 result is not stored: they are made of results that are not stored",
     ]
     assert later.cache is not None
     assert [later.cache.distrusted(step) for step in later.plan.steps] == [
