@@ -52,13 +52,14 @@ def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
 
 
 def _entries(bibtex: Iterable[str]) -> dict[str, object]:
-    from pybtex.database import parse_string
+    # not parse_string, which looks through all installed packages for a parser each time
+    from pybtex.database.input.bibtex import Parser
     from pybtex.exceptions import PybtexError
 
     entries: dict[str, object] = {}
     for text in bibtex:
         try:
-            parsed = parse_string(text, "bibtex").entries
+            parsed = Parser().parse_string(text).entries
         except PybtexError as error:
             warnings.warn(f"BibTeX of a plugin cannot be read: {error}", stacklevel=3)
             continue
