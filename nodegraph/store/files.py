@@ -186,6 +186,14 @@ def files_in(folder: str) -> list[os.DirEntry[str]]:
     return [item for item in _inside(folder) if item.is_file(follow_symlinks=False)]
 
 
+def size_of(item: os.DirEntry[str]) -> int:
+    """Return the bytes of a file; 0 for one that is gone."""
+    try:
+        return item.stat(follow_symlinks=False).st_size
+    except FileNotFoundError:
+        return 0
+
+
 def _inside(folder: str) -> list[os.DirEntry[str]]:
     try:
         with os.scandir(folder) as items:

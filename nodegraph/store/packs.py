@@ -14,7 +14,7 @@ import secrets
 import struct
 import time
 import weakref
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -32,12 +32,14 @@ _HOUR_AT = 12
 _HOUR = 3600.0
 _CAN_PACK = hasattr(os, "pread")
 """Whether this system reads at a place of a file that others read as well; Windows does not."""
-_MOST_ENTRIES = 2**23
-"""Of a pack; what claims more is none."""
+_MOST_ENTRIES = 2**25
+"""Of all packs that are open; what claims more is left alone."""
 LONGEST = 16384
 """Bytes of an entry in a pack; a longer one wastes little of the disk in a file of its own."""
 _MOST_PACKS = 256
 """That are open at a time. Few more than the logarithm of the number of entries are written."""
+_BLOCK = 128
+"""Keys or records that are read at a time: memory stays the same, however many a pack claims."""
 _LATELY = 2.0
 """Seconds in which a folder may change again without another time of change."""
 
@@ -96,22 +98,27 @@ class Pack:
         self._count: int = count
         if magic != _MAGIC or count > _MOST_ENTRIES or _start(count) > self.size:
             raise ValueError(f"{path} is not a pack")
-        self._keys = os.pread(self._file, self._count * _KEY, _HEADER.size)
         self._records = _HEADER.size + self._count * _KEY
+        self._first_keys: dict[int, bytes] = {}
 
     def __len__(self) -> int:
         return self._count
 
     def find(self, key: bytes) -> Packed | None:
         """Return an entry, unless it is not there or was removed."""
-        index = bisect_left(range(self._count), key, key=self.key)
-        if self.key(index) != key:
+        block = bisect_right(range(0, self._count, _BLOCK), key, key=self._first_key) - 1
+        if block < 0:
             return None
+        keys = self._keys(block * _BLOCK)
+        at = bisect_left(range(0, len(keys), _KEY), key, key=lambda at: keys[at : at + _KEY])
+        if keys[at * _KEY : at * _KEY + _KEY] != key:
+            return None
+        index = block * _BLOCK + at
         data = os.pread(self._file, _RECORD.size, self._records + index * _RECORD.size)
         if len(data) < _RECORD.size:
             return None
         record = Record(*_RECORD.unpack(data))
-        return Packed(self, index, record) if record.hour else None
+        return Packed(self, index, key, record) if record.hour else None
 
     def __iter__(self) -> Iterator[Packed]:
         """Yield every entry that was not removed, as far as the file is as long as they say.
@@ -119,18 +126,12 @@ class Pack:
         So what is written of a forged pack is never longer than it is.
         """
         left = self.size
-        records = os.pread(self._file, self._count * _RECORD.size, self._records)
-        whole = len(records) // _RECORD.size * _RECORD.size  # another program may have cut it
-        for index, parts in enumerate(_RECORD.iter_unpack(records[:whole])):
-            record = Record(*parts)
-            is_whole = record.offset + record.length <= self.size
-            if record.hour and is_whole and record.length <= min(left, LONGEST):
-                left -= record.length
-                yield Packed(self, index, record)
-
-    def key(self, index: int) -> bytes:
-        """Return the key of an entry."""
-        return self._keys[index * _KEY : index * _KEY + _KEY]
+        for start in range(0, self._count, _BLOCK):
+            for index, (key, record) in enumerate(self._records_from(start), start):
+                is_whole = record.offset + record.length <= self.size
+                if record.hour and is_whole and record.length <= min(left, LONGEST):
+                    left -= record.length
+                    yield Packed(self, index, key, record)
 
     def read(self, record: Record) -> bytes:
         """Return the content of an entry; less of it where the pack ends before."""
@@ -143,6 +144,28 @@ class Pack:
         at = self._records + index * _RECORD.size + _HOUR_AT
         os.pwrite(self._file, struct.pack("<I", hour), at)
 
+    def _first_key(self, start: int) -> bytes:
+        """Return the first key of a block; the same few are compared in every search."""
+        key = self._first_keys.get(start)
+        if key is None:
+            key = os.pread(self._file, _KEY, _HEADER.size + start * _KEY)
+            self._first_keys[start] = key
+        return key
+
+    def _keys(self, start: int) -> bytes:
+        """Return the keys of a block; fewer where another program has cut the file."""
+        count = min(_BLOCK, self._count - start)
+        return os.pread(self._file, count * _KEY, _HEADER.size + start * _KEY)
+
+    def _records_from(self, start: int) -> Iterator[tuple[bytes, Record]]:
+        """Yield keys and records of a block."""
+        keys = self._keys(start)
+        at = self._records + start * _RECORD.size
+        records = os.pread(self._file, len(keys) // _KEY * _RECORD.size, at)
+        whole = len(records) // _RECORD.size * _RECORD.size  # another program may have cut it
+        for index, parts in enumerate(_RECORD.iter_unpack(records[:whole])):
+            yield keys[index * _KEY : index * _KEY + _KEY], Record(*parts)
+
 
 @dataclass(frozen=True, slots=True)
 class Packed:
@@ -150,12 +173,8 @@ class Packed:
 
     pack: Pack
     index: int
+    key: bytes
     record: Record
-
-    @property
-    def key(self) -> bytes:
-        """Its key."""
-        return self.pack.key(self.index)
 
     @property
     def used(self) -> float:
@@ -200,11 +219,20 @@ class Packs:
         except FileNotFoundError:
             changed = 0
         if changed != self._changed or time.time() - changed / 1e9 < _LATELY:
-            paths = sorted(each.path for each in files.files_in(self.folder))[:_MOST_PACKS]
-            kept = {path: self._open.get(path) or _opened(path) for path in paths}
-            self._open = {path: pack for path, pack in kept.items() if pack is not None}
+            self._open = self._opened()
             self._changed = changed  # last: another thread may look meanwhile
         return list(self._open.values())
+
+    def _opened(self) -> dict[str, Pack]:
+        opened: dict[str, Pack] = {}
+        left = _MOST_ENTRIES
+        # the smallest first: what claims the most is left alone
+        for item in sorted(files.files_in(self.folder), key=files.size_of):
+            pack = self._open.get(item.path) or _opened(item.path)
+            if pack is not None and len(pack) <= left and len(opened) < _MOST_PACKS:
+                opened[item.path] = pack
+                left -= len(pack)
+        return opened
 
     def add(self, entries: Iterable[Small]) -> None:
         """Write entries as one pack.

@@ -108,11 +108,11 @@ class Upkeep:
         """Return the size of the store."""
         amount = _NONE
         for entry in self._entry_files():
-            amount += Amount(1, 0, _size(entry))
+            amount += Amount(1, 0, files.size_of(entry))
         for pack in self._packs.all():
             amount += Amount(sum(1 for _ in pack), 0, pack.size)
         for blob in self._blob_files():
-            amount += Amount(0, 1, _size(blob))
+            amount += Amount(0, 1, files.size_of(blob))
         return amount
 
     def other_formats(self) -> list[str]:
@@ -188,20 +188,20 @@ class Upkeep:
     def _cleared(self) -> Amount:
         removed = _NONE
         for entry in self._entry_files():
-            removed += _removed(entry.path, Amount(1, 0, _size(entry)))
+            removed += _removed(entry.path, Amount(1, 0, files.size_of(entry)))
         counts = {pack.path: sum(1 for _ in pack) for pack in self._packs.all()}
         for item in files.files_in(self._packs.folder):
-            removed += _removed(item.path, Amount(counts.get(item.path, 0), 0, _size(item)))
+            removed += _removed(item.path, Amount(counts.get(item.path, 0), 0, files.size_of(item)))
         for blob in self._blob_files():
-            removed += _removed(blob.path, Amount(0, 1, _size(blob)))
+            removed += _removed(blob.path, Amount(0, 1, files.size_of(blob)))
         for item in files.files_in(self._root):
             if item.name.endswith(_ENTRY):  # what was remembered
-                removed += _removed(item.path, Amount(0, 0, _size(item)))
+                removed += _removed(item.path, Amount(0, 0, files.size_of(item)))
         return removed + self._without_unfinished(float("inf"))
 
     def _alone(self) -> AbstractContextManager[object]:
         """Wait for a program that packs, which else would keep what is removed meanwhile."""
-        is_there = os.path.isdir(self._packs.folder)
+        is_there = os.path.isdir(self._root)
         return self._packs.alone(wait=True) if is_there else nullcontext()
 
     def _pack(self) -> None:
@@ -267,14 +267,14 @@ class Upkeep:
 
     def _small_files(self) -> Iterator[str]:
         """Yield the paths of entries that share a pack with others."""
-        return (item.path for item in self._entry_files() if _size(item) <= LONGEST)
+        return (item.path for item in self._entry_files() if files.size_of(item) <= LONGEST)
 
     def _blob_files(self) -> Iterator[os.DirEntry[str]]:
         items = self._all(self._blobs)
         return (item for item in items if not item.name.endswith(files.UNFINISHED))
 
     def _blob_sizes(self) -> dict[str, int]:
-        return {_name(blob): _size(blob) for blob in self._blob_files()}
+        return {_name(blob): files.size_of(blob) for blob in self._blob_files()}
 
     def _all(self, folder: str) -> Iterator[os.DirEntry[str]]:
         return (item for inner in files.folders_in(folder) for item in files.files_in(inner.path))
@@ -283,14 +283,14 @@ class Upkeep:
         removed = _NONE
         for entry in self._entry_files():
             if entry.path not in whole and now - _past(_changed(entry), now) > _HOUR:
-                removed += _removed(entry.path, Amount(1, 0, _size(entry)))
+                removed += _removed(entry.path, Amount(1, 0, files.size_of(entry)))
         return removed
 
     def _without_unneeded(self, needed: Set[str], now: float) -> Amount:
         removed = _NONE
         for blob in self._blob_files():
             if _name(blob) not in needed and now - _past(_changed(blob), now) > _HOUR:
-                removed += _removed(blob.path, Amount(0, 1, _size(blob)))
+                removed += _removed(blob.path, Amount(0, 1, files.size_of(blob)))
         return removed
 
     def _without_unfinished(self, now: float) -> Amount:
@@ -300,7 +300,7 @@ class Upkeep:
         removed = _NONE
         for item in items:
             if item.name.endswith(files.UNFINISHED) and now - _past(_changed(item), now) > _HOUR:
-                removed += _removed(item.path, Amount(0, 0, _size(item)))
+                removed += _removed(item.path, Amount(0, 0, files.size_of(item)))
         return removed
 
 
@@ -372,13 +372,6 @@ def _removed(path: str, amount: Amount) -> Amount:
 
 def _name(blob: os.DirEntry[str]) -> str:
     return os.path.basename(os.path.dirname(blob.path)) + blob.name
-
-
-def _size(item: os.DirEntry[str]) -> int:
-    try:
-        return item.stat(follow_symlinks=False).st_size
-    except FileNotFoundError:
-        return 0
 
 
 def _changed(item: os.DirEntry[str]) -> float:

@@ -7,6 +7,7 @@ import fcntl
 import os
 import shutil
 import struct
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
@@ -220,6 +221,22 @@ def test_many_packs_leave_room_for_other_files(packed: Store) -> None:
     before = len(os.listdir("/proc/self/fd"))
     assert len(values(packed)) == COUNT
     assert len(os.listdir("/proc/self/fd")) - before < 300
+
+
+def test_packs_that_claim_millions_of_entries_take_no_memory_and_hide_no_other(
+    packed: Store,
+) -> None:
+    (path,) = packs(packed)
+    for number in range(200):
+        forged = path.with_name(f"+{number}.pack")
+        forged.write_bytes(struct.pack("<16sQ", path.read_bytes()[:16], 2**23))
+        os.truncate(forged, 2**23 * (32 + 20) + 24)  # without taking room on the disk
+        path.with_name(f"-{number}.pack").write_bytes(b"no pack")
+    tracemalloc.start()
+    assert len(values(packed)) == COUNT
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 20e6
 
 
 def test_a_damaged_entry_in_a_pack_goes_with_the_next_pruning(packed: Store) -> None:
