@@ -37,11 +37,13 @@ def one_line(text: str) -> str:
 
     Names and values that it quotes may have any length, and line breaks.
     """
-    line = " ".join(text.splitlines())
-    if len(line) <= _LONGEST:
-        return line
-    half = _LONGEST // 2
-    return f"{line[:half]} … {line[-half:]}"
+    return without_middle(" ".join(text.splitlines()), _LONGEST)
+
+
+def without_middle(text: str, longest: int) -> str:
+    """Return a text of some length at most: what is longer, with … in place of its middle."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]} … {text[-half:]}"
 
 
 class NodegraphError(Exception):

@@ -13,6 +13,11 @@ def size_text(size: int) -> str:
     return f"{size} B" if unit == "B" else f"{size / SIZES[unit]:.1f} {unit}"
 
 
+def number_of(count: int, what: str) -> str:
+    """Return a number of things: ``3 steps``, ``1 step``."""
+    return f"{count:,} {what}{'' if count == 1 else 's'}"
+
+
 def labels_of(labels: Mapping[str, object]) -> str:
     """Return one combination of axes as text: ``fill=muscle, length=5``."""
     return ", ".join(f"{axis}={label}" for axis, label in labels.items())

@@ -17,6 +17,7 @@ from urllib.parse import quote
 
 from nodegraph.archive.contents import README, RUN, Contents
 from nodegraph.errors import NodegraphError
+from nodegraph.formatting import number_of
 from nodegraph.runs.folder import EVENTS, STUDY
 from nodegraph.state import State
 
@@ -266,7 +267,7 @@ class _Crate:
     def _describe_action(self, main: object, inputs: list[object]) -> None:
         failed = self._contents.record.counts.get(State.FAILED, 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
-        error = {"error": f"{failed} steps failed; see run/run.json"} if failed else {}
+        error = {"error": f"{number_of(failed, 'step')} failed; see run/run.json"} if failed else {}
         action = self._entities.add(
             "#run",
             "CreateAction",

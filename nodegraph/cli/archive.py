@@ -8,6 +8,7 @@ from pathlib import Path
 from nodegraph.cli.arguments import add_run
 from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
+from nodegraph.formatting import number_of
 from nodegraph.state import State
 
 HELP = "Pack a run, and everything needed to run it again, into one file."
@@ -65,5 +66,5 @@ def archive(arguments: Namespace) -> int:
         say(f"not in it: {line}")
     failed = contents.record.counts.get(State.FAILED, 0)
     if failed:
-        say(f"{failed} steps of this run failed; the archive says so")
+        say(f"{number_of(failed, 'step')} of this run failed; the archive says so")
     return 0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from nodegraph.cli.arguments import add_store
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError
-from nodegraph.formatting import SIZES, size_text
+from nodegraph.formatting import SIZES, number_of, size_text
 
 if TYPE_CHECKING:
     from nodegraph.store import Amount, Kept, Upkeep
@@ -110,8 +110,8 @@ def _bytes(text: str) -> int:
 
 
 def _amount(amount: Amount) -> str:
-    results = "result" if amount.entries == 1 else "results"
-    return f"{amount.entries} {results} ({size_text(amount.size)}, arrays in {amount.blobs} files)"
+    results, arrays = number_of(amount.entries, "result"), number_of(amount.blobs, "file")
+    return f"{results} ({size_text(amount.size)}, arrays in {arrays})"
 
 
 def _duration(seconds: float, *, whole: bool = False) -> str:

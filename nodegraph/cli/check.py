@@ -10,6 +10,7 @@ from nodegraph.cli.arguments import add_graph, add_store
 from nodegraph.cli.live import add_hold, lines_on
 from nodegraph.cli.output import columns
 from nodegraph.errors import listed
+from nodegraph.formatting import number_of
 
 if TYPE_CHECKING:
     from nodegraph.graph import Graph
@@ -52,7 +53,7 @@ def check(arguments: Namespace) -> int:
     cache = StepCache(planned, store_of(arguments, graph))
     stored = {step.index for step in planned.steps if step.index in cache}
     print(f"{graph.title}\n\n{columns(list(_rows(planned, stored)))}\n")
-    print(f"{len(planned.steps)} steps, {len(stored)} of them stored")
+    print(f"{number_of(len(planned.steps), 'step')}, {len(stored)} of them stored")
     for line in left_out_lines(graph):
         print(line)
     skipped = sum(len(cells) for cells in planned.skipped.values())

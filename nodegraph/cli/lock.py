@@ -8,6 +8,7 @@ from pathlib import Path
 from nodegraph.cli.arguments import add_executor, add_graph, add_store
 from nodegraph.cli.output import refuse_unwritable, say, write_and_print
 from nodegraph.errors import NodegraphError
+from nodegraph.formatting import number_of
 
 HELP = "Freeze a study: write its results, and everything that decides them, as a lock."
 
@@ -38,7 +39,7 @@ def lock(arguments: Namespace) -> int:
     not_stored = run.not_stored()  # before results that are not stored are computed again
     text = lock_text(run, path)
     counts = ", ".join(f"{count} {state}" for state, count in run.counts().items() if count)
-    print(f"{len(run.plan.steps)} steps: {counts}")
+    print(f"{number_of(len(run.plan.steps), 'step')}: {counts}")
     for line in not_stored:
         print(line)
     write_and_print(path, text.encode())

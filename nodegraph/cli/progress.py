@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.execute import Event, EventKind
-from nodegraph.formatting import name_at
+from nodegraph.formatting import name_at, number_of
 from nodegraph.state import State
 
 if TYPE_CHECKING:
@@ -164,7 +164,8 @@ class _Lines(Display):
 
     def show(self, event: Event) -> None:
         if event.kind == EventKind.PLANNED:
-            self.say(f"{self._planned} steps of {len(event.detail['nodes'])} nodes")
+            nodes = number_of(len(event.detail["nodes"]), "node")
+            self.say(f"{number_of(self._planned, 'step')} of {nodes}")
         elif event.kind == EventKind.PROGRESS:
             self._advance(event)
         elif event.kind == EventKind.FINISHED:
@@ -183,7 +184,7 @@ class _Lines(Display):
         if is_slow and computed > self._computed:
             self._computed = computed
             after = _clock(event.seconds)
-            self.say(f"{after}  {settled} of {total} steps: {counts_text(detail)}")
+            self.say(f"{after}  {settled} of {number_of(total, 'step')}: {counts_text(detail)}")
 
 
 class _Quiet(_Lines):

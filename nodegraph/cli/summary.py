@@ -10,6 +10,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nodegraph.formatting import number_of
 from nodegraph.report.notes import NoteGroup, note_kinds
 from nodegraph.report.study import Kind, Section, Study
 from nodegraph.runs.folder import RECORD, REPORT
@@ -113,7 +114,7 @@ def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[
     yield from (textwrap.fill(sentence, width) for sentence in sentences)
     more = len(study.answer) - len(sentences)
     if more:
-        yield f"{more} more sentence{'' if more == 1 else 's'}: --full, or the report"
+        yield f"{number_of(more, 'more sentence')}: --full, or the report"
     for section in study.sections:
         yield from _section(section, console.width, full=full)
     for kind in note_kinds(study):
@@ -124,7 +125,7 @@ def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[
     counts = [
         f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
     ]
-    yield f"\n{len(run.plan.steps)} steps: {', '.join(counts)}"
+    yield f"\n{number_of(len(run.plan.steps), 'step')}: {', '.join(counts)}"
     for kind in note_kinds(study):
         if kind.kind is Kind.FAILED:
             yield from map(_failure, kind.groups if full else kind.groups[:_MOST_GROUPS])

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-from nodegraph.errors import NodegraphError, Refusal, message_of
+from nodegraph.errors import NodegraphError, Refusal, message_of, one_line, without_middle
 from nodegraph.execute.undeclared_reads import Reads, reads_of_call
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
@@ -27,6 +27,9 @@ from nodegraph.state import State
 
 _READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
 """What numpy, numba and frozen dataclasses say when a locked value is written to."""
+
+_LONGEST_TRACE = 20_000
+"""Characters of a traceback that a run keeps; its message may quote a whole array."""
 
 _warnings: ContextVar[list[str] | None] = ContextVar("_warnings", default=None)
 
@@ -151,7 +154,7 @@ def perform(call: Call) -> Outcome:
     if reads is not None and reads.names:
         outcome.undeclared_reads = tuple(map(printable, reads.names))
     if messages:
-        outcome.warnings = tuple(dict.fromkeys(map(printable, messages)))
+        outcome.warnings = tuple(dict.fromkeys(one_line(printable(text)) for text in messages))
     return outcome
 
 
@@ -177,7 +180,10 @@ def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
         reason, place = f"{what}: {reason}", place or _definition(node)
     trace = "".join(traceback.format_exception(error))
     return Outcome(
-        State.FAILED, reason=printable(reason), trace=printable(trace), place=printable(place)
+        State.FAILED,
+        reason=one_line(printable(reason)),
+        trace=without_middle(printable(trace), _LONGEST_TRACE),
+        place=printable(place),
     )
 
 

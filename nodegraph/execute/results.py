@@ -16,6 +16,7 @@ from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.execute.threads import serial
 from nodegraph.execute.value_table import value_table
+from nodegraph.formatting import number_of
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
@@ -96,7 +97,7 @@ class Run:
         """Return why results are not stored: ``2 results are not stored: why``."""
         reasons = self.cache.not_stored if self.cache is not None else {}
         return [
-            f"{count} result{' is' if count == 1 else 's are'} not stored: {reason}"
+            f"{number_of(count, 'result')} {'is' if count == 1 else 'are'} not stored: {reason}"
             for reason, count in reasons.items()
         ]
 

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 from nodegraph.errors import NodeError
+from nodegraph.formatting import number_of
 from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, Setting
 from nodegraph.node.live_form import RunningForm, StateForm
@@ -120,7 +121,7 @@ def _live_text(node: Node) -> str:
     frames = node.live_lookahead(defaults)
     if frames is None:
         return f"{text}, with settings that bound its look-ahead"
-    return f"{text}, {frames} frame{'' if frames == 1 else 's'} behind by default"
+    return f"{text}, {number_of(frames, 'frame')} behind by default"
 
 
 def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:
@@ -135,7 +136,7 @@ def _frames_text(node: Node, settings: Mapping[str, object]) -> str:
         return "unknown"
     if frames is UNDECLARED:
         return ""
-    return "unbounded" if frames is None else f"{frames} frame{'' if frames == 1 else 's'}"
+    return "unbounded" if frames is None else number_of(frames, "frame")
 
 
 def _ends_text(node: Node, settings: Mapping[str, object]) -> str:

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from datetime import datetime
 from pathlib import PurePath
 
-from nodegraph.formatting import duration
-from nodegraph.report.notes import counted, note_kinds
+from nodegraph.formatting import duration, number_of
+from nodegraph.report.notes import note_kinds
 from nodegraph.report.study import Study
 
 _MOST_AXES = 4
@@ -35,22 +35,22 @@ def fold_facts(study: Study) -> dict[str, str]:
     steps, stored = (
         sum(getattr(row, name) for row in study.timings) for name in ("steps", "stored")
     )
-    nodes = counted(len({row.node for row in study.methods}), "node")
+    nodes = number_of(len({row.node for row in study.methods}), "node")
     took = f" in {duration(study.seconds)}" if study.seconds else ""
     source = f", {'all' if stored == steps else f'{stored:,}'} of them from stored results"
     files = Counter(link.text for section in study.sections for link in section.files)
     inputs = ", ".join(f"{row.name} {row.value}" for row in study.inputs)
-    settings = [inputs, counted(len(study.axes), "axis").replace("axiss", "axes")]
-    settings += [counted(len(study.versions), "package")]
+    settings = [inputs, number_of(len(study.axes), "axis").replace("axiss", "axes")]
+    settings += [number_of(len(study.versions), "package")]
     return {
         "measured": _first_sentence(study.notes_markdown),
         "methods": f"what each of {uses} does, its settings and sources"
         if uses
         else "none gave a result",
         "notes": _notes(study),
-        "graph": f"{nodes}, {counted(steps, 'step')}",
+        "graph": f"{nodes}, {number_of(steps, 'step')}",
         "settings": "; ".join(_shortened(text) for text in settings if text),
-        "reproduce": f"{counted(steps, 'step')} done{took}{source if stored else ''}",
+        "reproduce": f"{number_of(steps, 'step')} done{took}{source if stored else ''}",
         "download": ", ".join(f"{count} {kind}" for kind, count in files.items()) or "what ran",
     }
 

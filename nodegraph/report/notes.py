@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from nodegraph.errors import listed
 from nodegraph.execute import Run
-from nodegraph.formatting import labels_of
+from nodegraph.formatting import labels_of, number_of
 from nodegraph.graph import Graph
 from nodegraph.report.study import Kind, StepNote, Study
 from nodegraph.runs.settings import RunSettings
@@ -176,13 +176,13 @@ class NoteKind:
         if self.kind is not Kind.WARNING:
             return f"{self.count} {self.kind}"
         if len(self.groups) == self.count:
-            return counted(self.count, "warning")
+            return number_of(self.count, "warning")
         kinds = (
             "1 kind of warning"
             if len(self.groups) == 1
             else f"{len(self.groups)} kinds of warnings"
         )
-        return f"{kinds} in {counted(self.steps, 'step')}"
+        return f"{kinds} in {number_of(self.steps, 'step')}"
 
 
 def note_kinds(study: Study) -> tuple[NoteKind, ...]:
@@ -264,8 +264,3 @@ class _Template:
 
 def _labels(note: StepNote, *, with_reason: bool) -> str:
     return f"{note.labels}: {note.reason}" if with_reason else note.labels
-
-
-def counted(count: int, what: str) -> str:
-    """Return a number of things: ``3 steps``."""
-    return f"{count:,} {what}{'' if count == 1 else 's'}"

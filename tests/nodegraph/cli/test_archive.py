@@ -179,7 +179,7 @@ def test_no_path_of_this_machine_is_in_it(command: Command, tmp_path: Path) -> N
     assert record.count(str(tmp_path)) > 4
 
     files, err = archived(command)
-    assert "1 steps of this run failed" in err
+    assert "1 step of this run failed" in err
     for name, content in files.items():
         plain = gzip.decompress(content) if name.endswith(".gz") else content
         for path in (str(tmp_path), str(Path.home()), sys.prefix, "/somebody/elses"):
@@ -193,7 +193,7 @@ def test_no_path_of_this_machine_is_in_it(command: Command, tmp_path: Path) -> N
     assert reason == "inputs/one.txt: no good"
     entities = metadata(files)
     assert entities["#run"]["actionStatus"] == "http://schema.org/FailedActionStatus"
-    assert "1 steps failed" in entities["#run"]["error"]
+    assert "1 step failed" in entities["#run"]["error"]
 
 
 def test_it_runs_again_where_it_is_unpacked(

@@ -38,7 +38,7 @@ def folder(tmp_path: Path) -> Path:
 def test_how_much_there_is(command: Command, folder: Path) -> None:
     status, out, err = command("cache", "--store", str(folder), nodes=False)
     assert (status, err) == (0, "")
-    assert out == f"3 results (4.0 MB, arrays in 1 files) in {folder}\n"
+    assert out == f"3 results (4.0 MB, arrays in 1 file) in {folder}\n"
 
 
 def test_the_store_of_the_environment(
@@ -139,5 +139,5 @@ def test_a_wrong_word_removes_nothing(
 def test_all_goes(command: Command, folder: Path) -> None:
     status, out, _ = command("cache", "clear", "--store", str(folder), nodes=False)
     assert status == 0
-    assert out == f"removed 3 results (4.0 MB, arrays in 1 files) from {folder}\n"
+    assert out == f"removed 3 results (4.0 MB, arrays in 1 file) from {folder}\n"
     assert command("cache", "--store", str(folder), nodes=False)[1].startswith("0 results (0 B")

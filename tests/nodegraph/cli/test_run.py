@@ -157,7 +157,7 @@ def test_a_result_that_cannot_be_shown_ends_with_1(command: Command) -> None:
     )
     status, out, _ = command("run", "toy.yaml", "--until", "a")
     assert status == 1
-    assert "1 steps: 1 computed" in out
+    assert "1 step: 1 computed" in out
     (failure,) = (
         line for line in out.splitlines() if line.startswith("failed: a: cannot be shown")
     )

@@ -239,6 +239,23 @@ def test_a_refusal_is_no_failure() -> None:
     assert outcome.trace == ""
 
 
+def test_a_message_of_any_length_is_one_line() -> None:
+    @node("call.loud")
+    def loud() -> float:
+        warnings.warn("slow\n" * 9000, stacklevel=1)
+        raise ValueError("first\n" + "x" * 90_000 + "\nlast")
+
+    with collecting_warnings():
+        outcome = called(loud)
+    for text in (outcome.reason, *outcome.warnings):
+        assert len(text) < 2500
+        assert "\n" not in text
+    assert outcome.reason.startswith("first x")
+    assert "x last" in outcome.reason
+    assert outcome.trace.startswith("Traceback")
+    assert len(outcome.trace) < 25_000
+
+
 def test_an_interruption_goes_through() -> None:
     @node("call.interrupted")
     def interrupted() -> float:
