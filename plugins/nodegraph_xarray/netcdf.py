@@ -16,8 +16,6 @@ from nodegraph_xarray.poses import from_xarray, require_xarray, to_xarray
 _CLASSIC = b"CDF"
 _DEFLATED = 1100
 """Bytes that one of a compressed file may stand for: no more than 1032, by deflate."""
-_BROKEN = (ValueError, TypeError, OSError, KeyError, IndexError, RuntimeError)
-"""What the libraries raise where a file is not of their form."""
 _SMALL = 1 << 24  # bytes, for which there is room in any case
 
 
@@ -74,7 +72,9 @@ def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO)
             if dataset.nbytes > max(_DEFLATED * path.stat().st_size, _SMALL):
                 raise ValueError(f"it announces {dataset.nbytes} bytes, more than it can hold")
             dataset.load()
-    except _BROKEN as error:
+    except ImportError:
+        raise
+    except Exception as error:  # of any kind: the libraries trust what a file says
         raise ValueError(f"{path}: not a readable netCDF file: {error}") from None
     try:
         return from_xarray(dataset, unit=unit, zeros_missing=zeros_missing)
