@@ -6,6 +6,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
+from reprlib import Repr
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -18,10 +19,18 @@ class Value:
     """Base class of frozen dataclasses that travel as one value.
 
     The fields of a frozen dataclass that a node returns are separate outputs. A dataclass that
-    derives from `Value` is one output.
+    derives from `Value` is one output. It is printed with its arrays' shapes and the first items
+    of its tuples.
     """
 
     __slots__ = ()
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.__repr__ = cls.__repr__  # type: ignore[method-assign]  # its own: dataclass keeps it
+
+    def __repr__(self) -> str:
+        return _ShortRepr().of_fields(self)
 
 
 @dataclass(frozen=True)
@@ -94,6 +103,29 @@ def locked(value: object) -> object:
     array = read_only(value)
     # its owner could be unlocked again, a view of it cannot
     return array.view() if array.base is None else array
+
+
+class _ShortRepr(Repr):
+    """Arrays by their shapes, of tuples and texts what fits into a line."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxtuple = 3
+        self.maxother = self.maxstring = 60
+
+    def of_fields(self, value: Value) -> str:
+        parts = (
+            f"{field.name}={self.repr(getattr(value, field.name))}"
+            for field in fields(value)  # type: ignore[arg-type]
+            if field.repr
+        )
+        return f"{type(value).__qualname__}({', '.join(parts)})"
+
+    def repr_ndarray(self, array: NDArray[Any], _: int) -> str:
+        return f"{array.dtype} array of {' x '.join(map(str, array.shape))}"
+
+    def repr_instance(self, value: object, level: int) -> str:
+        return repr(value) if isinstance(value, Value) else super().repr_instance(value, level)
 
 
 def _base_is_locked(array: NDArray[Any]) -> bool:

@@ -34,8 +34,8 @@ _ACROSS = 24
 """Characters beside a row."""
 
 _ORIGINS = (
-    (Origin.MEASURED, "captured", BLUE, "o"),
-    (Origin.FILLED, "recovered", RED, "o"),
+    (Origin.MEASURED, "measured", BLUE, "o"),
+    (Origin.FILLED, "filled", RED, "o"),
     (Origin.REPAIRED, "repaired", ORANGE, "D"),
 )
 
@@ -211,7 +211,7 @@ def _handles(faces: Sequence[_Face]) -> list[Artist]:
         if origin in shown
     ]
     if any(face.known(Origin.FILLED).any() for face in faces):
-        handles.append(_symbol("truth of recovered", BLACK, "o", hollow=True))
+        handles.append(_symbol("truth of filled", BLACK, "o", hollow=True))
     if any(face.known(Origin.MISSING).any() for face in faces):
         handles.append(_symbol("left missing (truth)", GREY, "o", hollow=True))
     return handles

@@ -1,4 +1,4 @@
-"""Faces from the front: which samples were captured and which recovered."""
+"""Faces from the front: which samples were measured and which filled."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def faces(
 ) -> Figure:
     """Draw faces from the front, a row per recording, a column per frame.
 
-    Captured (measured) samples are blue and recovered (filled) ones red, as in figure 6 of Zhang,
-    Liang and Wei, "Scattered data processing approach based on optical facial motion capture";
-    repaired samples are orange diamonds. With a truth, a hollow circle shows where each filled
-    sample should be, joined to the sample by a line, and where a sample that is still missing
-    should be. The marker set's edges are grey lines where both ends are present. All faces have
-    one scale; how many filled samples lie outside a picture is written in its corner.
+    Measured samples are blue and filled ones red, as in figure 6 of Zhang, Liang and Wei,
+    "Scattered data processing approach based on optical facial motion capture"; repaired samples
+    are orange diamonds. With a truth, a hollow circle shows where each filled sample should be,
+    joined to the sample by a line, and where a sample that is still missing should be. The marker
+    set's edges are grey lines where both ends are present. All faces have one scale; how many
+    filled samples lie outside a picture is written in its corner.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ def playback(
 ) -> Playback:
     """Play recordings and animated heads side by side in the report, turned and moved together.
 
-    Each recording is a panel of dots, coloured by where a sample came from (captured, recovered,
+    Each recording is a panel of dots, coloured by where a sample came from (measured, filled,
     repaired), joined by its marker set's edges; each animation is a panel with its shaded head.
     One clock, in seconds, drives all: a panel shows the frame that began last, and holds its last
     frame when it is shorter than others. The recordings have one scale, and so have the heads;

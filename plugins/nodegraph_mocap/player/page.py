@@ -18,8 +18,8 @@ from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
 _ORIGINS = {
-    Origin.MEASURED: "captured",
-    Origin.FILLED: "recovered",
+    Origin.MEASURED: "measured",
+    Origin.FILLED: "filled",
     Origin.REPAIRED: "repaired",
     Origin.MISSING: "missing",
 }
@@ -78,7 +78,7 @@ def _content(panel: Panel) -> str:
 
 
 def _origins(recording: Trajectories) -> str:
-    """Return the number of samples by origin: ``1,200 captured, 40 recovered, 3 missing``."""
+    """Return the number of samples by origin: ``1,200 measured, 40 filled, 3 missing``."""
     counts = {word: int((recording.origin == origin).sum()) for origin, word in _ORIGINS.items()}
     return ", ".join(f"{count:,} {word}" for word, count in counts.items() if count)
 

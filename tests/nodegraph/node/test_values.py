@@ -1,9 +1,25 @@
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from nodegraph import Files, read_only
+from nodegraph import Files, Value, read_only
+
+
+@dataclass(frozen=True, eq=False)
+class Take(Value):
+    positions: NDArray[np.float64]
+    markers: tuple[str, ...]
+
+
+def test_a_value_is_printed_by_the_shapes_of_its_arrays() -> None:
+    take = Take(np.zeros((600, 60, 3)), tuple("abcdefghij"))
+    assert repr(take) == (
+        "Take(positions=float64 array of 600 x 60 x 3, markers=('a', 'b', 'c', ...))"
+    )
 
 
 def test_an_array_of_its_own_is_locked_without_a_copy() -> None:

@@ -44,13 +44,13 @@ def test_every_sample_is_drawn_once_as_what_it_is() -> None:
     seen = frontal(recording, "auto").project(recording.positions[FRAME])
     drawn = dots(axis)
     others = [place for place in range(len(made_face.MARKERS)) if place != COLUMN]
-    assert drawn["captured"] == pytest.approx(seen[others])
-    assert drawn["recovered"] == pytest.approx(seen[[COLUMN]])
+    assert drawn["measured"] == pytest.approx(seen[others])
+    assert drawn["filled"] == pytest.approx(seen[[COLUMN]])
     assert not len(drawn["truth"])
     assert not len(drawn["left missing"])
 
 
-def test_the_truth_of_a_recovered_sample_is_joined_to_it() -> None:
+def test_the_truth_of_a_filled_sample_is_joined_to_it() -> None:
     recording, truth = made_face.filled(3.0), made_face.truth()
     (axis,) = faces(across(guess=recording), truth, frames=(FRAME,)).axes
     view = frontal(recording, "auto")
@@ -64,7 +64,7 @@ def test_what_is_still_missing_is_shown_where_it_should_be() -> None:
     (axis,) = faces(across(captured=recording), truth, frames=(FRAME,)).axes
     expected = frontal(recording, "auto").project(truth.positions[FRAME, [COLUMN]])
     assert dots(axis)["left missing"] == pytest.approx(expected)
-    assert not len(dots(axis)["recovered"])
+    assert not len(dots(axis)["filled"])
 
 
 def test_the_truth_is_matched_by_name() -> None:
@@ -83,7 +83,7 @@ def test_edges_are_drawn_where_both_ends_are_present() -> None:
     assert len(whole) == len(made_face.SET.edges)
     kept = [edge for edge in made_face.SET.edges if "mouth_l" not in edge]
     assert len(holed) == len(kept) == 1
-    drawn = dots(figure.axes[0])["captured"]
+    drawn = dots(figure.axes[0])["measured"]
     assert drawn[[0, 2]] == pytest.approx(whole[0])
 
 
@@ -95,7 +95,7 @@ def test_repaired_samples_have_their_own_colour() -> None:
     figure = faces(across(despiked=repaired), frames=(FRAME,))
     assert len(dots(figure.axes[0])["repaired"]) == 1
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["captured", "repaired"]
+    assert labels == ["measured", "repaired"]
 
 
 def test_a_row_per_recording_and_a_column_per_frame() -> None:

@@ -1,5 +1,5 @@
 // The player's controls: plain form elements, so that keyboard and screen reader know them.
-nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap/player/markers"], (page, { frontal, zoomed }, { RECOVERED, REPAIRED, ORIGINS, RAMP }) => {
+nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap/player/markers"], (page, { frontal, zoomed }, { FILLED, REPAIRED, ORIGINS, RAMP }) => {
   const { element } = page;
 
   const buttonFor = (text, label, act) =>
@@ -88,7 +88,7 @@ nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap
       legend.append(element("span", {}, symbol("unknown"), "no truth to compare with"));
     } else {
       const seen = new Set(recordings.flatMap((panel) => [...new Set(panel.origin)]));
-      for (const origin of [1, RECOVERED, REPAIRED]) {
+      for (const origin of [1, FILLED, REPAIRED]) {
         if (seen.has(origin)) legend.append(element("span", {}, symbol(ORIGINS[origin]), ORIGINS[origin]));
       }
     }

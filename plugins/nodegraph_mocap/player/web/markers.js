@@ -2,9 +2,9 @@
 nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, project }) => {
   const MISSING = 0;
   const NEAR = 10; // px from a marker that point at it
-  const RECOVERED = 2;
+  const FILLED = 2;
   const REPAIRED = 3;
-  const ORIGINS = ["missing", "captured", "recovered", "repaired"];
+  const ORIGINS = ["missing", "measured", "filled", "repaired"];
 
   // Colours that can be told apart on white and on black, by the colour-blind too; the origins'
   // are those of the report's still figures, a little lighter.
@@ -36,7 +36,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   const projectMarker = (panel, by, marker, frame, dots, place, magnified) => {
     const point = placeOf(panel, marker, frame);
     const column = magnified && panel.truth ? panel.truth[marker] : -1;
-    const judged = !panel.made || panel.origin[marker * panel.frames + frame] >= RECOVERED;
+    const judged = !panel.made || panel.origin[marker * panel.frames + frame] >= FILLED;
     if (column >= 0 && judged && isPresent(magnified.truth, column, frame)) {
       const there = placeOf(magnified.truth, column, frame);
       for (let k = 0; k < 3; k += 1) point[k] = there[k] + magnified.times * (point[k] - there[k]);
@@ -67,7 +67,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     panel.markers.forEach((_, marker) => {
       const column = panel.truth[marker];
       const origin = panel.origin[marker * panel.frames + frame];
-      if (column < 0 || (origin !== MISSING && origin < RECOVERED) || !isPresent(truth, column, frame)) return;
+      if (column < 0 || (origin !== MISSING && origin < FILLED) || !isPresent(truth, column, frame)) return;
       const dots = [0, 0, 0];
       projectMarker(truth, by, column, frame, dots, 0, null);
       found.push({ marker, dots });
@@ -184,9 +184,9 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   const textOfMarkers = (panel, truth, frame) => {
     const counts = [0, 0, 0, 0];
     panel.markers.forEach((_, marker) => { counts[panel.origin[marker * panel.frames + frame]] += 1; });
-    const shown = [1, RECOVERED, REPAIRED, MISSING].filter((origin) => counts[origin]);
+    const shown = [1, FILLED, REPAIRED, MISSING].filter((origin) => counts[origin]);
     const counted = shown.map((origin) => `${counts[origin]} ${ORIGINS[origin]}`).join(", ");
-    const made = (_, marker) => panel.origin[marker * panel.frames + frame] >= RECOVERED;
+    const made = (_, marker) => panel.origin[marker * panel.frames + frame] >= FILLED;
     const errors = truth && panel.truth ? errorsOf(panel, truth, frame).filter(made).filter(Number.isFinite) : [];
     if (!errors.length) return counted;
     const mean = errors.reduce((sum, error) => sum + error, 0) / errors.length;
@@ -217,5 +217,5 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     tip.style.top = `${(100 * dots[3 * nearest + 1]) / canvas.height}%`;
   };
 
-  return { RECOVERED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf };
+  return { FILLED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf };
 });

@@ -271,7 +271,7 @@ nodegraph.define("mocap/player", [
 
     clockTextsAt(tick) {
       const { every, ticks, rate, seconds } = this.study;
-      const place = `frame ${tick * every} of ${(ticks - 1) * every}`;
+      const place = `frame ${tick * every} (0 to ${(ticks - 1) * every})`;
       return [place, `${(tick / rate).toFixed(2)} s of ${seconds.toFixed(2)} s`];
     }
 

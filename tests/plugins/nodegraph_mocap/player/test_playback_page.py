@@ -63,7 +63,7 @@ def test_the_fragment_holds_the_packed_data_and_says_what_it_is() -> None:
     assert base64.b64decode(data[1]) == packed(whole)
     assert "head: a head of 10 vertices, 3 morph targets, 40 frames at 60 Hz (0.67 s)" in html
     missing = int((~recordings()["gaps"].present).sum())
-    counts = f"samples: {400 - missing} captured, {missing} missing"
+    counts = f"samples: {400 - missing} measured, {missing} missing"
     assert f"10 markers, 40 frames at 60 Hz (0.67 s); {counts}" in html
     assert "Positions are rounded to 0.01 mm." in html
 

@@ -138,7 +138,7 @@ def test_the_truth_is_a_circle_and_errors_have_colours(tab: Page, tmp_path: Path
     assert pixel(tab, dots(state, 1)[0, 0], dots(state, 1)[0, 1], 1) == (42, 134, 200, 255)
     assert "20 mm and more" in tab.evaluate("document.querySelector('.legend').textContent")
     text = tab.evaluate("document.querySelectorAll('.readout')[1].textContent")
-    assert text == "9 captured, 1 recovered; 1 compared: mean error 12.00 mm, largest 12.00 mm"
+    assert text == "9 measured, 1 filled; 1 compared: mean error 12.00 mm, largest 12.00 mm"
 
 
 def test_trails_show_where_markers_came_from(tab: Page, tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ def test_the_slider_seeks(tab: Page, tmp_path: Path) -> None:
     assert tab.evaluate(f"{FIRST}.state.tick") == state["tick"] + 1
     clock = tab.evaluate("document.querySelector('.clock').textContent")
     tick = state["tick"] + 1
-    assert clock == f"frame {tick} of {FRAMES - 1} \u00b7 {tick / 60:.2f} s of 0.67 s"
+    assert clock == f"frame {tick} (0 to {FRAMES - 1}) \u00b7 {tick / 60:.2f} s of 0.67 s"
 
 
 def test_the_slider_stays_where_it_is_while_the_clock_runs(tab: Page, tmp_path: Path) -> None:
@@ -301,7 +301,7 @@ def test_one_clock_drives_other_rates_and_lengths(tab: Page, tmp_path: Path) -> 
     text = tab.evaluate(
         "[...document.querySelectorAll('.readout')].map((each) => each.textContent)"
     )
-    assert text == ["10 captured", "10 captured", "ended after 0.03 s"]
+    assert text == ["10 measured", "10 measured", "ended after 0.03 s"]
 
 
 def test_the_frames_of_a_thinned_take_keep_their_numbers(tab: Page, tmp_path: Path) -> None:
@@ -309,7 +309,7 @@ def test_the_frames_of_a_thinned_take_keep_their_numbers(tab: Page, tmp_path: Pa
     load(tab, written(tmp_path, Playback(panels=(panel(thin),), every=3)))
     tab.evaluate(f"{FIRST}.seek(4)")
     tab.evaluate(f"{FIRST}.state")
-    assert "frame 12 of 117" in tab.evaluate("document.querySelector('.clock').textContent")
+    assert "frame 12 (0 to 117)" in tab.evaluate("document.querySelector('.clock').textContent")
 
 
 @pytest.mark.parametrize("name", ["one frame", "all missing", "one marker"])
@@ -319,7 +319,7 @@ def test_odd_recordings_are_shown(tab: Page, tmp_path: Path, name: str) -> None:
     assert np.array_equal(np.isfinite(drawn[:, 0]), recordings()[name].present[0])
     text = tab.evaluate("document.querySelector('.readout').textContent")
     counts = np.bincount(recordings()[name].origin[0], minlength=2)
-    expected = [(counts[1], "captured"), (counts[0], "missing")]
+    expected = [(counts[1], "measured"), (counts[0], "missing")]
     assert text == ", ".join(f"{count} {word}" for count, word in expected if count)
 
 
@@ -487,7 +487,7 @@ def test_pointing_at_a_marker_names_it_and_a_click_enlarges(tab: Page, tmp_path:
     at = left + x / share * width, top + y / share * width
     tab.mouse.move(*at)
     tip = "[...document.querySelectorAll('.tip:not([hidden])')].map((one) => one.textContent)"
-    assert tab.evaluate(tip) == [f"{face.markers[6]}: recovered, 3.00 mm off the truth"]
+    assert tab.evaluate(tip) == [f"{face.markers[6]}: filled, 3.00 mm off the truth"]
     tab.mouse.click(*at)
     wide = "document.querySelectorAll('canvas')[1].clientWidth"
     assert tab.evaluate(wide) > 1.5 * width
