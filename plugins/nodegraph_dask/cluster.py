@@ -20,7 +20,7 @@ from distributed import Client, LocalCluster, Security, rpc
 
 from nodegraph import NodegraphError
 from nodegraph.executors import HowToRun, kill, start
-from nodegraph_dask.worker import CERTIFICATES, no_logs
+from nodegraph_dask.worker import CERTIFICATES, no_logs, no_pages
 
 SECONDS_BETWEEN_COUNTS = 0.5
 SECONDS_WITHOUT_WORKERS = 30.0
@@ -179,14 +179,18 @@ def _own_cluster(workers: int) -> Iterator[Cluster]:
         "tls_worker_cert": security.tls_worker_cert,
         "tls_worker_key": security.tls_worker_key,
     }
-    scheduler = LocalCluster(  # type: ignore[no-untyped-call]
-        n_workers=0,
-        host="127.0.0.1",
-        dashboard_address=None,
-        security=security,
-        # calls whose worker has died are tried again one by one
-        scheduler_kwargs={"allowed_failures": 0},
-    )
+    with no_pages():
+        scheduler = LocalCluster(  # type: ignore[no-untyped-call]
+            n_workers=0,
+            host="127.0.0.1",
+            security=security,
+            # calls whose worker has died are tried again one by one
+            scheduler_kwargs={
+                "allowed_failures": 0,
+                "dashboard": False,
+                "dashboard_address": "127.0.0.1:0",
+            },
+        )
     try:
         with Client(  # type: ignore[no-untyped-call]
             scheduler, set_as_default=False, direct_to_workers=True

@@ -10,10 +10,11 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
+import dask
 import numpy as np
 from distributed import Security, Worker, get_worker
 
@@ -58,12 +59,21 @@ def no_logs() -> Iterator[None]:
             logger.setLevel(level)
 
 
+def no_pages() -> AbstractContextManager[object]:
+    """Have schedulers and workers of Dask serve no pages, which every user of the machine may read.
+
+    They tell of calls and logs; calls themselves need a certificate.
+    """
+    places = ("distributed.scheduler.http.routes", "distributed.worker.http.routes")
+    return dask.config.set({place: [] for place in places})
+
+
 def main() -> None:
     """Work for the scheduler at the address in ``sys.argv[1]`` until the standard input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.dup2(2, 1)  # what a node prints is not output of the program
     threading.Thread(target=_end_with_input, daemon=True).start()
-    with no_logs():
+    with no_logs(), no_pages():
         asyncio.run(_serve(*sys.argv[1:]))
 
 

@@ -12,6 +12,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
 import pytest
 from distributed import Client, LocalCluster
@@ -357,6 +359,17 @@ def test_ctrl_c_ends_a_script_with_its_workers(
         _, complained = parent.communicate(timeout=60)
         assert opened.read() == ""
     assert complained.endswith("KeyboardInterrupt\n")
+
+
+def test_a_cluster_of_its_own_serves_no_pages() -> None:
+    with cluster_module.cluster_for(HowToRun("dask", 1)) as own:
+        info = own.client.scheduler_info()
+        ports = [info["services"]["dashboard"]]
+        ports += [worker["services"]["dashboard"] for worker in info["workers"].values()]
+        for port in ports:
+            for page in ("info/main/workers.html", "json/identity.json", "info/logs/x.html"):
+                with pytest.raises(HTTPError, match="404"):
+                    urlopen(f"http://127.0.0.1:{port}/{page}")
 
 
 @pytest.mark.parametrize("protocol", ["tls", "tcp"])
