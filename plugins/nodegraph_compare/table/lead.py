@@ -67,7 +67,8 @@ def lead_of(
     others = f"the {len(labels) - 1} others" if len(labels) > 2 else "the other"
     return Lead(
         (
-            f"{metric} is ", cards[most].headline,
+            f"{metric} in {len(summaries)} groups ({', '.join(question.within)}) is ",
+            cards[most].headline,
             f" for {labels[most]}, and {_span(rest, unit)} for {others}.",
         ),
         cards,
