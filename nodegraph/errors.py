@@ -130,7 +130,10 @@ def closest(name: object, known: Iterable[object]) -> str:
     import difflib
 
     by_lower = {str(each).lower(): str(each) for each in known}
-    close = difflib.get_close_matches(str(name).lower(), by_lower, n=1, cutoff=0.6)
+    text = str(name).lower()
+    close = difflib.get_close_matches(text, by_lower, n=3, cutoff=0.6)
+    # letters in another order are the likelier mistake
+    close.sort(key=lambda each: sorted(each) != sorted(text))
     return by_lower[close[0]] if close else ""
 
 

@@ -62,7 +62,8 @@ def _summary(result: Differences, names: str) -> str:
     if result.same:
         return f"{names}: all {result.equal} combinations have the same results"
     unknown = f", {result.unknown} are unknown (their results were not stored)"
-    return f"{names}: {result.beyond} combinations differ, {result.equal} have the same results" + (
+    differ = "combination differs" if result.beyond == 1 else "combinations differ"
+    return f"{names}: {result.beyond} {differ}, {result.equal} have the same results" + (
         unknown if result.unknown else ""
     )
 
@@ -72,8 +73,12 @@ def _choices(was: Record, now: Record) -> Iterator[str]:
     kinds = (("input", was.inputs, now.inputs), ("axis", was.axes, now.axes))
     for kind, before, after in kinds:
         for name in {**before, **after}:
-            if before.get(name) != after.get(name):
-                yield f"{kind} {name} was {before.get(name)}, now {after.get(name)}"
+            if name not in before:
+                yield f"{kind} {name} is new: {after[name]}"
+            elif name not in after:
+                yield f"{kind} {name} is gone, it was {before[name]}"
+            elif before[name] != after[name]:
+                yield f"{kind} {name} was {before[name]}, now {after[name]}"
 
 
 def _by_change(pairs: list[Pair]) -> list[list[Pair]]:

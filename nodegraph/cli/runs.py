@@ -1,7 +1,8 @@
-"""``nodegraph runs``: list runs with their date, title and answer."""
+"""``nodegraph runs``: list runs with their date, title, options and answer."""
 
 from __future__ import annotations
 
+import shlex
 import sys
 import textwrap
 from argparse import ArgumentParser, Namespace
@@ -12,7 +13,7 @@ from pathlib import Path
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError
 
-HELP = "List runs with their date, title and answer."
+HELP = "List runs with their date, title, options and answer."
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -38,15 +39,16 @@ def runs(arguments: Namespace) -> int:
     if not rows:
         raise NodegraphError(f"{folder} holds no runs; `nodegraph run GRAPH` writes one to runs/")
     width = get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
-    for date, name, title, answer in rows:
-        print(columns([(date, name, title)]))
+    for ended, name, title, options, answer in rows:
+        date = datetime.fromtimestamp(ended).strftime("%Y-%m-%d %H:%M")
+        print(columns([(date, name, title, textwrap.shorten(options, 80, placeholder=" ..."))]))
         if answer:
             print(textwrap.indent(textwrap.shorten(answer, width - 4, placeholder=" ..."), "    "))
     return 0
 
 
-def _rows(folder: Path) -> Iterator[tuple[str, str, str, str]]:
-    """Yield date, folder, title and answer of each run; of one without a report, its state."""
+def _rows(folder: Path) -> Iterator[tuple[float, str, str, str, str]]:
+    """Yield time, folder, title, options and answer of each run; without a report, its state."""
     from nodegraph.report.study import read_study
     from nodegraph.runs.folder import EVENTS, STUDY, is_written
 
@@ -54,12 +56,14 @@ def _rows(folder: Path) -> Iterator[tuple[str, str, str, str]]:
         marks = [path / name for name in (STUDY, EVENTS) if (path / name).is_file()]
         if not marks:
             continue
-        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("%Y-%m-%d %H:%M")
+        ended = marks[0].stat().st_mtime
         try:
             study = read_study(path)
         except NodegraphError as error:
             state = "running" if is_written(path / EVENTS) else "interrupted"
-            yield ended, str(path), str(error) if marks[0].name == STUDY else state, ""
+            yield ended, str(path), str(error) if marks[0].name == STUDY else state, "", ""
         else:
             failed = "" if study.ok else " (with failures)"
-            yield ended, str(path), f"{study.title}{failed}", next(iter(study.short_answer(1)), "")
+            options = shlex.join(shlex.split(study.command)[3:])  # nodegraph run GRAPH ...
+            answer = next(iter(study.short_answer(1)), "")
+            yield ended, str(path), f"{study.title}{failed}", options, answer

@@ -26,8 +26,8 @@ def test_runs_are_listed_with_date_and_title(command: Command) -> None:
     assert status == 0
     names = ("toy", "other", "broken", "stopped", "active")
     assert lines.keys() == {f"runs/{name}" for name in names}
-    assert lines["runs/toy"].endswith("A toy")
-    assert lines["runs/other"].endswith("A toy (with failures)")
+    assert "A toy  --plugin" in lines["runs/toy"]
+    assert "A toy (with failures)  --set start=-100" in lines["runs/other"]
     assert "cannot be read" in lines["runs/broken"]
     assert lines["runs/stopped"].endswith("interrupted")
     assert lines["runs/active"].endswith("running")
