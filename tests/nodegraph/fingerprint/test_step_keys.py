@@ -7,9 +7,11 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
+from pydantic import AfterValidator
 
 from nodegraph import Across, InputFile, NodegraphError, hookimpl, node
 from nodegraph.execute import Event, Run
@@ -228,3 +230,42 @@ def test_what_gathers_is_computed_anew_for_other_values(run_of: RunOf, tmp_path:
     for content, total in (("2", 6), ("3", 9)):
         (tmp_path / "one.txt").write_text(content)
         assert run_of(text, more=[sum_all], store=tmp_path / "store")["c"].value == total
+
+
+@node("read.folder")
+def read_folder(*, path: InputFile) -> str:
+    return " ".join(f"{file.name}={file.read_text()}" for file in sorted(path.iterdir()))
+
+
+def test_a_folder_is_read_again_if_a_file_in_it_has_another_content_or_name(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    folder, more = tmp_path / "takes", {"more": [read_folder], "store": tmp_path / "store"}
+    text = "nodes: {a: {use: read.folder, with: {path: takes}}}"
+    folder.mkdir()
+    (folder / "a.txt").write_text("1")
+    assert run_of(text, **more)["a"].value == "a.txt=1"
+    assert run_of(text, **more).counts()["stored"] == 1
+    (folder / "a.txt").write_text("2")
+    assert run_of(text, **more)["a"].value == "a.txt=2"
+    (folder / "a.txt").rename(folder / "b.txt")
+    assert run_of(text, **more)["a"].value == "b.txt=2"
+
+
+class Unnamed:
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+
+@node("read.unnamed")
+def read_unnamed(*, value: Annotated[Any, AfterValidator(Unnamed)]) -> str:
+    return str(value.value)
+
+
+def test_a_setting_whose_text_is_an_address_is_in_no_key(run_of: RunOf, tmp_path: Path) -> None:
+    for value in ("first", "second"):
+        text = f"nodes: {{a: {{use: read.unnamed, with: {{value: {value}}}}}}}"
+        run = run_of(text, more=[read_unnamed], store=tmp_path)
+        assert run["a"].value == value
+        assert run.cache is not None
+        assert dict(run.cache.not_stored) == {"read.unnamed: a setting has no lasting text": 1}

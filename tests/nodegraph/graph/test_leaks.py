@@ -86,6 +86,16 @@ def test_what_passes_the_hider_is_no_leak(graph_of: Callable[..., Graph]) -> Non
     assert graph_of(text(), more=MORE)
 
 
+def test_many_ways_that_meet_again_are_followed_once(graph_of: Callable[..., Graph]) -> None:
+    rungs = "".join(
+        f"  {side}{at}: {{use: fill.two, in: {{recording: l{at - 1}, reference: r{at - 1}}}}}\n"
+        for at in range(1, 40)
+        for side in "lr"
+    )
+    ends = "".join(f"  {side}0: {{use: fill.hold, in: capture}}\n" for side in "lr")
+    assert graph_of(text(truth="l39") + ends + rungs, more=MORE)
+
+
 @pytest.mark.parametrize(
     ("written", "way"),
     [
