@@ -29,7 +29,7 @@ MOST_BYTES = 1 << 33
 """Size of the largest file that is fetched."""
 
 _FORM = "write https://HOST/FILE#sha256=DIGITS or doi:10.5281/zenodo.NUMBER/FILE#sha256=DIGITS"
-_COMMAND = "`nodegraph fetch` with the name of this graph"
+_COMMAND = "`nodegraph fetch` with the name of this graph and the same options"
 _LOCAL = "127.0.0.1"
 _TIMEOUT = (10.0, 60.0)  # seconds to connect, and between two parts
 _PART = 1 << 20
@@ -139,13 +139,16 @@ def _digest_of(path: Path, size: int, modified: int) -> str:
 def _fetch(url: str, digest: str, path: Path) -> NodegraphError | None:
     """Put a file into the cache folder unless it is there; return why it cannot be."""
     import pooch
-    from requests import RequestException
+    from requests import ConnectionError, RequestException
+    from requests.exceptions import SSLError
 
     pooch.get_logger().setLevel("WARNING")
     try:
         pooch.retrieve(url, f"sha256:{digest}", path.name, path.parent, downloader=_download)
     except (RequestException, OSError, ValueError) as error:
-        return NodegraphError(f"{url} cannot be fetched: {error}")
+        offline = isinstance(error, ConnectionError) and not isinstance(error, SSLError)
+        reason = "there is no connection to its host" if offline else str(error)
+        return NodegraphError(f"{url} cannot be fetched: {reason}")
     return None
 
 

@@ -276,6 +276,10 @@ class Graph:
     left_out: tuple[LeftOut, ...] = ()
     notices: tuple[Problem, ...] = ()
 
+    def __repr__(self) -> str:
+        axes = ", ".join(f"{name} ({len(axis.labels)})" for name, axis in self.axes.items())
+        return f"<Graph of {len(self.nodes)} nodes{' along ' if axes else ''}{axes}>"
+
     @cached_property
     def nodes(self) -> Mapping[str, GraphNode]:
         """The nodes by name, each after those that feed it."""
