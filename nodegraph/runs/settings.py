@@ -14,6 +14,7 @@ from pydantic import Field, Strict
 from nodegraph.errors import GraphError
 from nodegraph.execute import HowToRun
 from nodegraph.execute.events import plain
+from nodegraph.filenames import portable_name
 from nodegraph.graph import Graph
 from nodegraph.graphfile.yaml_text import read_yaml
 from nodegraph.plan import Step
@@ -68,9 +69,14 @@ class RunSettings:
         return shlex.join(["nodegraph", "run", self.graph, *self._options()])
 
     def repeat(self, step: Step) -> str:
-        """Return the command that repeats one step; what feeds it comes from the store."""
+        """Return the command that repeats one step; what feeds it comes from the store.
+
+        It writes to a folder of its own, so that the run of the study stays where it is.
+        """
         only = {**self.only, **{axis: [label] for axis, label in step.labels.items()}}
-        return replace(self, only=only, until=[step.node]).command
+        alone = replace(self, only=only, until=[step.node]).command
+        folder = portable_name(f"{Path(self.graph).stem}-{step.node}")
+        return f"{alone} --out {shlex.quote(f'runs/{folder}')}"
 
     def _options(self) -> Iterator[str]:
         for name, value in self.set.items():
