@@ -94,7 +94,8 @@ class Rendered:
         For instance ``{".csv": ..., ".tex": ...}``: points, letters and digits.
     scripts, styles : tuple of str
         JavaScript and CSS that the fragment needs. A page has each text once, however many values
-        need it. Scripts run in this order once the page is complete.
+        need it. Scripts run in this order once the page is complete. Those that are no file
+        ``.js`` of an installed package are left out of a report that is drawn again.
     answer : tuple of str
         Sentences with which the value answers the question of the study, for a terminal; the
         report begins with them where it has no lead.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import warnings
 import zlib
 from collections import Counter
 from collections.abc import Iterable
@@ -14,7 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
+from nodegraph.formatting import number_of
 from nodegraph.plugin.hook_types import Rendered
+from nodegraph.report.foreign import passive, without_foreign_code
 from nodegraph.runs.folder import RECORD, STUDY, content_of
 from nodegraph.validation import first_error
 
@@ -338,7 +341,7 @@ def study_bytes(study: Study) -> bytes:
 
 
 def read_study(folder: Path) -> Study:
-    """Return the study of a saved run.
+    """Return the study of a saved run, without code that is of no installed package.
 
     Raises
     ------
@@ -350,7 +353,7 @@ def read_study(folder: Path) -> Study:
     path = folder / STUDY
     try:
         data = json.loads(content_of(path, _MOST_BYTES))
-        return _adapter().validate_python(data)
+        return _without_foreign_code(path, _adapter().validate_python(data))
     except (FileNotFoundError, NotADirectoryError):
         if (folder / RECORD).is_file():
             raise NodegraphError(
@@ -364,6 +367,23 @@ def read_study(folder: Path) -> Study:
         raise NodegraphError(f"{path} cannot be read ({reason}); run the graph again") from error
     except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
         raise NodegraphError(f"{path} cannot be read ({error}); run the graph again") from error
+
+
+def _without_foreign_code(path: Path, study: Study) -> Study:
+    sections: list[Section] = []
+    drawing = passive(study.graph_svg)
+    count = int(drawing != study.graph_svg)
+    for section in study.sections:
+        rendered = without_foreign_code(section.rendered)
+        count += rendered is not section.rendered
+        sections.append(replace(section, rendered=rendered))
+    if count:
+        warnings.warn(
+            f"{path}: {number_of(count, 'result')} with scripts or links that act by themselves "
+            "and are of no installed package; shown without them",
+            stacklevel=3,
+        )
+    return replace(study, sections=tuple(sections), graph_svg=drawing)
 
 
 @cache

@@ -201,6 +201,27 @@ def test_a_study_larger_than_its_bound_is_not_read(
         read_study(ran)
 
 
+@pytest.mark.parametrize(
+    ("place", "code"),
+    [
+        ("html", "<p>x</p><sCript type=text/javascript>own()</script>"),
+        ("html", '<script type="application/json"/src=own()></script>'),
+        ("lead", '<META http-equiv="refresh" content="0;url=https://own()">'),
+        ("scripts", ["own()"]),
+        ("graph_svg", "<svg><script>own()</script></svg>"),
+    ],
+)
+def test_a_report_drawn_again_has_no_code_of_a_stranger(
+    command: Command, ran: Path, place: str, code: object
+) -> None:
+    whole = json.loads(gzip.decompress((ran / "study.json.gz").read_bytes()))
+    (whole if place in whole else whole["sections"][0]["rendered"])[place] = code
+    (ran / "study.json.gz").write_bytes(gzip.compress(json.dumps(whole).encode()))
+    status, _, errors = command("report", "ran", nodes=False)
+    assert (status, errors.count("1 result with scripts")) == (0, 1)
+    assert "own()" not in (ran / "report.html").read_text()
+
+
 def test_a_study_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
     whole = json.loads(gzip.decompress((ran / "study.json.gz").read_bytes()))
     readers = (
