@@ -88,7 +88,8 @@ def test_whatever_did_not_go_well_is_noted(run_of: Callable[..., Run]) -> None:
     assert (skipped.node, skipped.count) == ("fill", 2)
     assert "fill = hold, trial = 1" in skipped.reason
     again = [note.repeat for note in notes if note.kind == "failed"]
-    assert f"{COMMAND} --only length=5 --only trial=0 --only fill=fails --until fill" in again
+    step = "--only length=5 --only trial=0 --only fill=fails --until fill"
+    assert f"{COMMAND} {step} --out runs/toy-fill" in again
     assert all("in fails" in note.trace for note in notes if note.kind == "failed")
 
 
@@ -130,7 +131,7 @@ def test_a_word_of_a_command_is_quoted(run_of: Callable[..., Run]) -> None:
         nodes: {a: {use: read.number, with: {start: $start}}, b: {use: strict.fails, in: a}}
         """
     [note] = _study(run_of(text)).notes
-    assert note.repeat == f"{COMMAND} --only 'start=two words' --until b"
+    assert note.repeat == f"{COMMAND} --only 'start=two words' --until b --out runs/toy-b"
 
 
 def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> None:
