@@ -10,7 +10,7 @@ from nodegraph.archive.contents import CITATION, METADATA, README, RUN, Contents
 from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read, free_name
 from nodegraph.archive.relocate import Relocation, local_folders, relocate_graph, relocate_settings
 from nodegraph.errors import NodegraphError, listed
-from nodegraph.filenames import fold
+from nodegraph.filenames import fold, portable_paths
 from nodegraph.lock.lockfile import read_lock
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.citing import cited
@@ -93,10 +93,15 @@ class _Collector:
         self._add_plugins()
         self._add_inputs()
         self._add_lock(lock)
-        for path in sorted(self._folder.rglob("*")):
-            name = path.relative_to(self._folder).as_posix()
+        paths = sorted(self._folder.rglob("*"))
+        names = {path: path.relative_to(self._folder).as_posix() for path in paths}
+        portable = portable_paths(name for path, name in names.items() if path.is_file())
+        for path, name in names.items():
             if path.is_symlink():  # which may lead to any file of the user
                 contents.missing.append(f"{RUN}/{name}: a symbolic link, left out")
+            elif portable.get(name, name) != name:
+                shown = repr(f"{RUN}/{name}")
+                contents.missing.append(f"{shown}: a name that not every system takes, left out")
             elif path.is_file() and name not in (graph_name(self._graphs), *self._graphs):
                 contents.files[f"{RUN}/{name}"] = self._relocated(name, path.read_bytes())
         contents.missing += [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
+import os
 import sys
 import zipfile
 from collections.abc import Callable, Iterator
@@ -87,6 +88,19 @@ def references(value: object) -> Iterator[str]:
     elif isinstance(value, list):
         for part in value:
             yield from references(part)
+
+
+@pytest.mark.parametrize(
+    "name", ["a\\..\\b.txt", "C:b.txt", "con", "two\nlines", os.fsdecode(b"\xff.txt")]
+)
+def test_names_in_the_folder_of_a_run_that_not_every_system_takes_are_left_out(
+    command: Command, name: str
+) -> None:
+    ran(command)
+    Path("ran", name).write_text("mine")
+    files, err = archived(command)
+    assert len([line for line in err.splitlines() if "not every system takes" in line]) == 1
+    assert not any(content == b"mine" for content in files.values())
 
 
 def test_links_in_the_folder_of_a_run_are_left_out(command: Command, tmp_path: Path) -> None:
