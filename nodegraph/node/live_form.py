@@ -133,8 +133,9 @@ class StateForm:
     lookahead : LookAhead
         How many frames later the class gives a frame; by default what the node declares, or 0.
     leaves : str
-        What it leaves missing though the function, which has the whole take, does not: ``"gaps
-        at the start of the take"``.
+        What it leaves missing at the start of a stream, before it has given anything there,
+        though the function, which has the whole take, does not: ``"gaps at the start of the
+        take"``.
     outputs : tuple of str
         Outputs that it gives; by default all. Others need the whole take: a table, say.
     tolerance : float

@@ -203,22 +203,28 @@ def _departing(streamed: object, whole: object, form: StateForm) -> object:
     kind = streamable_of(type(whole))
     header = kind.header(whole)
     missing = kind.missing(header)
+    left: dict[int, Any] = {}
     payloads = [
-        _departing_payload(*both, missing, form)
+        _departing_payload(*both, missing, form, left)
         for both in zip_longest(kind.split(streamed), kind.split(whole), fillvalue=missing)
     ]
     return kind.join(header, payloads)
 
 
-def _departing_payload(streamed: Any, whole: Any, missing: Any, form: StateForm) -> Any:
+def _departing_payload(
+    streamed: Any, whole: Any, missing: Any, form: StateForm, left: dict[int, Any], at: int = 0
+) -> Any:
+    """Return one frame of it; `left` says per part where the stream has given nothing so far."""
     if isinstance(missing, tuple):
-        parts = zip(streamed, whole, missing, strict=True)
-        return type(missing)(*(_departing_payload(*part, form) for part in parts))
+        parts = enumerate(zip(streamed, whole, missing, strict=True))
+        return type(missing)(*(_departing_payload(*part, form, left, i) for i, part in parts))
     if streamed is None or whole is None:
         return whole
     free = np.zeros(np.shape(whole), dtype=np.bool_)
     if form.leaves:
-        free |= (streamed == missing) | (np.isnan(streamed) & np.isnan(missing))
+        is_missing = (streamed == missing) | (np.isnan(streamed) & np.isnan(missing))
+        left[at] = left.get(at, True) & is_missing
+        free |= left[at]
     if whole.dtype.kind == "f":
         free |= np.abs(streamed - whole) <= form.tolerance
     return np.where(free, streamed, whole)

@@ -209,6 +209,19 @@ def test_running_numbers_are_those_of_a_take_that_ends_here() -> None:
         check_node(missing_with(SkipsFrames))
 
 
+class Begins(Delayed):
+    """Gives nothing of a marker before its second sample."""
+
+    def push(self, frame: Frame) -> Frame | None:
+        present = ~np.isnan(frame.positions[:, 0])
+        known = getattr(self, "known", np.zeros(len(present), dtype=np.bool_))
+        self.known = known | present
+        positions = np.where(known[:, None], frame.positions, np.nan)
+        origin = np.where(known, frame.origin, np.uint8(Origin.MISSING))
+        sigma = None if frame.sigma is None else np.where(known, frame.sigma, np.nan)
+        return super().push(Frame(positions, origin, sigma))
+
+
 class Leaves(Delayed):
     """Does not hold what is missing twice in a row."""
 
@@ -238,8 +251,8 @@ def _moved(frame: Frame) -> Frame:
 @pytest.mark.parametrize(
     ("departing", "declared", "other"),
     [
-        (Leaves, {"leaves": "samples missing twice"}, {"tolerance": 1e-6}),
-        (Moves, {"tolerance": 1e-8}, {"leaves": "samples missing twice"}),
+        (Begins, {"leaves": "first samples"}, {"tolerance": 1e-6}),
+        (Moves, {"tolerance": 1e-8}, {"leaves": "first samples"}),
     ],
 )
 def test_a_live_form_may_depart_as_it_declares(
@@ -248,6 +261,11 @@ def test_a_live_form_may_depart_as_it_declares(
     check_node(hold_with(departing, **declared))
     with pytest.raises(AssertionError, match="another result than of the whole take"):
         check_node(hold_with(departing, **other))
+
+
+def test_what_is_left_later_than_at_the_start_is_a_fault() -> None:
+    with pytest.raises(AssertionError, match="another result than of the whole take"):
+        check_node(hold_with(Leaves, leaves="samples missing twice"))
 
 
 def test_a_whole_take_rule_is_no_frame_form() -> None:
