@@ -94,19 +94,15 @@ def _library_parts(value: Any) -> Mapping[str, object] | None:
 def _pixels(figure: Any) -> np.ndarray[Any, Any]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    canvas, dpi, layout = figure.canvas, figure.dpi, figure.get_layout_engine()
+    # to save it would draw it twice if something lays it out
+    canvas, dpi = figure.canvas, figure.dpi
     try:
         figure.dpi = _DOTS_PER_INCH
-        if layout is not None:  # which follows from what is drawn, and takes as long as to draw it
-            figure.set_layout_engine("none")
-        # to save it would draw it twice
         drawn: Any = FigureCanvasAgg(figure)
         drawn.draw()
         return np.array(drawn.buffer_rgba())
     finally:
         figure.dpi = dpi
-        if layout is not None:
-            figure.set_layout_engine(layout)
         figure.set_canvas(canvas)
 
 
