@@ -93,10 +93,12 @@ class _Collector:
         self._add_plugins()
         self._add_inputs()
         self._add_lock(lock)
-        paths = sorted(self._folder.rglob("*"))
-        names = {path: path.relative_to(self._folder).as_posix() for path in paths}
-        portable = portable_paths(name for path, name in names.items() if path.is_file())
-        for path, name in names.items():
+        paths = {
+            path.relative_to(self._folder).as_posix(): path
+            for path in sorted(self._folder.rglob("*"))
+        }
+        portable = portable_paths(name for name, path in paths.items() if path.is_file())
+        for name, path in paths.items():
             if path.is_symlink():  # which may lead to any file of the user
                 contents.missing.append(f"{RUN}/{name}: a symbolic link, left out")
             elif portable.get(name, name) != name:

@@ -189,8 +189,8 @@ def _segments(
         why = f"too few {unit}, {last - first:.0f} where {least:.0f} are needed"
     else:
         why = (
-            f"too few blocks ({len(values)}, none of them in one of {parts * count} segments); "
-            "further repetitions help"
+            f"too few blocks: {len(values)} leave one of the {parts * count} segments that the "
+            "takes are divided into without any; further repetitions help"
         )
     return Units("nothing", count, overall, cluster, why=why)
 

@@ -148,7 +148,7 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
 @pytest.mark.parametrize(
     ("last", "expected"),
     [
-        (995, "(20, none of them in one of 6 segments); further repetitions help"),
+        (995, "20 leave one of the 6 segments that the takes are divided into without any"),
         (150, "too few frames, 155 where "),
     ],
 )
