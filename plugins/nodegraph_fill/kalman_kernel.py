@@ -139,14 +139,24 @@ def without(
 
 @compiled
 def _inverse(matrix: Floats) -> Floats:
-    """Return the inverse of a symmetric positive definite matrix, from Cholesky's factor."""
-    factor = np.linalg.cholesky(matrix)
-    inverse = np.zeros_like(factor)
-    for i in range(len(factor)):
-        line, scale = inverse[i], 1.0 / factor[i, i]
-        for k in range(i):
-            other, share = inverse[k], scale * factor[i, k]
-            for j in range(k + 1):
-                line[j] -= share * other[j]
-        line[i] = scale
-    return inverse.T @ inverse
+    """Return the inverse of a symmetric positive definite matrix, by sweeps of its lower half."""
+    size, inverse, column = len(matrix), matrix.copy(), np.empty(len(matrix))
+    for k in range(size):
+        for i in range(size):
+            column[i] = inverse[k, i] if i < k else inverse[i, k]
+        scale = 1.0 / column[k]
+        for i in range(size):
+            line, share = inverse[i], scale * column[i]
+            for j in range(i + 1):
+                line[j] -= share * column[j]
+        for i in range(size):
+            if i < k:
+                inverse[k, i] = scale * column[i]
+            else:
+                inverse[i, k] = scale * column[i]
+        inverse[k, k] = -scale
+    for i in range(size):
+        for j in range(i + 1):
+            inverse[i, j] = -inverse[i, j]
+            inverse[j, i] = inverse[i, j]
+    return inverse

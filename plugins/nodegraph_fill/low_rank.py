@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 _Real = TypeVar("_Real", np.float32, np.float64)
 _MOST_ROUNDS = 1000
-_NEAR, _SETTLED, _ROUGHLY = 0.1, 1e-11, 1e-3
-"""How little, relative to the root mean square of what is known, a round may change: before
-Newton's step is tried, at the end, and at the end of a rough solution.
+_NEAR = 0.1
+"""How little, relative to the root mean square of what is known, a round may change before
+Newton's step is tried.
 """
 _ROUNDING = 10.0 * float(np.finfo(np.float64).eps)
 _MEMORY = 10
@@ -70,9 +70,10 @@ class LowRank:
     shrinkage
         s as a share of the largest singular value of the rows with zeros where missing.
     near
-        The completion of nearly the same take, to begin from; none: from straight lines. What
-        begins from another is rough: its last round may change a coordinate by a thousandth of
-        the root mean square of what is known.
+        The completion of nearly the same take, to begin from; none: from straight lines.
+    settled
+        What the last round may change a coordinate by, as a share of the root mean square of
+        what is known.
 
     Attributes
     ----------
@@ -85,7 +86,13 @@ class LowRank:
     rows: NDArray[np.float64]
     precision: NDArray[np.float64]
 
-    def __init__(self, matrix: TakeMatrix, shrinkage: float, near: LowRank | None = None) -> None:
+    def __init__(
+        self,
+        matrix: TakeMatrix,
+        shrinkage: float,
+        near: LowRank | None = None,
+        settled: float = 1e-11,
+    ) -> None:
         self.rows = matrix.rows.copy()
         lacking = matrix.missing.any(axis=1)
         whole, some = matrix.rows[~lacking], matrix.rows[lacking]
@@ -100,10 +107,9 @@ class LowRank:
             )
             if near is None:
                 some = matrix.with_lines()[lacking]
-                settled = max(_SETTLED, _ROUNDING / shrinkage)
             else:
-                some, settled = near.completed(some, self._missing.mask), _ROUGHLY
-            self._solve(some, size, size * settled)
+                some = near.completed(some, self._missing.mask)
+            self._solve(some, size, size * max(settled, _ROUNDING / shrinkage))
             self.rows[lacking] = some
 
     def completed(

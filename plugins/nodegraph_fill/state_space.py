@@ -54,7 +54,7 @@ class StateSpace:
         states, covariances = kalman_kernel.smooth(
             basis, self.noise, matrix.missing, rows, self._first
         )
-        sigma = self._sigma(matrix, covariances) if with_sigma else None
+        sigma = self._sigma(matrix, gaps, covariances) if with_sigma else None
         estimate = Estimate(self._positions(matrix, states), sigma)
         if ends == "as_published":
             return estimate
@@ -87,14 +87,16 @@ class StateSpace:
     def _positions(self, matrix: TakeMatrix, states: NDArray[np.float64]) -> NDArray[np.float64]:
         return matrix.positions(states @ self._basis.T + self.middle)
 
-    def _sigma(self, matrix: TakeMatrix, covariances: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _sigma(
+        self, matrix: TakeMatrix, gaps: Gaps, covariances: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         from nodegraph_fill import kalman_kernel
 
         spread, sigma = (
             np.full(matrix.missing.shape, np.nan),
             np.full((len(matrix.rows), len(matrix.seen)), np.nan),
         )
-        row, column = np.nonzero(matrix.missing)
+        row, column = np.nonzero(np.repeat(gaps.mask[:, matrix.seen], 3, axis=1))
         spread[row, column] = kalman_kernel.spread(row, column, covariances, self._basis)
         sigma[:, matrix.seen] = np.sqrt(
             (spread + self.noise).reshape(len(sigma), -1, 3).mean(axis=2)

@@ -19,6 +19,8 @@ _SHRINKAGE = 0.001
 _LEAST_NOISE = 1e-5
 """Of a coordinate's variance, relative to the mean of all coordinates'."""
 _LEAST_DRIFT = 1e-12
+_SETTLED, _ROUGHLY = 1e-9, 1e-3
+"""Where completing the take ends, and where completing it with held-out gaps does."""
 
 
 @node(
@@ -106,7 +108,7 @@ def subspace_kalman(
         nonlocal near
         matrix = TakeMatrix.of(recording)
         # the take with held-out gaps is nearly the same, and only sigma depends on it
-        near = LowRank(matrix, _SHRINKAGE, near)
+        near = LowRank(matrix, _SHRINKAGE, near, _ROUGHLY if near else _SETTLED)
         space = _learnt(matrix, near, variance)
         if not space.noise.all():
             # nothing ever moves

@@ -55,7 +55,7 @@ def test_what_begins_from_another_is_nearly_the_solution() -> None:
     problem, other = matrix(5), matrix(6)
     exact = LowRank(problem, 0.01).rows
     size = np.sqrt(np.mean(problem.rows[~problem.missing] ** 2))
-    begun = LowRank(problem, 0.01, near=LowRank(other, 0.01)).rows
+    begun = LowRank(problem, 0.01, near=LowRank(other, 0.01), settled=1e-3).rows
     np.testing.assert_allclose(begun, exact, rtol=0, atol=5e-3 * size)
 
 
