@@ -1,4 +1,4 @@
-"""Reads of a call that are in no key: files that no setting names, environment variables."""
+"""Reads of a call that are in no key: files and folders no setting names, environment variables."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from typing import Any
 from nodegraph.node.decorator import Node
 
 _CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
-_BETWEEN = ("os", "collections.abc", __name__)
-"""Modules between a line that reads an environment variable and `_Environment`."""
+_BETWEEN = ("os", "collections.abc", "pathlib", "glob", __name__)
+"""Modules between a line that reads an environment variable or lists a folder, and this one."""
+_LISTINGS = ("os.listdir", "os.scandir")
+_EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
 
 reads_of_call: ContextVar[Reads | None] = ContextVar("reads_of_call", default=None)
 """Of the call that is being made, if its reads are noted."""
@@ -47,22 +49,33 @@ class Reads:
         """Note that a file was opened."""
         if writes:
             self._written.add(path)
-        elif (
-            path not in self._written
-            and not path.endswith(_CODE)
-            and not _is_in(path, self._in_key())
-            and not _is_in(path, _installed())
-        ):
+        elif not path.endswith(_CODE) and self._is_read(path):
             self.names[os.path.basename(path)] = None
+
+    def folder(self, path: str) -> None:
+        """Note that a folder was listed, if the node's own package does."""
+        if self._is_by_package() and self._is_read(path):
+            self.names[f"{os.path.basename(path)}{os.sep}"] = None
+
+    def new_folder(self, path: str) -> None:
+        """Note a folder whose content is the call's own."""
+        self._written.add(path)
 
     def variable(self, name: str) -> None:
         """Note an environment variable, if the node's own package reads it."""
+        if self._is_by_package():
+            self.names[f"${name}"] = None
+
+    def _is_read(self, path: str) -> bool:
+        kept = (*self._written, *self._in_key(), *_installed())
+        return not _is_in(path, kept)
+
+    def _is_by_package(self) -> bool:
         frame: FrameType | None = sys._getframe(1)
         while frame is not None and frame.f_globals.get("__name__") in _BETWEEN:
             frame = frame.f_back
         module = str(frame.f_globals.get("__name__", "")) if frame is not None else ""
-        if module.partition(".")[0] == self._node.function.__module__.partition(".")[0]:
-            self.names[f"${name}"] = None
+        return module.partition(".")[0] == self._node.function.__module__.partition(".")[0]
 
     def _in_key(self) -> tuple[str, ...]:
         """Return the files that settings name."""
@@ -110,10 +123,19 @@ def _install() -> None:
 
 
 def _note(event: str, arguments: tuple[object, ...]) -> None:
-    if event != "open" or not (reads := reads_of_call.get()):
+    if event not in _EVENTS or not (reads := reads_of_call.get()):
         return
-    path, mode, flags = arguments
-    if isinstance(path, (str, os.PathLike)):
+    path, *how = arguments
+    if path is None:  # that of a listing
+        path = "."
+    if not isinstance(path, (str, os.PathLike)):
+        return
+    if event == "os.mkdir":
+        reads.new_folder(os.path.abspath(path))
+    elif event in _LISTINGS:
+        reads.folder(os.path.abspath(path))
+    else:
+        mode, flags = how
         by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
         by_flags = isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR))
         reads.file(os.path.abspath(path), writes=by_mode or by_flags)

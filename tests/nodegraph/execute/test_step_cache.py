@@ -6,6 +6,7 @@ import os
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 
 import numpy as np
@@ -120,6 +121,18 @@ def read_variable() -> str:
     return os.environ.get("NODEGRAPH_TEST", "")
 
 
+@node("reads.folder")
+def list_unnamed_folder(*, name: str) -> str:
+    return str(sorted(each.name for each in Path(name).iterdir()))
+
+
+@node("reads.own_folder")
+def list_own_folder() -> str:
+    with TemporaryDirectory() as folder:
+        (Path(folder) / "mine.txt").write_text("1")
+        return str(os.listdir(folder))
+
+
 @pytest.mark.parametrize("how", [*WAYS, HowToRun("processes", 1)])
 def test_what_a_node_reads_that_no_setting_names_is_never_stale(
     run_of: RunOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: HowToRun
@@ -128,16 +141,21 @@ def test_what_a_node_reads_that_no_setting_names_is_never_stale(
         nodes:
           a: {{use: reads.file, with: {{name: {tmp_path}/a.txt}}}}
           b: {{use: reads.variable}}
+          c: {{use: reads.folder, with: {{name: {tmp_path}/in}}}}
+          d: {{use: reads.own_folder}}
     """
     for content in ("1", "2"):
         (tmp_path / "a.txt").write_text(content)
+        (tmp_path / "in" / content).mkdir(parents=True)
         monkeypatch.setenv("NODEGRAPH_TEST", content)
-        more = [read_unnamed_file, read_variable]
+        more = [read_unnamed_file, read_variable, list_unnamed_folder, list_own_folder]
         run = run_of(text, more=more, store=tmp_path / "store", how=how)
         assert (run["a"].value, run["b"].value) == (content, content)
+        assert content in run["c"].value
         why = "which no setting names, so that nothing would say when it changes"
         assert sorted(run.not_stored()) == [
             f"1 result is not stored: reads.file reads a.txt, {why}",
+            f"1 result is not stored: reads.folder reads in/, {why}",
             f"1 result is not stored: reads.variable reads $NODEGRAPH_TEST, {why}",
         ]
 
