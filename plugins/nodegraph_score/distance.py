@@ -24,6 +24,8 @@ UNITS = {
     "max": "mm",
 }
 BETTER: dict[str, BetterEnd] = {"frame": "none", "markers": "higher"}
+_FRAMES = 4096
+"""That are compared at a time."""
 
 
 @node("score.distance")
@@ -85,9 +87,7 @@ def distance(
         )
     with np.errstate(over="raise"):
         try:
-            apart = np.linalg.norm(
-                estimate.keep(shared).positions - reference.keep(shared).positions, axis=2
-            )
+            apart = _apart(estimate, reference, shared)
             table = _table(apart, shared)
         except FloatingPointError:
             raise ValueError("distances are too large to be squared") from None
@@ -98,6 +98,20 @@ def distance(
     return with_info(
         table, TableInfo(title="Distances", notes=sentences, units=UNITS, better=BETTER)
     )
+
+
+def _apart(
+    estimate: Trajectories, reference: Trajectories, markers: tuple[str, ...]
+) -> NDArray[np.float64]:
+    """Return the distances of markers, frames x markers, without copies of hours of recordings."""
+    mine = [estimate.markers.index(name) for name in markers]
+    other = [reference.markers.index(name) for name in markers]
+    apart = np.empty((len(markers), estimate.frames)).T
+    for start in range(0, estimate.frames, _FRAMES):
+        piece = slice(start, start + _FRAMES)
+        to = reference.positions[piece if reference.frames > 1 else slice(None)]
+        apart[piece] = np.linalg.norm(estimate.positions[piece][:, mine] - to[:, other], axis=2)
+    return apart
 
 
 def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 UNITS = {"vectors": "count", "roughness": "mm^2/frame^2"}
 BETTER: dict[str, BetterEnd] = {"vectors": "none", "roughness": "none"}
+_MARKERS = 8
+"""That are looked at together: the differences of all take several times as much memory."""
 
 
 @node("score.roughness", cite="zhang_scattered")
@@ -57,9 +59,12 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
 
     with np.errstate(over="raise"):
         try:
-            vectors, variance = _variances(recording.positions)
+            count = -(-len(recording.markers) // _MARKERS) or 1
+            pieces = np.array_split(recording.positions, count, axis=1)
+            blocks = [_variances(piece) for piece in pieces]
         except FloatingPointError:
             raise ValueError("steps are too large to be squared") from None
+    vectors, variance = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
     columns = {"vectors": vectors, "roughness": variance}
     table = DataFrame({"marker": np.array(recording.markers, dtype=object), **columns})
     notes = _notes(vectors)

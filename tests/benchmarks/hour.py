@@ -21,6 +21,7 @@ CHAINS = {
     "read": (),
     "read, fill": ("fill.linear",),
     "read, fill, smooth": ("fill.linear", "smooth.bspline"),
+    "read, fill, smooth, score": ("fill.linear", "smooth.bspline", "score.roughness"),
     "read, fill, despike, smooth": ("fill.linear", "despike.impulse", "smooth.bspline"),
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 import warnings
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap import Trajectories
 from nodegraph_score.distance import UNITS, distance
+from nodegraph_score.roughness import roughness
 from nodegraph_tables import info_of
 
 NUMBERS = ["sum of squares", "rms", "mean", "max"]
@@ -150,3 +152,15 @@ def test_a_distance_beyond_all_numbers_is_refused() -> None:
     far = replace(recording(), positions=1e200 * recording().positions)
     with pytest.raises(ValueError, match="too large"):
         distance(far, recording())
+
+
+def test_the_memory_of_a_score_is_a_part_of_its_recordings() -> None:
+    positions = np.random.default_rng(0).normal(size=(30_000, 32, 3))
+    long = Trajectories(positions=positions, markers=tuple(map(str, range(32))), rate=120.0)
+    for score in (lambda: distance(long, long), lambda: roughness(long)):
+        score()
+        tracemalloc.start()
+        score()
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 1.5 * positions.nbytes
