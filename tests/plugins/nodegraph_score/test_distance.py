@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tracemalloc
 import warnings
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -154,13 +155,15 @@ def test_a_distance_beyond_all_numbers_is_refused() -> None:
         distance(far, recording())
 
 
-def test_the_memory_of_a_score_is_a_part_of_its_recordings() -> None:
+@pytest.mark.parametrize("score", [lambda take: distance(take, take), roughness])
+def test_the_memory_of_a_score_is_a_part_of_its_recordings(
+    score: Callable[[Trajectories], object],
+) -> None:
     positions = np.random.default_rng(0).normal(size=(30_000, 32, 3))
     long = Trajectories(positions=positions, markers=tuple(map(str, range(32))), rate=120.0)
-    for score in (lambda: distance(long, long), lambda: roughness(long)):
-        score()
-        tracemalloc.start()
-        score()
-        _, peak = tracemalloc.get_traced_memory()
-        tracemalloc.stop()
-        assert peak < 1.5 * positions.nbytes
+    score(long)
+    tracemalloc.start()
+    score(long)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 1.5 * positions.nbytes
