@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
@@ -23,7 +24,8 @@ _ACTIVE = re.compile(
 def without_foreign_code(rendered: Rendered) -> Rendered:
     """Return what is shown of a value without code that is of no installed package.
 
-    A script stays if it is, to the letter, a file ``.js`` of an installed package.
+    A script stays if it is, to the letter, a file ``.js`` of an installed package, or a constant
+    of a module that is imported, as those of ``--plugin`` are.
 
     Returns
     -------
@@ -31,7 +33,7 @@ def without_foreign_code(rendered: Rendered) -> Rendered:
         The same object if nothing is left out.
     """
     html, lead = passive(rendered.html), passive(rendered.lead)
-    scripts = tuple(text for text in rendered.scripts if text in _installed_scripts())
+    scripts = tuple(filter(_is_own, rendered.scripts))
     if (html, lead, scripts) == (rendered.html, rendered.lead, rendered.scripts):
         return rendered
     return replace(rendered, html=html, lead=lead, scripts=scripts)
@@ -43,6 +45,14 @@ def passive(html: str) -> str:
     What else could run, such as an attribute ``onclick``, the policy of the page forbids.
     """
     return "" if _ACTIVE.search(html) else html
+
+
+def _is_own(script: str) -> bool:
+    return script in _installed_scripts() or any(
+        type(value) is str and value == script
+        for module in list(sys.modules.values())
+        for value in list(getattr(module, "__dict__", {}).values())
+    )
 
 
 @cache

@@ -11,7 +11,6 @@ import pytest
 import nodegraph as ng
 from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry
-from nodegraph.report import foreign
 from nodegraph.serve.app import application
 from nodegraph.serve.guard import Guard
 from nodegraph.serve.runs import OpenRuns
@@ -104,8 +103,6 @@ def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def folder(whole_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A copy of that folder, which is the working directory; nothing else is installed."""
     monkeypatch.setattr(loading, "installed", lambda: ([], []))
-    script = NODES.split("'''")[1]
-    monkeypatch.setattr(foreign, "_installed_scripts", lambda: {script})
     shutil.copytree(whole_run, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     return tmp_path
