@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodegraph.fingerprint import Code, Reached
-from nodegraph.plugin.registry import Registry, default_registry
+from nodegraph.fingerprint.step_keys import followed
+from nodegraph.plugin.registry import default_registry
 
 ROOT = Path(__file__).parents[3]
 MACHINE = {
@@ -29,10 +31,6 @@ MACHINE = {
         "plugin.hook_types",
     )
 }
-
-
-def followed(registry: Registry) -> set[str]:
-    return {"nodegraph"} | {plugin.module.__name__ for plugin in registry.loaded}
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +51,15 @@ def answers(code: Code, functions: dict[str, Callable[..., object]]) -> dict[str
 @pytest.fixture(scope="module")
 def remembered(code: Code, answers: dict[str, Reached]) -> dict[str, Any]:
     return code.remembered()
+
+
+def test_code_of_plugins_counts_by_its_content() -> None:
+    assert followed(default_registry()) >= {"nodegraph", "nodegraph_fill", "nodegraph_tables"}
+
+
+def test_garbage_is_collected_again(functions: dict[str, Callable[..., Any]]) -> None:
+    Code([]).of(next(iter(functions.values())))
+    assert gc.isenabled()
 
 
 def test_every_node_is_stable(answers: dict[str, Reached]) -> None:

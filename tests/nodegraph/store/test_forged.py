@@ -123,6 +123,8 @@ FORGED: Mapping[str, Change] = {
     "warnings": field("warnings", [None]),
     "seconds": field("seconds", "x"),
     "not a number of seconds": field("seconds", float("nan")),
+    "endless seconds": field("seconds", float("inf")),
+    "a number as text": field("created", "1.5"),
     "created": field("created", -1),
     "faithful": field("faithful", []),
     "another key": field("key", "0" * 64),

@@ -32,6 +32,7 @@ def test_what_is_saved_is_found_and_loaded(store: Store, messages: list[str]) ->
     long = np.arange(9000.0)[::-1]
     values = (1.5, np.arange(5.0), {"a": long, "b": b"x" * 3000})
     saved = store.save(KEY, ABOUT, values)
+    assert store.saved == 1
     entry = store.find(KEY)
     assert entry == saved
     assert entry is not None
