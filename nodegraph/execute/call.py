@@ -242,7 +242,8 @@ def writes_to_locked_value(error: BaseException) -> bool:
 
 
 def _reason(error: BaseException) -> str:
-    reason = message_of(error) or "no message"
+    is_full = isinstance(error, MemoryError)  # which says nothing, raised by Python itself
+    reason = message_of(error) or ("more memory than it may have" if is_full else "no message")
     if not isinstance(error, (ValueError, OSError)):
         reason = f"{type(error).__name__}: {reason}"
     if writes_to_locked_value(error):

@@ -102,6 +102,11 @@ def silent() -> float:
     raise RuntimeError
 
 
+@node("call.full")
+def full() -> float:
+    raise MemoryError
+
+
 @node("call.exits")
 def exits() -> float:
     raise SystemExit(0)
@@ -191,6 +196,7 @@ def test_inputs_and_settings_are_given_by_name() -> None:
         (value_error, f"frame 3, marker chin: not finite ({raised_in(value_error)})"),
         (key_error, f"KeyError: 'chin' ({raised_in(key_error)})"),
         (silent, f"RuntimeError: no message ({raised_in(silent)})"),
+        (full, f"MemoryError: more memory than it may have ({raised_in(full)})"),
         (exits, f"SystemExit: 0 ({raised_in(exits)})"),
     ],
 )
