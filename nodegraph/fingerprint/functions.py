@@ -29,7 +29,7 @@ from typing import Any
 
 from nodegraph.fingerprint.modules import UNKNOWN, Places
 from nodegraph.fingerprint.names import NOT_FOLLOWED, STATEMENTS, Definition, Links, Module, Reach
-from nodegraph.fingerprint.source import Marks, Part, part_of, short_digest
+from nodegraph.fingerprint.source import PARSER, Marks, Part, part_of, short_digest
 
 _PLAIN = (NoneType, bool, int, float, complex, str, bytes, range, type(...))
 _ORDERED = (list, tuple)
@@ -473,6 +473,8 @@ def read_cell(function: FunctionType, marks: Marks) -> Part | None:
     try:
         # of the code: a function would be unwrapped, and another one's source returned
         source = inspect.getsource(function.__code__)
-        return part_of(ast.parse(textwrap.dedent(source)).body[0], marks)
+        with PARSER:
+            tree = ast.parse(textwrap.dedent(source))
+        return part_of(tree.body[0], marks)
     except (OSError, TypeError, SyntaxError, ValueError, IndexError):
         return None

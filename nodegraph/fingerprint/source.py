@@ -6,6 +6,7 @@ import ast
 import builtins
 import hashlib
 import os
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -16,6 +17,9 @@ from typing import Any, NamedTuple
 
 WHOLE_MODULE = frozenset({"eval", "exec", "globals"})
 """With these, code can reach any name of its module."""
+PARSER = threading.Lock()
+"""Held while a source is parsed: Python 3.11 counts the depth of all threads' trees together, and
+fails where two of them meet (python/cpython issue 106905)."""
 
 
 class Part(NamedTuple):
@@ -481,7 +485,8 @@ def _types_in(subscript: ast.Subscript) -> list[ast.expr]:
 
 def _expression(text: str) -> ast.expr | None:
     try:
-        return ast.parse(text.strip(), mode="eval").body
+        with PARSER:
+            return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
 
@@ -503,7 +508,8 @@ def summarise(source: bytes) -> Summary:
     with warnings.catch_warnings():
         # the doubtful escapes were reported when the module was imported
         warnings.simplefilter("ignore")
-        tree = ast.parse(source)
+        with PARSER:
+            tree = ast.parse(source)
     return _Module(tree).summary()
 
 

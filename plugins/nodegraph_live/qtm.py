@@ -188,7 +188,7 @@ class QtmSource:
                 if self._closed.is_set():
                     return
                 raise
-            if not piece:
+            if not piece and not self._closed.is_set():
                 raise ConnectionError("QTM has closed the connection")
             deadline = monotonic() + self._settings["timeout"]
             waiting += piece
