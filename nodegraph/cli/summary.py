@@ -220,8 +220,7 @@ def _failure(group: NoteGroup) -> str:
 
 def _more(count: int, *, full: bool) -> Iterator[str]:
     if count > _MOST_GROUPS and not full:
-        more = count - _MOST_GROUPS
-        yield f"{more} more kind{'s' * (more > 1)}: --full, or the report"
+        yield f"{number_of(count - _MOST_GROUPS, 'more kind')}: --full, or the report"
 
 
 def _files(study: Study, folder: Path, lost: Collection[str]) -> str:

@@ -48,7 +48,7 @@ def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.c3d import c3d_bytes
 
-    return _file(name, ".c3d", _checked(recording, c3d_bytes(recording)))
+    return file_named(name, ".c3d", _checked(recording, c3d_bytes(recording)))
 
 
 @node("write.trc")
@@ -76,7 +76,7 @@ def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.text.trc import trc_bytes
 
-    return _file(name, ".trc", _checked(recording, trc_bytes(recording)))
+    return file_named(name, ".trc", _checked(recording, trc_bytes(recording)))
 
 
 @node("write.csv")
@@ -104,7 +104,7 @@ def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.text.csv import csv_bytes
 
-    return _file(name, ".csv", _checked(recording, csv_bytes(recording)))
+    return file_named(name, ".csv", _checked(recording, csv_bytes(recording)))
 
 
 @node("write.npz")
@@ -125,7 +125,7 @@ def write_npz(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.npz import npz_bytes
 
-    return _file(name, ".npz", npz_bytes(recording))
+    return file_named(name, ".npz", npz_bytes(recording))
 
 
 @node("write.marker_set_yaml")
@@ -146,7 +146,7 @@ def write_marker_set(marker_set: MarkerSet, *, name: Name = "markers") -> Files:
     """
     from nodegraph_files.marker_set import marker_set_text
 
-    return _file(name, ".yaml", marker_set_text(marker_set).encode())
+    return file_named(name, ".yaml", marker_set_text(marker_set).encode())
 
 
 @node("write.model_npz")
@@ -167,7 +167,7 @@ def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
     """
     from nodegraph_files.npz import model_bytes
 
-    return _file(name, ".npz", model_bytes(model))
+    return file_named(name, ".npz", model_bytes(model))
 
 
 @node("write.weights_csv")
@@ -191,7 +191,7 @@ def write_weights(weights: Weights, *, name: Name = "weights") -> Files:
         [time, *("" if value != value else value for value in values)]
         for time, values in zip(times.tolist(), weights.values.tolist(), strict=True)
     ]
-    return _file(name, ".csv", _csv(["time", *weights.names], rows))
+    return file_named(name, ".csv", _csv(["time", *weights.names], rows))
 
 
 @node("write.mask_csv")
@@ -213,7 +213,7 @@ def write_mask(mask: Mask, *, name: Name = "mask") -> Files:
     runs = runs_of(mask.hidden)
     columns = (runs.marker.tolist(), runs.start.tolist(), (runs.stop - runs.start).tolist())
     rows = [[mask.markers[m], start, frames] for m, start, frames in zip(*columns, strict=True)]
-    return _file(name, ".csv", _csv(["marker", "start", "frames"], rows))
+    return file_named(name, ".csv", _csv(["marker", "start", "frames"], rows))
 
 
 @node("write.selection_yaml")
@@ -247,7 +247,7 @@ def write_selection(selection: Selection, *, name: Name = "selection") -> Files:
             for row in selection.history.tolist()
         ]
     text = yaml.safe_dump(parts, sort_keys=False, allow_unicode=True, default_flow_style=None)
-    return _file(name, ".yaml", text.encode())
+    return file_named(name, ".yaml", text.encode())
 
 
 def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
@@ -258,7 +258,8 @@ def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
     return text.getvalue().encode()
 
 
-def _file(name: str, suffix: str, content: bytes) -> Files:
+def file_named(name: str, suffix: str, content: bytes) -> Files:
+    """Return one file, with a suffix unless its name has it."""
     return Files({name if name.lower().endswith(suffix) else name + suffix: content})
 
 

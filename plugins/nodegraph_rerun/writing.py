@@ -8,12 +8,12 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import Field
 
 from nodegraph import Across, Files, NodegraphError, Truth, node
+from nodegraph_files.writers import Name, file_named
 from nodegraph_mocap.recording import Origin, Trajectories
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
@@ -37,7 +37,7 @@ def write_rrd(
     recordings: Across[Trajectories],
     truth: Truth[Trajectories] | None = None,
     *,
-    name: Annotated[str, Field(min_length=1)] = "recording",
+    name: Name = "recording",
 ) -> Files:
     """Write recordings as a file for the viewer Rerun, an entity for each.
 
@@ -96,7 +96,7 @@ def write_rrd(
         file = Path(folder, "it.rrd")
         store.write_rrd(file, application_id="nodegraph", recording_id=name)
         content = _repeatable(file.read_bytes())
-    return Files({name if name.lower().endswith(".rrd") else f"{name}.rrd": content})
+    return file_named(name, ".rrd", content)
 
 
 def _entities(recordings: Across[Trajectories]) -> dict[str, Trajectories]:

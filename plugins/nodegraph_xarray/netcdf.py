@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from io import BytesIO
 from pathlib import Path
-from typing import Annotated
-
-from pydantic import Field
 
 from nodegraph import Files, Format, node
 from nodegraph_files.units import AUTO, UnitSetting
+from nodegraph_files.writers import Name, file_named
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_xarray.poses import from_xarray, require_xarray, to_xarray
 
@@ -20,9 +18,7 @@ _SMALL = 1 << 24  # bytes, for which there is room in any case
 
 
 @node("write.nc")
-def write_nc(
-    recording: Trajectories, *, name: Annotated[str, Field(min_length=1)] = "recording"
-) -> Files:
+def write_nc(recording: Trajectories, *, name: Name = "recording") -> Files:
     """Write a recording as netCDF, a dataset of poses of the package movement, bit for bit.
 
     The dataset is that of `nodegraph_xarray.to_xarray`; ``xarray.open_dataset`` opens it.
@@ -45,7 +41,7 @@ def write_nc(
         If xarray is not installed.
     """
     content = bytes(to_xarray(recording).to_netcdf(engine="scipy", format="NETCDF3_64BIT"))
-    return Files({name if name.lower().endswith(".nc") else f"{name}.nc": content})
+    return file_named(name, ".nc", content)
 
 
 def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO) -> Trajectories:

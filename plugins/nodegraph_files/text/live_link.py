@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Format
-from nodegraph_files.text.table import cell_numbers, text_lines
+from nodegraph_files.text.table import cell_numbers, check_distinct, text_lines
 from nodegraph_files.text.text_file import start_in_utf8
-from nodegraph_mocap.checks import distinct
 from nodegraph_mocap.face_model import Weights
 
 if TYPE_CHECKING:
@@ -103,10 +102,7 @@ def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
 
 def _columns(path: Path, names: list[str]) -> dict[str, int]:
     """Return the place of each weight's column."""
-    try:
-        distinct("columns", names)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    check_distinct(names, str(path))
     columns = {
         name: place
         for place, name in enumerate(names)

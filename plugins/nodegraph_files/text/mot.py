@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 
 from nodegraph import Format, listed
-from nodegraph_files.text.table import Row, Table, filled_width, read_rows
+from nodegraph_files.text.table import Row, Table, check_distinct, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
     known_rate,
     recording_of,
@@ -22,7 +22,6 @@ from nodegraph_files.text.table_recording import (
 )
 from nodegraph_files.text.text_file import read_text_file, start_in_utf8
 from nodegraph_files.units import AUTO, unit_from
-from nodegraph_mocap.checks import distinct
 from nodegraph_mocap.recording import Trajectories
 
 _END = "endheader"
@@ -114,10 +113,7 @@ def _names(table: Table, header: Row) -> list[str]:
         raise ValueError(f"{place}:{names.index('') + 1}: a column has no name")
     if len(names) == 1:
         raise ValueError(f"{place}: no columns but time")
-    try:
-        distinct("columns", names)
-    except ValueError as error:
-        raise ValueError(f"{place}: {error}") from None
+    check_distinct(names, place)
     return names[1:]
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from nodegraph_files.text.text_file import Comment, Line, TextFile, read_text_file
+from nodegraph_mocap.checks import distinct
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -438,3 +439,11 @@ def _rows(text: TextFile, separator: str, start: int, line: int, *, quoted: bool
 def filled_width(cells: Sequence[str]) -> int:
     """Return the number of cells up to the last that is not empty."""
     return max((index for index, cell in enumerate(cells, 1) if cell), default=0)
+
+
+def check_distinct(names: Sequence[str], place: str) -> None:
+    """Raise `ValueError` with the place of the header if two columns have one name."""
+    try:
+        distinct("columns", names)
+    except ValueError as error:
+        raise ValueError(f"{place}: {error}") from None

@@ -12,10 +12,9 @@ import numpy as np
 
 from nodegraph import Format, listed
 from nodegraph_files.text.csv import is_frame, seconds_in
-from nodegraph_files.text.table import filled_width, read_rows, read_table
+from nodegraph_files.text.table import check_distinct, filled_width, read_rows, read_table
 from nodegraph_files.text.table_recording import known_rate, warn_irregular
 from nodegraph_files.text.text_file import start_in_utf8
-from nodegraph_mocap.checks import distinct
 from nodegraph_mocap.face_model import Weights
 
 _STARTS = re.compile(rb"(?:#[^\n]*\n\s*)*\"?(?:time|frame)(?!code)", re.IGNORECASE)
@@ -54,10 +53,7 @@ def read_weights_table(path: Path) -> Weights:
     if not shapes or "" in names:
         what = f"{names.index('') + 1}: a column has no name" if "" in names else " no weights"
         raise ValueError(f"{place}:{what}")
-    try:
-        distinct("columns", names)
-    except ValueError as error:
-        raise ValueError(f"{place}: {error}") from None
+    check_distinct(names, place)
     cells = read_rows(table.below(header, len(names), range(len(names)), names=names))
     if not len(cells):
         raise ValueError(f"{path}: no frames follow line {header.line}")
