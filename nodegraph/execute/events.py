@@ -105,19 +105,20 @@ class EventLog:
         self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
         self._remaining = RemainingTime((), {})
         self._first: float | None = None
-        steps = Counter(step.node for step in plan.steps)
-        self._emit(
-            EventKind.PLANNED,
-            None,
-            {
-                "format": FORMAT,
-                "steps": self._steps,
-                "nodes": {name: steps[name] for name in plan.graph.nodes},
-                "title": plan.graph.title,
-                "began": datetime.now().astimezone().isoformat(timespec="milliseconds"),
-                **about,
-            },
-        )
+        if listeners:
+            steps = Counter(step.node for step in plan.steps)
+            self._emit(
+                EventKind.PLANNED,
+                None,
+                {
+                    "format": FORMAT,
+                    "steps": self._steps,
+                    "nodes": {name: steps[name] for name in plan.graph.nodes},
+                    "title": plan.graph.title,
+                    "began": datetime.now().astimezone().isoformat(timespec="milliseconds"),
+                    **about,
+                },
+            )
 
     def seconds(self) -> float:
         """Return the seconds since the run began."""
@@ -175,9 +176,10 @@ class EventLog:
         """Report that the run ends early."""
         self._emit(EventKind.INTERRUPTED, None, self._progress())
 
-    def finished(self, counts: Mapping[str, int]) -> None:
-        """Report that the run is over."""
-        self._emit(EventKind.FINISHED, None, dict(counts))
+    def finished(self, counts: Callable[[], Mapping[str, int]]) -> None:
+        """Report that the run is over, and how many steps ended in each state."""
+        if self.listeners:
+            self._emit(EventKind.FINISHED, None, dict(counts()))
 
     def _progress(self) -> dict[str, object]:
         counts = self._counts

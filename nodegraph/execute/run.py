@@ -88,7 +88,7 @@ def execute(
         for step in plan.steps
     }
     run = Run(plan, outcomes, schedule.values, log.seconds(), cache, schedule.packer)
-    log.finished(run.counts())
+    log.finished(run.counts)
     return run
 
 

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
 from nodegraph.execute.step_cache import StepCache
+from nodegraph.gc_pause import gc_paused
 from nodegraph.node.ports import Absent, Across
 from nodegraph.plan import Gathered, Output, Plan, Step
 from nodegraph.state import State
@@ -175,6 +176,7 @@ class Schedule:
                 if not self._waiting[reader] and (known := self._release(reader)) is not None:
                     pending.append((reader, known))
 
+    @gc_paused()
     def _demand(self, wanted: Iterable[int]) -> None:
         """Have steps computed that are not settled, with all that they need."""
         pending = [index for index in wanted if index not in self.outcomes]
