@@ -16,7 +16,7 @@ from typing import Any
 from nodegraph.errors import NodegraphError, listed, message_of
 from nodegraph.live.addresses import source_of
 from nodegraph.live.forms import header_of, streamable_of
-from nodegraph.live.packets import MAGIC, PacketReader
+from nodegraph.live.packet_file import MAGIC, PacketFileReader
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.formats import current_registry
 from nodegraph.plugin.streaming import JUMP, Frame, Source
@@ -115,7 +115,7 @@ class _Packets:
     """
 
     def __init__(self, path: Path, pace: float | None) -> None:
-        self._reader = PacketReader(path)
+        self._reader = PacketFileReader(path)
         self._pace = pace
         self._rest = self._reader.packets()
         self._next: tuple[bool, int, bytes] | None = None

@@ -38,7 +38,7 @@ from nodegraph.live.addresses import (
 from nodegraph.live.counts import Causes, Counts
 from nodegraph.live.engine import Engine, Receiver, Tap
 from nodegraph.live.forms import streamable_of
-from nodegraph.live.packets import PacketWriter
+from nodegraph.live.packet_file import PacketFileWriter
 from nodegraph.live.plan import LivePlan, live_plan
 from nodegraph.live.running_numbers import Latest
 from nodegraph.plan import Output, plan
@@ -123,7 +123,7 @@ def session_of(
             address,
             outlets,
             policy=policy,
-            record=PacketWriter(record, address) if record is not None else None,
+            record=PacketFileWriter(record, address) if record is not None else None,
             announce=announce,
         )
 
@@ -183,7 +183,7 @@ class Session:
         outlets: Sequence[Outlet],
         *,
         policy: Policy = "every",
-        record: PacketWriter | None = None,
+        record: PacketFileWriter | None = None,
         announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.counts = Counts()

@@ -10,7 +10,7 @@ from nodegraph.execute import Run
 from nodegraph.formatting import duration
 from nodegraph.graph import Graph
 from nodegraph.plugin.hook_types import Rendered
-from nodegraph.report.compose import compose
+from nodegraph.report.from_run import compose
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.page import templates_of, titled
 from nodegraph.runs.settings import RunSettings

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from nodegraph.execute import Run
 from nodegraph.plugin.loading import error_text
-from nodegraph.report.compose import Composed, compose
+from nodegraph.report.from_run import Composed, compose
 from nodegraph.report.page import page
 from nodegraph.report.study import Study, study_bytes
 from nodegraph.runs.folder import RECORD, REPORT, STEPS, STUDY, RunFolder

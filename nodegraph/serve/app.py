@@ -21,7 +21,7 @@ from nodegraph.formatting import labels_of
 from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, source
-from nodegraph.runs.reopen import NotStored, ReopenedRun
+from nodegraph.runs.reopened_run import NotStored, ReopenedRun
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.serve.computing import Computing
 from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response

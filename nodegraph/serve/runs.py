@@ -19,7 +19,7 @@ from nodegraph.filenames import portable_name
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_written
-from nodegraph.runs.reopen import ReopenedRun, reopen, saved_graph
+from nodegraph.runs.reopened_run import ReopenedRun, reopen, saved_graph
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.runs.settings import RunSettings
 from nodegraph.serve.progress import EventFile, Progress

@@ -15,7 +15,7 @@ from nodegraph.node.ports import Label
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
-from nodegraph.runs.reopen import NotStored, ReopenedRun
+from nodegraph.runs.reopened_run import NotStored, ReopenedRun
 
 Query = Mapping[str, str]
 """The query of an address."""

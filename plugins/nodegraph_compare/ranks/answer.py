@@ -17,8 +17,8 @@ from nodegraph_compare.left_out import (
     numberless,
     start_text,
 )
+from nodegraph_compare.ranks.signed_rank import TEST_NAMES
 from nodegraph_compare.scope import caution, scope, unit_text
-from nodegraph_compare.signed_rank import TEST_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

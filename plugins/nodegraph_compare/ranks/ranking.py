@@ -10,7 +10,7 @@ import numpy as np
 from nodegraph import listed
 from nodegraph_compare.inference import LEVEL, range_quantile
 from nodegraph_compare.question import sign_of
-from nodegraph_compare.signed_rank import holm, rank_biserial, signed_rank
+from nodegraph_compare.ranks.signed_rank import holm, rank_biserial, signed_rank
 from nodegraph_compare.studentised_range import survival
 from nodegraph_compare.table.sensitivity import COMMON, WORST, rule_text
 from nodegraph_compare.ties import apart

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from nodegraph import node
 from nodegraph.execute import Run
-from nodegraph.report.compose import compose
+from nodegraph.report.from_run import compose
 from nodegraph.report.merge import merged
 from nodegraph.report.methods import Methods
 from nodegraph.report.study import WithoutResult

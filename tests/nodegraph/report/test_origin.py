@@ -14,7 +14,7 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin as Loaded
 from nodegraph.plugin.registry import Registry
-from nodegraph.report.compose import compose
+from nodegraph.report.from_run import compose
 from nodegraph.runs.settings import RunSettings
 
 GRAPH = """\

@@ -18,7 +18,7 @@ from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
-from nodegraph.report.compose import compose
+from nodegraph.report.from_run import compose
 from nodegraph.runs.settings import RunSettings
 
 @node("toy.table")

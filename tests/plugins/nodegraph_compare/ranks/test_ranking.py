@@ -9,7 +9,7 @@ from scipy.stats import binom, friedmanchisquare, rankdata, studentized_range, w
 
 from nodegraph_compare.blocks import Group
 from nodegraph_compare.ranks.ranking import PairTest, critical_difference, rank, runs
-from nodegraph_compare.signed_rank import holm
+from nodegraph_compare.ranks.signed_rank import holm
 
 scikit_posthocs: Any = import_module("scikit_posthocs")
 STUDIES = 1000

@@ -18,7 +18,7 @@ _RECORD = struct.Struct("<?qI")
 """Whether the source was opened again before it, when the packet arrived in ns, and its length."""
 
 
-class PacketWriter:
+class PacketFileWriter:
     """Writes the packets of a source into a file, which must not exist.
 
     Parameters
@@ -76,8 +76,8 @@ class PacketWriter:
         return NodegraphError(f"{self._path}: cannot be written: {error.strerror}")
 
 
-class PacketReader:
-    """Reads what a `PacketWriter` wrote.
+class PacketFileReader:
+    """Reads what a `PacketFileWriter` wrote.
 
     Attributes
     ----------

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import rankdata, wilcoxon
 
-from nodegraph_compare.signed_rank import holm, rank_biserial, signed_rank
+from nodegraph_compare.ranks.signed_rank import holm, rank_biserial, signed_rank
 
 
 def mixed(blocks: int = 25) -> Any:
