@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 _DOTS_PER_INCH = 50
+_PLAIN = frozenset({bool, int, float, complex, str, bytes})
 
 
 def same(first: object, second: object) -> bool:
@@ -39,10 +40,12 @@ def difference(first: object, second: object, *, name: str = "value") -> str:
 
 
 def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) -> str:
-    if first is second or (id(first), id(second)) in seen:
+    if first is second:
         return ""
     if type(first) is not type(second):
         return f"{at}: {type(first).__name__} and {type(second).__name__}"
+    if (type(first) in _PLAIN and first == second) or (id(first), id(second)) in seen:
+        return ""
     if isinstance(first, np.ndarray) and not first.dtype.hasobject:
         return _array_difference(first, second, at)
     parts = _parts(first)
@@ -54,7 +57,9 @@ def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) ->
         odd = ", ".join(sorted(f"{at}{name}" for name in parts.keys() ^ second_parts.keys()))
         return f"only one of them has {odd}"
     differences = (
-        _difference(part, second_parts[name], f"{at}{name}", seen) for name, part in parts.items()
+        _difference(part, second_parts[name], f"{at}{name}", seen)
+        for name, part in parts.items()
+        if part is not second_parts[name]
     )
     return next(filter(None, differences), "")
 
