@@ -56,18 +56,18 @@ def advance(
         Where the truth's markers stand in these.
     """
     for marker in range(len(truth)):
-        gap = open_gaps[marker]
-        error = estimate[of_estimate[marker]] - truth[marker]
+        gap, guess, true = open_gaps[marker], estimate[of_estimate[marker]], truth[marker]
+        x, y, z = guess[0] - true[0], guess[1] - true[1], guess[2] - true[2]
         if hidden[of_hidden[marker]]:
-            _extend(gap, error)
+            _extend(gap, _length(x, y, z))
         elif gap[FRAMES] > 0.0:
-            jump = _length(error - gap[X:])
+            jump = _length(x - gap[X], y - gap[Y], z - gap[Z])
             if gap[PRESENT] == gap[FRAMES] and not math.isnan(jump):
                 closed[JUMPS] += 1.0
                 closed[JUMP] += jump
             _add(closed, gap)
             gap[:X] = 0.0
-        gap[X:] = error
+        gap[X], gap[Y], gap[Z] = x, y, z
     total = closed.copy()
     for marker in range(len(truth)):
         if open_gaps[marker, FRAMES] > 0.0:
@@ -76,15 +76,14 @@ def advance(
 
 
 @inlined
-def _length(vector: NDArray[np.float64]) -> float:
-    return math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+def _length(x: float, y: float, z: float) -> float:
+    return math.sqrt(x**2 + y**2 + z**2)
 
 
 @inlined
-def _extend(gap: NDArray[np.float64], error: NDArray[np.float64]) -> None:
-    """Count a hidden sample."""
+def _extend(gap: NDArray[np.float64], length: float) -> None:
+    """Count a hidden sample, and how long its error is."""
     gap[FRAMES] += 1.0
-    length = _length(error)
     if not math.isnan(length):
         gap[PRESENT] += 1.0
         gap[SQUARES] += length**2

@@ -204,24 +204,33 @@ def assigned_by_neighbours(
     near : (A, N) array of int
         Written; see `carried_by_neighbours`.
     """
-    seen = tracks.seen == frame - 1
-    alone = carried_by_velocity(tracks.place, tracks.steps, frame - 1 - tracks.seen, 0.0)
+    absent = frame - 1 - tracks.seen
+    alone = carried_by_velocity(tracks.place, tracks.steps, absent, 0.0)
     expected = alone.copy()
-    expected[~seen] = np.nan
-    of_place, free = np.full(len(alone), -1), np.ones(len(points), np.bool_)
-    of_seen, settled = of_place, False
+    for row in range(len(alone)):
+        if absent[row]:
+            expected[row] = np.nan
+    of_place, free = np.empty(len(alone), np.int64), np.empty(len(points), np.bool_)
+    of_seen, settled = np.full(len(alone), -1), False
+    moved, motion = np.empty(len(alone), np.int64), np.empty((len(alone), 3))
     for count in range(rounds):
-        of_place, free = np.full(len(alone), -1), np.ones(len(points), np.bool_)
+        of_place[:], free[:] = -1, True
         _assign(expected, points, gate, of_place, free)
-        before, of_seen = of_seen, np.where(seen, of_place, -1)
-        settled = count > 0 and np.array_equal(before, of_seen)
+        settled, links = count > 0, 0
+        for row in range(len(alone)):
+            point = -1 if absent[row] else of_place[row]
+            settled &= point == of_seen[row]
+            of_seen[row] = point
+            if point >= 0:
+                moved[links] = row
+                for axis in range(3):
+                    motion[links, axis] = points[point, axis] - tracks.place[row, axis]
+                links += 1
         if settled:
             break
-        moved = np.flatnonzero(of_seen >= 0)
-        motion = points[of_seen[moved]] - tracks.place[moved]
-        expected = carried_by_neighbours(tracks.place, moved, motion, near, alone)
+        expected = carried_by_neighbours(tracks.place, moved[:links], motion[:links], near, alone)
     if not settled:
-        of_place, free = np.full(len(alone), -1), np.ones(len(points), np.bool_)
+        of_place[:], free[:] = -1, True
         _assign(expected, points, gate, of_place, free)
     _assign(alone, points, gate, of_place, free)
     _assign(expected - tracks.jump, points, gate, of_place, free)
@@ -333,9 +342,10 @@ def carried_by_neighbours(
         Where a place without any neighbour is.
     """
     values = np.empty((near.shape[1], len(place), 3))
-    counts = _nearest_others(place, moved, near)
     link_of = np.full(len(place), -1)
-    link_of[moved] = np.arange(len(moved))
+    for link in range(len(moved)):
+        link_of[moved[link]] = link
+    counts = _nearest_others(place, moved, link_of, near)
     for row in range(len(place)):
         for rank in range(counts[row]):
             link = link_of[near[row, rank]]
@@ -357,19 +367,22 @@ def carried_by_neighbours(
 
 
 @compiled
-def _nearest_others(place: Floats, moved: Integers, near: Integers) -> Integers:
+def _nearest_others(place: Floats, moved: Integers, link_of: Integers, near: Integers) -> Integers:
     """Write the nearest places that moved to each, and return how many, (A,).
 
     Parameters
     ----------
     place, moved, near
         As for `carried_by_neighbours`.
+    link_of : (A,) array of int
+        Where each place stands in `moved`, -1 if it does not.
     """
     most, counts = near.shape[1], np.empty(len(place), np.int64)
-    link_of = np.full(len(place), -1)
-    link_of[moved] = np.arange(len(moved))
-    others, squared = place[moved], np.empty(len(moved))
-    x, y, z = others[:, 0].copy(), others[:, 1].copy(), others[:, 2].copy()
+    others, squared = np.empty((3, len(moved))), np.empty(len(moved))
+    for link in range(len(moved)):
+        for axis in range(3):
+            others[axis, link] = place[moved[link], axis]
+    x, y, z = others[0], others[1], others[2]
     which, smallest = np.empty(len(moved) + 1, np.int64), np.empty(most)
     for row in range(len(place)):
         for link in range(len(moved)):
@@ -388,8 +401,8 @@ def _nearest_others(place: Floats, moved: Integers, near: Integers) -> Integers:
             count += squared[link] <= farthest
         if count > most:
             count = _smallest(squared, which[:count], smallest)
-        near[row, :count] = moved[which[:count]]
-        near[row, count:] = row
+        for rank in range(most):
+            near[row, rank] = moved[which[rank]] if rank < count else row
         counts[row] = count
     return counts
 
