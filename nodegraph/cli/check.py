@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from nodegraph.cli.arguments import add_graph, add_store
 from nodegraph.cli.live import add_hold, lines_on
 from nodegraph.cli.output import columns
-from nodegraph.errors import listed
+from nodegraph.errors import Problems, listed
 from nodegraph.formatting import number_of
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def check(arguments: Namespace) -> int:
     """Print the steps of a graph, and how many of them are stored."""
     from nodegraph.cli.graphs import graph_of, left_out_lines, store_of
     from nodegraph.execute import StepCache
+    from nodegraph.execute.requirements import check_requirements
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
@@ -52,6 +53,9 @@ def check(arguments: Namespace) -> int:
     planned = plan(graph)
     cache = StepCache(planned, store_of(arguments, graph))
     stored = {step.index for step in planned.steps if step.index in cache}
+    problems = Problems()
+    check_requirements(planned, cache, problems)
+    problems.raise_any()
     print(f"{graph.title}\n\n{columns(list(_rows(planned, stored)))}\n")
     print(f"{number_of(len(planned.steps), 'step')}, {len(stored)} of them stored")
     for line in left_out_lines(graph):

@@ -22,7 +22,7 @@ from typing import (
     get_type_hints,
 )
 
-from nodegraph.errors import NodeError
+from nodegraph.errors import NodeError, nearest
 from nodegraph.node.declaration import UNDECLARED, Declaration, Ends, LookAhead, Undeclared
 from nodegraph.node.live_form import FrameForm, LiveForm, RunningForm, StateForm, WindowForm
 from nodegraph.node.ports import (
@@ -57,6 +57,7 @@ def node(
     lookahead: LookAhead = UNDECLARED,
     ends: Ends = None,
     live: Literal["frame"] | LiveForm | None = None,
+    requires: Callable[..., object] | None = None,
     deprecated: str = "",
     timeout: float | None = None,
 ) -> Callable[[F], F]:
@@ -87,6 +88,10 @@ def node(
         ``"frame"`` if its function, called with one frame, does; a `WindowForm` or a `StateForm`;
         a `RunningForm` for a node that computes one value of a whole take.
         Omitted by nodes that need the whole take.
+    requires
+        A quick function that raises a ValueError if settings do not fit the inputs, as the node
+        then does; its arguments are those ports and settings that it needs, by their names.
+        ``nodegraph check`` calls it on recordings, which are read for that.
     deprecated
         What to use instead, for a node that another replaces: ``"use fill.new"``. The node works
         as before; graphs that use it get a notice, and ``family.*`` leaves it out.
@@ -120,6 +125,7 @@ def node(
             cited,
             declaration=declaration,
             live=FrameForm() if live == "frame" else live,
+            requires=requires,
             deprecated=deprecated,
             timeout=timeout,
         )
@@ -185,6 +191,8 @@ class Node:
         What a fair comparison needs to know of a method.
     live : LiveForm or None
         How it computes frame by frame; None if it needs the whole take.
+    requires : callable or None
+        Raises a ValueError if settings do not fit the inputs.
     deprecated : str
         What to use instead, for a node that another replaces.
     timeout : float or None
@@ -196,6 +204,7 @@ class Node:
     cite: tuple[str, ...]
     declaration: Declaration = field(default=Declaration(), kw_only=True)
     live: LiveForm | None = field(default=None, kw_only=True)
+    requires: Callable[..., object] | None = field(default=None, kw_only=True)
     deprecated: str = field(default="", kw_only=True)
     timeout: float | None = field(default=None, kw_only=True)
 
@@ -295,6 +304,7 @@ class Node:
             )
         if isinstance(self.live, RunningForm) and self.splits:
             raise NodeError(f"{self.name}: has several outputs; a RunningForm is for one")
+        self._check_requires()
         if self.timeout is not None and not 0 < self.timeout < math.inf:
             raise NodeError(f"{self.name}: timeout is {self.timeout!r}; it must be seconds above 0")
         defaults = self.defaults
@@ -303,6 +313,17 @@ class Node:
             self.live_lookahead(defaults)
             self.meets_ends(defaults)
         return self
+
+    def _check_requires(self) -> None:
+        if self.requires is None:
+            return
+        known = [*(port.name for port in self.inputs if not port.across), *self.settings]
+        for name in inspect.signature(self.requires).parameters:
+            if name not in known:
+                raise NodeError(
+                    f"{self.name}: the function given as requires takes {name!r}, which is neither "
+                    f"a port of one value nor a setting; {nearest(name, known)}"
+                )
 
     def limit(self, timeout: float | None) -> float | None:
         """Return the seconds that a call may take in a run with that limit: the shorter of both."""

@@ -29,11 +29,11 @@ def read_marker_set_yaml(path: Path) -> MarkerSet:
 
     # nothing is resolved, so that a marker may be called `no` or `1e3`; the loader in C is faster,
     # but ends the process on brackets nested deep enough
-    loader = yaml.BaseLoader
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        _check_keys(yaml.compose(text, Loader=loader))
-        return marker_set_of(yaml.load(text, Loader=loader))
+        loader = yaml.BaseLoader(path.read_text(encoding="utf-8-sig"))
+        root = loader.get_single_node()
+        _check_keys(root)
+        return marker_set_of(root and loader.construct_document(root))
     except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError) as error:
         raise ValueError(f"{path}: not a marker set: {error}") from None
 

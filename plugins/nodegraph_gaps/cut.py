@@ -42,7 +42,27 @@ class Cut(NamedTuple):
     hidden: Mask
 
 
-@node("gaps.cut")
+def _check_fit(
+    recording: Trajectories,
+    pattern_from: Trajectories | None,
+    length: int,
+    count: int,
+    simultaneous: int,
+    pattern: Pattern,
+) -> None:
+    """Refuse settings that no seed can fulfil."""
+    if pattern_from is not None:
+        _refuse(length=length, count=count, simultaneous=simultaneous, pattern=pattern)
+        return
+    # an event of several markers takes as many places as as many events of one marker
+    free = free_places(recording, length, at_end=pattern == "end")
+    random = np.random.default_rng(0)
+    _, fitting = place_events(free, length, count * simultaneous, AnyMarkers(1), random)
+    fitting = fitting // simultaneous if simultaneous <= len(recording.markers) else 0
+    _check_count(fitting, recording, length, count, simultaneous, pattern)
+
+
+@node("gaps.cut", requires=_check_fit)
 def cut(
     recording: Trajectories,
     pattern_from: Trajectories | None = None,
@@ -170,6 +190,21 @@ def _events(
     free = free_places(recording, length, at_end=pattern == "end")
     groups = _groups(recording, pattern, simultaneous, random)
     events, fitting = place_events(free, length, count, groups, random)
+    _check_count(fitting, recording, length, count, simultaneous, pattern)
+    hidden = np.zeros(recording.origin.shape, dtype=np.bool_)
+    for start, markers in events:
+        hidden[start : start + length, markers] = True
+    return hidden
+
+
+def _check_count(
+    fitting: int,
+    recording: Trajectories,
+    length: int,
+    count: int,
+    simultaneous: int,
+    pattern: Pattern,
+) -> None:
     if fitting < count:
         each = "" if simultaneous == 1 else f" on {simultaneous} markers at once"
         raise ValueError(
@@ -177,10 +212,6 @@ def _events(
             f"{recording.frames} frames of {len(recording.markers)} markers ({pattern}): ask for "
             "fewer or shorter"
         )
-    hidden = np.zeros(recording.origin.shape, dtype=np.bool_)
-    for start, markers in events:
-        hidden[start : start + length, markers] = True
-    return hidden
 
 
 def _groups(

@@ -13,7 +13,20 @@ from nodegraph_mocap import Trajectories
 Frame = Annotated[int, Field(ge=0), Unit("frame")]
 
 
-@node("recording.crop")
+def _end(recording: Trajectories, first: int, last: int | None) -> int:
+    """Return the last frame that is kept, or refuse frames that the take does not have."""
+    end = recording.frames - 1 if last is None else last
+    if max(first, end) >= recording.frames:
+        raise ValueError(
+            f"frames {first} to {end} do not exist; the take has {recording.frames} frames, "
+            f"0 to {recording.frames - 1}"
+        )
+    if end < first:
+        raise ValueError(f"the last frame, {end}, comes before the first, {first}")
+    return end
+
+
+@node("recording.crop", requires=_end)
 def crop(recording: Trajectories, *, first: Frame = 0, last: Frame | None = None) -> Trajectories:
     """Cut a part out of a take.
 
@@ -36,15 +49,7 @@ def crop(recording: Trajectories, *, first: Frame = 0, last: Frame | None = None
     ValueError
         If the take has no such frames, or `last` comes before `first`.
     """
-    end = recording.frames - 1 if last is None else last
-    if max(first, end) >= recording.frames:
-        raise ValueError(
-            f"frames {first} to {end} do not exist; the take has {recording.frames} frames, "
-            f"0 to {recording.frames - 1}"
-        )
-    if end < first:
-        raise ValueError(f"the last frame, {end}, comes before the first, {first}")
-    frames = slice(first, end + 1)
+    frames = slice(first, _end(recording, first, last) + 1)
     return replace(
         recording,
         positions=recording.positions[frames],

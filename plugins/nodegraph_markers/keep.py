@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from nodegraph import node
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Selection, Trajectories, check_markers
 
 
-@node("markers.keep")
+@node("markers.keep", requires=lambda recording, names: check_markers(recording, names or ()))
 def keep(
     recording: Trajectories,
     selection: Selection | None = None,

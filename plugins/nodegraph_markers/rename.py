@@ -9,7 +9,7 @@ from nodegraph import node
 from nodegraph_mocap import MarkerSet, Trajectories, check_markers
 
 
-@node("markers.rename")
+@node("markers.rename", requires=lambda recording, names: check_markers(recording, names))
 def rename(recording: Trajectories, *, names: dict[str, str]) -> Trajectories:
     """Give markers other names, in the recording and in its marker set alike.
 

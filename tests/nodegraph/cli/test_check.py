@@ -93,6 +93,53 @@ def test_mistakes_in_colons_and_indentation_are_shown_below_the_line(
     assert f"    {line} | {source}\n      | {' ' * (column - 1)}^" in err
 
 
+REQUIRING = """\
+@node("toy.lines")
+def lines(*, file: InputFile) -> float:
+    return float(len(file.read_text().split()))
+
+@node("toy.slow")
+def slow(x: float) -> float:
+    raise AssertionError("check called a method")
+
+def fits(x: float, *, length: int) -> None:
+    if length > x:
+        raise ValueError(f"{length} of {x:g} lines")
+
+@node("toy.part", requires=fits)
+def part(x: float, *, length: int, seed: int = 0) -> float:
+    fits(x, length=length)
+    return length
+"""
+
+
+def test_check_refuses_settings_that_do_not_fit_a_file(command: Command) -> None:
+    mark = "from nodegraph import InputFile\n"
+    Path("toys.py").write_text(Path("toys.py").read_text() + mark + REQUIRING)
+    Path("three").write_text("a b c")
+    Path("part.yaml").write_text(
+        "nodegraph: 1\naxes: {length: [1, 3, 4], seed: {count: 5}}\nnodes:\n"
+        "  a: {use: toy.lines, with: {file: three}}\n"
+        "  b: {use: toy.cut, in: a, with: {length: 1}}\n"
+        "  c: {use: toy.part, in: a, with: {length: $length, seed: $seed}}\n"
+        "  d: {use: toy.part, in: b, with: {length: 5}}\n"
+        "  e: {use: toy.slow, in: a}\n"
+        "  f: {use: toy.part, in: e, with: {length: 9}}\n"
+    )
+    status, out, err = command("check", "part.yaml")
+    assert (status, out) == (2, "")
+    places = [line for line in err.splitlines() if "part.yaml:" in line]
+    assert [line.removeprefix("nodegraph: ") for line in places] == [
+        "part.yaml:6:44: c(length=4, seed=0): 4 of 3 lines",
+        "part.yaml:7:44: d: 5 of 2 lines",
+    ]
+    Path("three").write_text("a b c d e f")
+    assert command("check", "part.yaml")[0] == 0
+    Path("three").write_bytes(b"\xff")
+    err = command("check", "part.yaml")[2]
+    assert "part.yaml:4:38: a: " in err
+
+
 def test_check_takes_choices(command: Command) -> None:
     status, out, _ = command(
         "check", "toy.yaml", "--set", "start=7", "--axis", "length=1,2,3", "--only", "fill=hold"

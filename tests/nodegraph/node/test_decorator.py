@@ -296,6 +296,7 @@ def test_a_node_that_declares_nothing_is_no_method() -> None:
         ({"lookahead": lambda settings: 0.5}, "lookahead is 0.5"),
         ({"lookahead": lambda settings: settings["order"]}, "lookahead failed: KeyError: 'order'"),
         ({"ends": lambda settings: "met"}, "ends is 'met'"),
+        ({"requires": lambda y, reach: None}, "takes 'y', which is neither .* there is: x, reach"),
     ],
 )
 def test_a_wrong_declaration_is_named(declared: dict[str, Any], named: str) -> None:

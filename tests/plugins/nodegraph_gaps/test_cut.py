@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
+from nodegraph.node.decorator import node_of
 from nodegraph_gaps.cut import Cut, cut
 from nodegraph_mocap import Origin, Trajectories
 
@@ -112,6 +114,33 @@ def test_too_many_gaps_say_how_many_fit(length: int, count: int, fitting: int) -
         ValueError, match=rf"{count} gaps of {length} frames requested, {fitting} fit"
     ):
         cut(recording(frames=21, markers=1), length=length, count=count)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+@pytest.mark.parametrize(("simultaneous", "length"), [(1, 6), (3, 9), (3, 25), (4, 3)])
+def test_a_graph_is_refused_only_for_gaps_that_no_seed_can_cut(
+    pattern: Pattern, simultaneous: int, length: int
+) -> None:
+    source = recording(frames=24, markers=3, missing=0.03)
+    described = node_of(cut)
+    assert described is not None
+    requires = described.requires
+    assert requires is not None
+    for count in range(1, 13):
+        settings: dict[str, Any] = {
+            "length": length, "count": count, "simultaneous": simultaneous, "pattern": pattern
+        }  # fmt: skip
+        early = message(requires, source, None, **settings)
+        late = {message(cut, source, seed=seed, **settings) for seed in range(4)}
+        assert late == {early} if early or simultaneous == 1 else late
+
+
+def message(function: Callable[..., object], *inputs: object, **settings: object) -> str:
+    try:
+        function(*inputs, **settings)
+    except ValueError as error:
+        return str(error)
+    return ""
 
 
 def test_contiguous_gaps_hide_the_nearest_markers() -> None:

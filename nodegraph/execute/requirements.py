@@ -1,0 +1,103 @@
+"""What nodes require of their inputs, tried before a run as far as the inputs are at hand."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import Any
+
+from nodegraph.errors import Problems
+from nodegraph.execute.call import Call, collecting_warnings, failure, perform
+from nodegraph.execute.step_cache import StepCache
+from nodegraph.plan import Output, Plan, Step, StepInput
+from nodegraph.state import State
+
+_STEPS_IN_MEMORY = 32  # in a plan, steps follow closely those that feed them
+
+
+def check_requirements(plan: Plan, cache: StepCache, problems: Problems) -> None:
+    """Note settings that do not fit the inputs of their nodes, and files that cannot be read.
+
+    Requirements are tried on inputs that are stored, that are read from files, or that come from
+    such through nodes that damage them. No other node is called, and nothing is stored.
+
+    Parameters
+    ----------
+    plan
+    cache
+        The steps of the plan that are stored.
+    problems
+    """
+    inputs = _Inputs(plan, cache, problems)
+    tried = set()
+    with collecting_warnings():
+        for step in plan.steps:
+            requires = step.method.node.requires
+            if requires is None:
+                continue
+            names = inspect.signature(requires).parameters
+            ports = {
+                port.name: step.inputs.get(port.name)
+                for port in step.method.node.inputs
+                if port.name in names
+            }
+            settings = {name: value for name, value in step.settings.items() if name in names}
+            call = (requires, *ports.items(), repr(settings))
+            if call in tried:
+                continue
+            tried.add(call)
+            values = inputs.of(ports)
+            if values is None:
+                continue
+            try:
+                requires(**values, **settings)
+            except Exception as error:
+                _note(problems, step, settings, failure(step.method.node, error).reason)
+
+
+class _Inputs:
+    """Values that are at hand without a run."""
+
+    def __init__(self, plan: Plan, cache: StepCache, problems: Problems) -> None:
+        self._plan = plan
+        self._cache = cache
+        self._problems = problems
+        self._outputs = lru_cache(_STEPS_IN_MEMORY)(self._find_outputs)
+
+    def of(self, sources: Mapping[str, StepInput | None]) -> dict[str, Any] | None:
+        """Return the values at ports, None at an open one; or None if one is not at hand."""
+        values: dict[str, Any] = {}
+        for port, source in sources.items():
+            if source is None:
+                values[port] = None
+                continue
+            if not isinstance(source, Output) or not (outputs := self._outputs(source.step)):
+                return None
+            values[port] = outputs[source.position]
+        return values
+
+    def _find_outputs(self, index: int) -> tuple[Any, ...]:
+        """Return the outputs of a step, none if they are not at hand."""
+        step = self._plan.steps[index]
+        node = step.method.node
+        if self._cache.gives(index, range(len(node.outputs))):
+            return self._cache.load(index) or ()
+        files = [name for name, setting in node.settings.items() if setting.is_file]
+        if not (node.damages if step.inputs else files):
+            return ()
+        inputs = self.of(step.inputs)
+        if inputs is None:
+            return ()
+        registry = self._plan.graph.registry
+        call = Call(index, node, step.method.plugin, inputs, step.settings, registry=registry)
+        outcome = perform(call)
+        if outcome.state is State.FAILED:
+            _note(self._problems, step, files, outcome.message)
+        return outcome.values
+
+
+def _note(problems: Problems, step: Step, settings: Iterable[str], reason: str) -> None:
+    places = step.method.places
+    place = next((places[name] for name in settings if name in places), step.method.place)
+    problems.add(place, f"{step.name}: {reason}")
