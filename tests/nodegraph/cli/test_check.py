@@ -137,7 +137,7 @@ def test_check_refuses_settings_that_do_not_fit_a_file(command: Command) -> None
     assert command("check", "part.yaml")[0] == 0
     Path("three").write_bytes(b"\xff")
     err = command("check", "part.yaml")[2]
-    assert "part.yaml:4:38: a: " in err
+    assert "part.yaml:4:36: a: " in err
 
 
 def test_check_takes_choices(command: Command) -> None:
