@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+# numpy compares with an enum's member more slowly
+_MEASURED, _REPAIRED = int(Origin.MEASURED), int(Origin.REPAIRED)
+
+
 class _Stream:
     """The gaps, drawn frame by frame."""
 
@@ -46,15 +50,17 @@ class _Stream:
     def push(
         self, frame: MarkerFrame, truth: MarkerFrame | None = None
     ) -> tuple[MarkerFrame, MarkerFrame, NDArray[np.bool_]]:
-        begins = self._free & (self._random.random(len(self._left)) < self._chance)
-        left = np.where(begins, self._length, self._left)
-        known = frame.origin if truth is None else truth.origin[self._order]
-        measured = (frame.origin == Origin.MEASURED) | (frame.origin == Origin.REPAIRED)
-        hidden = (left > 0) & measured & (known != Origin.MISSING)
-        self._free = (left == 0) & frame.present
-        self._left = np.maximum(left - 1, 0)
+        left, origin, positions = self._left, frame.origin, frame.positions.copy()
+        left[self._free & (self._random.random(len(left)) < self._chance)] = self._length
+        in_gap = left > 0
+        hidden = in_gap & ((origin == _MEASURED) | (origin == _REPAIRED))
+        if truth is not None:
+            hidden &= truth.present[self._order]
+        self._free = frame.present & ~in_gap
+        left[in_gap] -= 1
+        positions[hidden] = np.nan
         gappy = MarkerFrame(
-            np.where(hidden[:, None], np.nan, frame.positions),
+            positions,
             frame.marked(hidden, Origin.MISSING),
             None if frame.sigma is None else np.where(hidden, np.nan, frame.sigma),
         )
