@@ -1,16 +1,19 @@
-"""The first steps of every comparison of gathered tables: what is asked, of which blocks."""
+"""What every comparison of gathered tables starts with: question, blocks, labels and baseline."""
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from nodegraph_compare.blocks import groups
-from nodegraph_compare.labels import compared_labels, fallback_label, named_label
+from nodegraph import nearest
+from nodegraph_compare.blocks import groups, label_order
 from nodegraph_compare.question import ask, blocks_name, unit_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from nodegraph import Across, Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Better, Question
@@ -58,7 +61,7 @@ class Comparison:
 
     def baseline(self, name: str | None) -> Label | None:
         """Return the label that a setting names."""
-        return named_label(self.methods, name)
+        return _named_label(self.methods, name, "baseline")
 
 
 def prepare(
@@ -91,5 +94,39 @@ def prepare(
         better=better,
     )
     gathered = groups(scores, question)
-    methods = compared_labels(scores, question, gathered)
+    methods = _compared_labels(scores, question, gathered)
     return Comparison(scores, question, gathered, methods, fallback_label(methods, fallback))
+
+
+def _compared_labels(
+    scores: Across[object], question: Question, gathered: Sequence[Group]
+) -> tuple[Label, ...]:
+    """Return all compared labels in their order: an axis's, else as the groups have them."""
+    if question.compare in scores.axes:
+        return label_order(scores, question.compare)
+    return tuple(dict.fromkeys(label for group in gathered for label in group.methods))
+
+
+def fallback_label(order: Sequence[Label], name: str | None) -> Label | None:
+    """Return the label whose values stand for missing ones, or None, with a warning, if it is out.
+
+    A graph names it for all methods of a family, and a command may run a few of these.
+    """
+    if name is not None and name not in map(str, order):
+        warnings.warn(
+            f"the fallback {name!r} is not among those compared: blocks that a method lacks are "
+            "left out",
+            stacklevel=4,
+        )
+        return None
+    return _named_label(order, name, "fallback")
+
+
+def _named_label(order: Sequence[Label], name: str | None, what: str) -> Label | None:
+    """Return the label that a setting names; a text that no label has is a ValueError."""
+    if name is None:
+        return None
+    for label in order:
+        if str(label) == name:
+            return label
+    raise ValueError(f"no {what} {name!r}; {nearest(name, order, what='compared are')}")

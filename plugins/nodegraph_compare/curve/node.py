@@ -10,13 +10,13 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Across, ColumnOf, Label, listed, node
+from nodegraph_compare.comparison import fallback_label
 from nodegraph_compare.curve.answer import answer, losses, notes
 from nodegraph_compare.curve.curves import Curves
 from nodegraph_compare.curve.lead import lead_of
 from nodegraph_compare.curve.marks import Mark, marks
 from nodegraph_compare.curve.points import Axes, compared_in, floors, points, unit_names
 from nodegraph_compare.curve.scale import scale_of
-from nodegraph_compare.labels import fallback_label
 from nodegraph_compare.question import (
     Clusters,
     Names,

@@ -7,7 +7,7 @@ import pytest
 
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import label_order
-from nodegraph_compare.labels import fallback_label
+from nodegraph_compare.comparison import fallback_label
 from nodegraph_compare.question import Question, ask
 
 TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
