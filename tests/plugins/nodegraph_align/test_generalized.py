@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, get_args
 
@@ -15,26 +14,25 @@ from nodegraph_align import generalized as module
 from nodegraph_align.generalized import generalized
 from nodegraph_align.poses import Scale
 from nodegraph_align.procrustes import procrustes
-from nodegraph_mocap import HeadMotion, Trajectories
+from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_align.heads import make_head, make_recording, run_moved
+from tests.plugins.recordings import quietly
 
 Array = NDArray[np.float64]
-Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
-Record = Callable[..., Trajectories]
 SCALES = get_args(Scale)
 
 
 @pytest.fixture(scope="module")
-def scans(head: Head, moved: Moved, recorded: Callable[..., Trajectories]) -> Trajectories:
+def scans() -> Trajectories:
     """Faces of somewhat different shape and size anywhere, the third of them the fullest."""
-    rest, motion = head(frames=30, seed=4)
+    rest, motion = make_head(frames=30, seed=4)
     random = np.random.default_rng(4)
-    take = moved(rest, replace(motion, scales=random.uniform(0.9, 1.1, 30)))
+    take = run_moved(rest, replace(motion, scales=random.uniform(0.9, 1.1, 30)))
     positions = take.positions + random.normal(0, 3, take.positions.shape)
     positions[random.random((30, 12)) < 0.1] = np.nan
     positions[:2, 0] = np.nan
     positions[2, :6] = take.positions[2, :6]
-    return recorded(positions)
+    return make_recording(positions)
 
 
 def spread(aligned: Any) -> float:
@@ -44,7 +42,7 @@ def spread(aligned: Any) -> float:
 
 @pytest.mark.parametrize("scale", SCALES)
 def test_the_reference_is_the_mean_and_frames_are_aligned_to_it(
-    quietly: Callable[..., Any], scans: Trajectories, scale: Scale
+    scans: Trajectories, scale: Scale
 ) -> None:
     aligned = quietly(generalized, scans, scale=scale)
     again = quietly(procrustes, scans, aligned.reference, scale=scale)
@@ -61,16 +59,12 @@ def test_the_reference_is_the_mean_and_frames_are_aligned_to_it(
 
 
 @pytest.mark.parametrize("scale", SCALES)
-def test_the_fullest_frame_stays(
-    quietly: Callable[..., Any], scans: Trajectories, scale: Scale
-) -> None:
+def test_the_fullest_frame_stays(scans: Trajectories, scale: Scale) -> None:
     aligned = quietly(generalized, scans, scale=scale)
     np.testing.assert_allclose(aligned.aligned.positions[2], scans.positions[2], atol=1e-7)
 
 
-def test_the_sum_is_no_larger_than_for_any_reference(
-    quietly: Callable[..., Any], scans: Trajectories
-) -> None:
+def test_the_sum_is_no_larger_than_for_any_reference(scans: Trajectories) -> None:
     least = spread(quietly(generalized, scans))
     random = np.random.default_rng(5)
     best = quietly(generalized, scans).reference
@@ -81,25 +75,23 @@ def test_the_sum_is_no_larger_than_for_any_reference(
         assert spread(aligned._replace(reference=replace(best, positions=mean))) > least
 
 
-def test_rigid_scans_give_back_one_shape(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=9)
+def test_rigid_scans_give_back_one_shape() -> None:
+    rest, motion = make_head(frames=9)
     cases: tuple[tuple[Array, Scale], ...]
     cases = ((np.ones(9), "none"), (np.linspace(1.0, 2.0, 9), "rms"))
     for scales, how in cases:
-        take = moved(rest, replace(motion, scales=scales))
+        take = run_moved(rest, replace(motion, scales=scales))
         aligned = generalized(take, scale=how)
         home = np.repeat(take.positions[:1], 9, axis=0)
         np.testing.assert_allclose(aligned.aligned.positions, home, atol=1e-8)
         np.testing.assert_allclose(aligned.head_motion.scales, scales, atol=1e-10)
 
 
-def test_no_frame_needs_all_landmarks(
-    quietly: Callable[..., Any], head: Head, moved: Moved, recorded: Callable[..., Trajectories]
-) -> None:
-    rest, motion = head(frames=12)
-    positions = moved(rest, motion).positions.copy()
+def test_no_frame_needs_all_landmarks() -> None:
+    rest, motion = make_head(frames=12)
+    positions = run_moved(rest, motion).positions.copy()
     positions[np.arange(12), np.arange(12) % 6] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     aligned = quietly(generalized, take)
     shape = aligned.reference.positions[0]
     assert not np.isnan(shape).any()
@@ -109,24 +101,20 @@ def test_no_frame_needs_all_landmarks(
     np.testing.assert_allclose(own, rest.positions, atol=1e-6)
 
 
-def test_frames_that_cannot_be_fitted_are_no_part_of_the_mean(
-    quietly: Callable[..., Any], scans: Trajectories, recorded: Callable[..., Trajectories]
-) -> None:
+def test_frames_that_cannot_be_fitted_are_no_part_of_the_mean(scans: Trajectories) -> None:
     positions = np.concatenate([scans.positions, scans.positions[-1:] + 500.0])
     positions[-1, 1:6] = np.nan
-    aligned = quietly(generalized, recorded(positions))
+    aligned = quietly(generalized, make_recording(positions))
     expected = quietly(generalized, scans)
     np.testing.assert_array_equal(aligned.reference.positions, expected.reference.positions)
     np.testing.assert_array_equal(aligned.aligned.positions[-1], positions[-1])
 
 
-def test_landmarks_and_markers_never_seen(
-    head: Head, moved: Moved, recorded: Callable[..., Trajectories]
-) -> None:
-    rest, motion = head(frames=5)
-    positions = moved(rest, motion).positions.copy()
+def test_landmarks_and_markers_never_seen() -> None:
+    rest, motion = make_head(frames=5)
+    positions = run_moved(rest, motion).positions.copy()
     positions[:, [1, 9]] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     with pytest.warns(UserWarning, match="1 landmarks are missing in every frame"):
         aligned = generalized(take)
     assert np.flatnonzero(~aligned.reference.present[0]).tolist() == [1, 9]
@@ -141,7 +129,7 @@ def test_a_shape_that_is_still_moving_is_reported(
         generalized(scans)
 
 
-def test_what_has_no_mean_shape(recorded: Record) -> None:
+def test_what_has_no_mean_shape() -> None:
     for bad, text in (
         (np.empty((0, 6, 3)), "there is none"),
         (np.full((3, 6, 3), np.nan), "needs 3 landmarks"),
@@ -149,6 +137,6 @@ def test_what_has_no_mean_shape(recorded: Record) -> None:
         (np.tile(np.outer(np.arange(6.0), [1.0, 2.0, 3.0]), (3, 1, 1)), "lie on a line"),
     ):
         with pytest.raises(Refusal, match=text):
-            generalized(recorded(bad))
+            generalized(make_recording(bad))
     with pytest.raises(ValueError, match="give `landmarks`"):
-        generalized(recorded(np.ones((3, 6, 3)), stable=None))
+        generalized(make_recording(np.ones((3, 6, 3)), stable=None))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,17 +12,21 @@ from nodegraph_align import huber as module
 from nodegraph_align.huber import huber
 from nodegraph_align.procrustes import procrustes
 from nodegraph_mocap import HeadMotion, Trajectories
+from tests.plugins.nodegraph_align.heads import (
+    make_head,
+    make_recording,
+    random_rotations,
+    run_moved,
+)
 
 Array = NDArray[np.float64]
-Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
 
 
 @pytest.fixture(scope="module")
-def shaken(head: Head, moved: Moved) -> tuple[Trajectories, Trajectories, HeadMotion]:
+def shaken() -> tuple[Trajectories, Trajectories, HeadMotion]:
     """A face at rest; moved, with noise, and one landmark of six far off; and its motion."""
-    rest, motion = head(frames=25, seed=1)
-    take, random = moved(rest, motion), np.random.default_rng(1)
+    rest, motion = make_head(frames=25, seed=1)
+    take, random = run_moved(rest, motion), np.random.default_rng(1)
     positions = take.positions + random.normal(0, 0.2, take.positions.shape)
     positions[np.arange(25), random.integers(0, 6, 25)] += random.normal(0, 20, (25, 3))
     return rest, replace(take, positions=positions), motion
@@ -37,16 +40,14 @@ def loss(placed: Array, shape: Array, width: float) -> Array:
 
 @pytest.mark.parametrize("width", [0.1, 1.0, 8.0])
 def test_no_pose_near_it_has_a_smaller_loss(
-    shaken: tuple[Trajectories, Trajectories, HeadMotion],
-    rotations: Callable[..., Array],
-    width: float,
+    shaken: tuple[Trajectories, Trajectories, HeadMotion], width: float
 ) -> None:
     rest, take, _ = shaken
     actual, shape = huber(take, rest, width=width).aligned.positions[:, :6], rest.positions[0, :6]
     least, middle = loss(actual, shape, width), shape.mean(axis=0)
     random = np.random.default_rng(2)
     for size in (1e-1, 1e-3):
-        for turn in rotations(20, 3):
+        for turn in random_rotations(20, 3):
             small = np.linalg.qr(np.eye(3) + size * (turn - turn.T))[0]
             small = small * np.sign(np.diag(small))
             nudged = (actual - middle) @ small + middle + size * random.normal(0, 1, 3)
@@ -93,12 +94,12 @@ def test_scales_are_found_in_spite_of_one_far_off(
 
 
 def test_missing_landmarks_and_frames_without(
-    shaken: tuple[Trajectories, Trajectories, HeadMotion], recorded: Callable[..., Trajectories]
+    shaken: tuple[Trajectories, Trajectories, HeadMotion],
 ) -> None:
     rest, take, _ = shaken
     positions = take.positions.copy()
     positions[3, 0] = positions[4, :4] = np.nan
-    gappy = recorded(positions)
+    gappy = make_recording(positions)
     with pytest.warns(UserWarning, match=r"1 of 25 frames [(]first 4[)] left as they are"):
         aligned = huber(gappy, rest)
     np.testing.assert_array_equal(aligned.aligned.positions[4], positions[4])

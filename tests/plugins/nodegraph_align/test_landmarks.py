@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,11 +12,12 @@ import nodegraph as ng
 from nodegraph import Refusal
 from nodegraph_align.landmarks import landmarks_of
 from nodegraph_mocap import MarkerSet, Trajectories
+from tests.plugins.nodegraph_align.heads import make_recording
 
 
 @pytest.fixture
-def face(recorded: Callable[..., Trajectories]) -> Trajectories:
-    return recorded(np.zeros((1, 8, 3)), stable=4)
+def face() -> Trajectories:
+    return make_recording(np.zeros((1, 8, 3)), stable=4)
 
 
 def test_stable_markers_of_the_recordings_marker_set(face: Trajectories) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,13 +10,11 @@ import pytest
 
 from nodegraph.node.decorator import node_of
 from nodegraph_align import nodegraph_nodes
-from nodegraph_mocap import HeadMotion, Trajectories
+from tests.plugins.nodegraph_align.heads import make_head, run_moved
 
 NODES = {function.__name__: function for function in nodegraph_nodes()}
 ALIGNMENTS = sorted(set(NODES) - {"restore"})
 TO_A_REFERENCE = ["huber", "procrustes", "trimmed"]
-Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
 
 
 def test_alignments_have_the_same_ports() -> None:
@@ -30,17 +27,17 @@ def test_alignments_have_the_same_ports() -> None:
 
 
 @pytest.mark.parametrize("name", ALIGNMENTS)
-def test_a_rigid_head_stands_still_afterwards(name: str, head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=10)
-    aligned = NODES[name](moved(rest, motion))
+def test_a_rigid_head_stands_still_afterwards(name: str) -> None:
+    rest, motion = make_head(frames=10)
+    aligned = NODES[name](run_moved(rest, motion))
     still = np.repeat(aligned.reference.positions, 10, axis=0)
     np.testing.assert_allclose(aligned.aligned.positions, still, atol=1e-8)
 
 
 @pytest.mark.parametrize("name", ALIGNMENTS)
-def test_memory_order_and_precision_make_no_difference(name: str, head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=10)
-    take = moved(rest, motion)
+def test_memory_order_and_precision_make_no_difference(name: str) -> None:
+    rest, motion = make_head(frames=10)
+    take = run_moved(rest, motion)
     noise = np.random.default_rng(0).normal(0, 1, take.positions.shape)
     coarse = (take.positions + noise).astype(np.float32)
     expected = NODES[name](replace(take, positions=coarse.astype(np.float64))).aligned.positions
@@ -51,7 +48,7 @@ def test_memory_order_and_precision_make_no_difference(name: str, head: Head, mo
 
 
 @pytest.mark.parametrize("name", ALIGNMENTS)
-def test_one_frame(name: str, head: Head) -> None:
-    rest, _ = head()
+def test_one_frame(name: str) -> None:
+    rest, _ = make_head()
     aligned = NODES[name](rest)
     np.testing.assert_allclose(aligned.aligned.positions, rest.positions, atol=1e-10)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,10 +14,8 @@ from nodegraph_align import poses as module
 from nodegraph_align import rigid_kernel
 from nodegraph_align.poses import FEW, FITTED, LINE, MIRRORED, Poses, fitted, warn
 from nodegraph_align.reference import reference_of
-from nodegraph_mocap import HeadMotion, Origin, Trajectories
-
-Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
+from nodegraph_mocap import Origin
+from tests.plugins.nodegraph_align.heads import make_head, make_recording, run_moved
 
 
 def warned(*arguments: Any) -> list[str]:
@@ -37,10 +34,10 @@ def test_codes_are_those_of_the_compiled_loops() -> None:
     assert tuple(module._CODES.values()) == kinds
 
 
-def test_moving_keeps_what_is_known_of_samples_and_scales_sigma(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=5)
+def test_moving_keeps_what_is_known_of_samples_and_scales_sigma() -> None:
+    rest, motion = make_head(frames=5)
     motion = replace(motion, scales=np.array([1.0, 0.5, 2.0, 1.25, 0.8]))
-    take = moved(rest, motion)
+    take = run_moved(rest, motion)
     origin = np.full(take.origin.shape, Origin.REPAIRED, dtype=np.uint8)
     origin[2, 8] = Origin.FILLED
     take = replace(take, origin=origin, sigma=np.full(origin.shape, 0.3))
@@ -54,9 +51,9 @@ def test_moving_keeps_what_is_known_of_samples_and_scales_sigma(head: Head, move
         np.testing.assert_allclose(getattr(back, name), getattr(motion, name), atol=1e-9)
 
 
-def test_frames_that_are_not_fitted_stay_bit_for_bit(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=3)
-    take = moved(rest, motion)
+def test_frames_that_are_not_fitted_stay_bit_for_bit() -> None:
+    rest, motion = make_head(frames=3)
+    take = run_moved(rest, motion)
     poses = fitted(take, reference_of(take, rest, None)[0], "none")
     poses.states[1], poses.states[2] = FEW, LINE
     aligned, back = poses.move(take)
@@ -67,9 +64,9 @@ def test_frames_that_are_not_fitted_stay_bit_for_bit(head: Head, moved: Moved) -
     assert np.abs(aligned.positions[0] - rest.positions[0]).max() < 1e-10
 
 
-def test_some_and_put_are_inverse(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=6)
-    take = moved(rest, motion)
+def test_some_and_put_are_inverse() -> None:
+    rest, motion = make_head(frames=6)
+    take = run_moved(rest, motion)
     poses = fitted(take, reference_of(take, rest, None)[0], "none")
     which = np.array([4, 1])
     chosen = poses.some(which)
@@ -81,13 +78,11 @@ def test_some_and_put_are_inverse(head: Head, moved: Moved) -> None:
     assert not blank.rotations[[0, 2, 3, 5]].any()
 
 
-def test_doubts_are_counted(
-    head: Head, moved: Moved, recorded: Callable[..., Trajectories]
-) -> None:
-    rest, motion = head(frames=6)
-    positions = moved(rest, motion).positions.copy()
+def test_doubts_are_counted() -> None:
+    rest, motion = make_head(frames=6)
+    positions = run_moved(rest, motion).positions.copy()
     positions[1, 0] = positions[2, 1:5] = positions[4, [0, 1]] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     reference, _ = reference_of(take, rest, None)
     poses = fitted(take, reference, "none")
     assert poses.states.tolist() == [FITTED, FITTED, FEW, FITTED, FITTED, FITTED]
@@ -102,16 +97,16 @@ def test_doubts_are_counted(
     ]
 
 
-def test_nothing_doubtful_says_nothing(head: Head, moved: Moved) -> None:
-    rest, motion = head()
-    take = moved(rest, motion)
+def test_nothing_doubtful_says_nothing() -> None:
+    rest, motion = make_head()
+    take = run_moved(rest, motion)
     reference, _ = reference_of(take, rest, None)
     assert not warned(fitted(take, reference, "none"), take, reference, [])
 
 
-def test_no_frame_fitted_is_refused(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=2)
-    take = moved(rest, motion)
+def test_no_frame_fitted_is_refused() -> None:
+    rest, motion = make_head(frames=2)
+    take = run_moved(rest, motion)
     reference, _ = reference_of(take, rest, None)
     poses = fitted(take, reference, "none")
     poses.states[:] = FEW

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
@@ -17,11 +16,10 @@ from nodegraph import Refusal, run
 from nodegraph_align.poses import Scale
 from nodegraph_align.procrustes import STEPS, Step, procrustes
 from nodegraph_mocap import HeadMotion, Trajectories
+from tests.plugins.nodegraph_align.heads import make_head, make_recording, run_moved
+from tests.plugins.recordings import quietly
 
 Array = NDArray[np.float64]
-Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
-Record = Callable[..., Trajectories]
 X = [[1.0, 1.0, 0.0], [1.0, 2.0, 0.0], [3.0, 2.0, 0.0]]
 Y = [[-3.0, -2.0, 0.0], [-3.0, -4.0, 0.0], [-7.0, -4.0, 0.0]]
 PREFIXES = [STEPS[:count] for count in range(4)]
@@ -37,17 +35,17 @@ def restored(aligned: Trajectories, motion: HeadMotion) -> Array:
 @pytest.mark.parametrize(
     ("steps", "expected"), [*zip(PREFIXES, [213.0, 30.0, 12.0, 0.0], strict=True)]
 )
-def test_worked_example(recorded: Record, steps: tuple[Step, ...], expected: float) -> None:
+def test_worked_example(steps: tuple[Step, ...], expected: float) -> None:
     aligned = procrustes(
-        recorded([Y]), recorded([X], stable=3), steps=steps, scale="rms", restore=False,
+        make_recording([Y]), make_recording([X], stable=3), steps=steps, scale="rms", restore=False,
         landmarks=("m0", "m1", "m2"),
     )  # fmt: skip
     squared = ((aligned.aligned.positions - aligned.reference.positions) ** 2).sum()
     assert squared == pytest.approx(expected, abs=1e-12)
 
 
-def test_worked_example_turns_half_round_and_halves(recorded: Record) -> None:
-    take, reference = recorded([Y], stable=3), recorded([X], stable=3)
+def test_worked_example_turns_half_round_and_halves() -> None:
+    take, reference = make_recording([Y], stable=3), make_recording([X], stable=3)
     for scale in ("rms", "least_squares"):
         motion = procrustes(take, reference, scale=scale).head_motion
         np.testing.assert_allclose(motion.rotations[0], np.diag([-1.0, -1.0, 1.0]), atol=1e-14)
@@ -87,34 +85,25 @@ nodes:
 @settings(max_examples=8)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_captured_is_what_head_motion_makes_of_aligned(
-    quietly: Callable[..., Any],
-    head: Head,
-    moved: Moved,
-    steps: tuple[Step, ...],
-    scale: Scale,
-    restore: bool,
-    seed: int,
-    recorded: Callable[..., Trajectories],
+    steps: tuple[Step, ...], scale: Scale, restore: bool, seed: int
 ) -> None:
     random = np.random.default_rng(seed)
-    rest, motion = head(frames=12, seed=seed % 1000)
+    rest, motion = make_head(frames=12, seed=seed % 1000)
     motion = replace(motion, scales=random.uniform(0.3, 3.0, 12))
-    positions = moved(rest, motion).positions + random.normal(0, 3, (12, 12, 3))
+    positions = run_moved(rest, motion).positions + random.normal(0, 3, (12, 12, 3))
     positions[random.random((12, 12)) < 0.3] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     aligned = quietly(procrustes, take, rest, steps=steps, scale=scale, restore=restore)
     np.testing.assert_allclose(restored(aligned.aligned, aligned.head_motion), positions, atol=1e-9)
     np.testing.assert_array_equal(aligned.aligned.origin, take.origin)
 
 
 @pytest.mark.parametrize("scale", ["rms", "least_squares"])
-def test_a_rigid_head_is_brought_home_and_its_motion_found(
-    head: Head, moved: Moved, scale: Scale
-) -> None:
-    rest, motion = head(frames=40)
+def test_a_rigid_head_is_brought_home_and_its_motion_found(scale: Scale) -> None:
+    rest, motion = make_head(frames=40)
     for scales, how in ((np.ones(40), "none"), (np.linspace(0.5, 2.0, 40), scale)):
         message = replace(motion, scales=scales)
-        aligned = procrustes(moved(rest, message), rest, scale=how)
+        aligned = procrustes(run_moved(rest, message), rest, scale=how)
         home = np.repeat(rest.positions, 40, axis=0)
         np.testing.assert_allclose(aligned.aligned.positions, home, atol=1e-9)
         np.testing.assert_allclose(aligned.head_motion.rotations, message.rotations, atol=1e-12)
@@ -125,9 +114,9 @@ def test_a_rigid_head_is_brought_home_and_its_motion_found(
         np.testing.assert_array_equal(aligned.reference.positions, rest.positions)
 
 
-def test_only_landmarks_decide_and_all_points_are_moved(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=15)
-    take = moved(rest, motion)
+def test_only_landmarks_decide_and_all_points_are_moved() -> None:
+    rest, motion = make_head(frames=15)
+    take = run_moved(rest, motion)
     positions = take.positions + np.where(
         np.arange(12)[:, None] < 6, 0.0, np.random.default_rng(0).normal(0, 20, (15, 12, 3))
     )
@@ -136,10 +125,10 @@ def test_only_landmarks_decide_and_all_points_are_moved(head: Head, moved: Moved
     np.testing.assert_allclose(aligned.aligned.positions, expected, atol=1e-9)
 
 
-def test_each_step_does_what_it_says(recorded: Record) -> None:
+def test_each_step_does_what_it_says() -> None:
     random = np.random.default_rng(3)
-    take = recorded(random.normal(0, 50, (4, 8, 3)) + 300.0, stable=5)
-    rest = recorded(random.normal(0, 50, (1, 8, 3)), stable=5)
+    take = make_recording(random.normal(0, 50, (4, 8, 3)) + 300.0, stable=5)
+    rest = make_recording(random.normal(0, 50, (1, 8, 3)), stable=5)
 
     def stage(count: int, **more: Any) -> Array:
         return procrustes(take, rest, steps=STEPS[:count], **more).aligned.positions
@@ -168,11 +157,11 @@ def test_each_step_does_what_it_says(recorded: Record) -> None:
     [((), "rms", None), (STEPS[:1], "rms", 1.0), (STEPS, "none", 1.0), (STEPS, "rms", 0.0)],
 )
 def test_reference_goes_through_the_same(
-    recorded: Record, steps: tuple[Step, ...], scale: Scale, unit: float | None
+    steps: tuple[Step, ...], scale: Scale, unit: float | None
 ) -> None:
     random = np.random.default_rng(4)
     positions = random.normal(100, 50, (1, 8, 3))
-    rest = recorded(positions, stable=5, sigma=np.full((1, 8), 0.5))
+    rest = make_recording(positions, stable=5, sigma=np.full((1, 8), 0.5))
     aligned = procrustes(rest, rest, steps=steps, scale=scale, restore=False).reference
     middle = positions[0, :5].mean(axis=0)
     size = unit or np.sqrt(((positions[0, :5] - middle) ** 2).sum(axis=1).mean())
@@ -182,22 +171,20 @@ def test_reference_goes_through_the_same(
     np.testing.assert_allclose(aligned.sigma, 0.5 if unit is None else 0.5 / size)
 
 
-def test_without_a_reference_the_first_frame_with_all_landmarks_stays(
-    quietly: Callable[..., Any], head: Head, moved: Moved, recorded: Callable[..., Trajectories]
-) -> None:
-    rest, motion = head(frames=5)
-    positions = moved(rest, motion).positions.copy()
+def test_without_a_reference_the_first_frame_with_all_landmarks_stays() -> None:
+    rest, motion = make_head(frames=5)
+    positions = run_moved(rest, motion).positions.copy()
     positions[0, 2] = positions[1, 3] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     aligned = quietly(procrustes, take)
     np.testing.assert_array_equal(aligned.reference.positions, positions[2:3])
     expected = np.where(np.isnan(positions), np.nan, positions[2])
     np.testing.assert_allclose(aligned.aligned.positions, expected, atol=1e-9)
 
 
-def test_markers_are_matched_by_name(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=8)
-    take = moved(rest, motion)
+def test_markers_are_matched_by_name() -> None:
+    rest, motion = make_head(frames=8)
+    take = run_moved(rest, motion)
     expected = procrustes(take, rest).aligned
     other = procrustes(take, rest.keep(rest.markers[::-1])).aligned
     np.testing.assert_allclose(other.positions, expected.positions, atol=1e-10)
@@ -207,11 +194,11 @@ def test_markers_are_matched_by_name(head: Head, moved: Moved) -> None:
     )
 
 
-def test_missing_landmarks(head: Head, moved: Moved, recorded: Callable[..., Trajectories]) -> None:
-    rest, motion = head(frames=4)
-    positions = moved(rest, motion).positions.copy()
+def test_missing_landmarks() -> None:
+    rest, motion = make_head(frames=4)
+    positions = run_moved(rest, motion).positions.copy()
     positions[1, [0, 4]] = positions[2, :4] = positions[3] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     with pytest.warns(UserWarning, match=r"1 of 4 frames [(]first 1[)] aligned by fewer .* 2 of 4"):
         aligned = procrustes(take, rest)
     home = np.where(np.isnan(positions), np.nan, rest.positions)
@@ -220,13 +207,11 @@ def test_missing_landmarks(head: Head, moved: Moved, recorded: Callable[..., Tra
     np.testing.assert_array_equal(aligned.head_motion.rotations[2:], [np.eye(3)] * 2)
 
 
-def test_a_missing_landmark_does_not_shift_the_face(
-    head: Head, moved: Moved, recorded: Callable[..., Trajectories]
-) -> None:
-    rest, motion = head(frames=2)
-    positions = moved(rest, motion).positions.copy()
+def test_a_missing_landmark_does_not_shift_the_face() -> None:
+    rest, motion = make_head(frames=2)
+    positions = run_moved(rest, motion).positions.copy()
     positions[1, 0] = np.nan
-    take = recorded(positions)
+    take = make_recording(positions)
     for steps in PREFIXES[1:]:
         with pytest.warns(UserWarning, match="aligned by fewer"):
             aligned = procrustes(take, rest, steps=steps, restore=False, scale="rms")
@@ -236,9 +221,9 @@ def test_a_missing_landmark_does_not_shift_the_face(
 
 
 @pytest.mark.parametrize("reflection", [False, True])
-def test_mirrored_landmarks(head: Head, moved: Moved, reflection: bool) -> None:
-    rest, motion = head(frames=3)
-    take = moved(rest, motion)
+def test_mirrored_landmarks(reflection: bool) -> None:
+    rest, motion = make_head(frames=3)
+    take = run_moved(rest, motion)
     take = replace(take, positions=take.positions * [-1.0, 1.0, 1.0])
     if reflection:
         aligned = procrustes(take, rest, reflection=True)
@@ -251,11 +236,15 @@ def test_mirrored_landmarks(head: Head, moved: Moved, reflection: bool) -> None:
     np.testing.assert_allclose(np.linalg.det(aligned.head_motion.rotations), sign)
 
 
-def test_whatever_cannot_be_aligned_says_so(recorded: Record) -> None:
+def test_whatever_cannot_be_aligned_says_so() -> None:
     random = np.random.default_rng(5)
-    good = recorded(random.normal(0, 50, (1, 6, 3)))
-    nowhere = recorded(np.full((3, 6, 3), np.nan))
-    for bad in (nowhere, recorded(np.full((3, 6, 3), 7.0)), recorded(np.empty((0, 6, 3)))):
+    good = make_recording(random.normal(0, 50, (1, 6, 3)))
+    nowhere = make_recording(np.full((3, 6, 3), np.nan))
+    for bad in (
+        nowhere,
+        make_recording(np.full((3, 6, 3), 7.0)),
+        make_recording(np.empty((0, 6, 3))),
+    ):
         for scale in SCALES:
             with pytest.raises(Refusal):
                 procrustes(bad, good, scale=scale)
@@ -266,17 +255,15 @@ def test_whatever_cannot_be_aligned_says_so(recorded: Record) -> None:
 
 
 @pytest.mark.parametrize("steps", [("rotate",), ("scale", "translate"), (*STEPS, "translate")])
-def test_steps_that_are_no_prefix(recorded: Record, steps: tuple[Step, ...]) -> None:
+def test_steps_that_are_no_prefix(steps: tuple[Step, ...]) -> None:
     with pytest.raises(ValueError, match="steps must be the first ones of translate, scale, rot"):
-        procrustes(recorded(np.zeros((1, 6, 3))), steps=steps)
+        procrustes(make_recording(np.zeros((1, 6, 3))), steps=steps)
 
 
-def test_frames_do_not_depend_on_one_another(
-    head: Head, moved: Moved, recorded: Callable[..., Trajectories]
-) -> None:
-    rest, motion = head(frames=30)
-    take = moved(rest, motion)
+def test_frames_do_not_depend_on_one_another() -> None:
+    rest, motion = make_head(frames=30)
+    take = run_moved(rest, motion)
     whole = procrustes(take, rest).aligned.positions
     for part in (slice(0, 7), slice(7, 8), slice(8, 30)):
-        some = recorded(take.positions[part])
+        some = make_recording(take.positions[part])
         np.testing.assert_array_equal(procrustes(some, rest).aligned.positions, whole[part])

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from nodegraph import Refusal
 from nodegraph_align.reference import check_shape, reference_of
-from nodegraph_mocap import Trajectories
-
-Record = Callable[..., Trajectories]
+from tests.plugins.nodegraph_align.heads import make_recording
 
 
 def scattered(frames: int = 5, markers: int = 6) -> np.ndarray:
     return np.random.default_rng(0).normal(0, 50, (frames, markers, 3))
 
 
-def test_first_frame_with_all_landmarks_whatever_else_it_lacks(recorded: Record) -> None:
+def test_first_frame_with_all_landmarks_whatever_else_it_lacks() -> None:
     positions = scattered()
     positions[0, 1] = positions[1, [0, 2]] = positions[2, 5] = np.nan
     sigma = np.where(np.isnan(positions[..., 0]), np.nan, np.arange(5.0)[:, None])
-    take = recorded(positions, stable=4, sigma=sigma)
+    take = make_recording(positions, stable=4, sigma=sigma)
     for reference in (None, take):
         actual, notes = reference_of(take, reference, None)
         np.testing.assert_array_equal(actual.frame.positions, positions[2:3])
@@ -34,46 +30,44 @@ def test_first_frame_with_all_landmarks_whatever_else_it_lacks(recorded: Record)
         assert not notes
 
 
-def test_mean_and_size_of_the_landmarks(recorded: Record) -> None:
+def test_mean_and_size_of_the_landmarks() -> None:
     shape = [[1.0, 1.0, 0.0], [1.0, 2.0, 0.0], [3.0, 2.0, 0.0], [90.0, 9.0, 9.0]]
-    actual, _ = reference_of(recorded([shape], stable=3), None, None)
+    actual, _ = reference_of(make_recording([shape], stable=3), None, None)
     np.testing.assert_allclose(actual.centre, [5 / 3, 5 / 3, 0])
     assert actual.size == pytest.approx(np.sqrt(10 / 9))
 
 
-def test_names_are_matched_not_columns(recorded: Record) -> None:
-    take = recorded(scattered())
+def test_names_are_matched_not_columns() -> None:
+    take = make_recording(scattered())
     actual, _ = reference_of(take, take.keep(take.markers[::-1]), ["m4", "m0", "m2"])
     np.testing.assert_array_equal(actual.shape, take.positions[0, [4, 0, 2]])
 
 
-def test_a_take_without_a_frame_that_has_all_is_refused(recorded: Record) -> None:
+def test_a_take_without_a_frame_that_has_all_is_refused() -> None:
     positions = scattered()
     positions[np.arange(5), np.arange(5)] = positions[0, 1] = np.nan
     with pytest.raises(Refusal, match=r"all 6 landmarks: the fullest, frame 1, lacks m1; give a"):
-        reference_of(recorded(positions), None, None)
+        reference_of(make_recording(positions), None, None)
 
 
-def test_a_reference_that_lacks_landmarks_does_with_what_its_fullest_frame_has(
-    recorded: Record,
-) -> None:
-    take, positions = recorded(scattered()), scattered(3)
+def test_a_reference_that_lacks_landmarks_does_with_what_its_fullest_frame_has() -> None:
+    take, positions = make_recording(scattered()), scattered(3)
     positions[0, [0, 1]] = positions[1, 4] = positions[2, 3] = np.nan
-    actual, notes = reference_of(take, recorded(positions), None)
+    actual, notes = reference_of(take, make_recording(positions), None)
     assert actual.landmarks == ("m0", "m1", "m2", "m3", "m5")
     np.testing.assert_array_equal(actual.shape, positions[1, [0, 1, 2, 3, 5]])
     assert notes == ["1 landmarks are missing in the reference and are none: m4"]
 
 
-def test_references_that_will_not_do(recorded: Record) -> None:
-    take, few = recorded(scattered()), scattered(1)
+def test_references_that_will_not_do() -> None:
+    take, few = make_recording(scattered()), scattered(1)
     few[0, :4] = np.nan
     with pytest.raises(Refusal, match="needs 3 landmarks in the frame to align to, which has 2"):
-        reference_of(take, recorded(few), None)
+        reference_of(take, make_recording(few), None)
     with pytest.raises(Refusal, match="there is none"):
-        reference_of(take, recorded(np.empty((0, 6, 3))), None)
+        reference_of(take, make_recording(np.empty((0, 6, 3))), None)
     with pytest.raises(Refusal, match="there is none"):
-        reference_of(recorded(np.empty((0, 6, 3))), None, None)
+        reference_of(make_recording(np.empty((0, 6, 3))), None, None)
 
 
 @pytest.mark.parametrize("far", [0.0, 1e4])

@@ -11,24 +11,22 @@ import pytest
 from nodegraph_align.procrustes import procrustes
 from nodegraph_align.restore import restore
 from nodegraph_mocap import HeadMotion, Origin, Trajectories
+from tests.plugins.nodegraph_align.heads import make_head, make_recording, run_moved
 
 Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
 
 
-def test_it_is_the_formula(head: Head, moved: Moved, recorded: Callable[..., Trajectories]) -> None:
-    rest, motion = head(frames=6)
+def test_it_is_the_formula() -> None:
+    rest, motion = make_head(frames=6)
     motion = replace(motion, scales=np.linspace(0.5, 2.0, 6))
-    still = recorded(np.repeat(rest.positions, 6, axis=0))
+    still = make_recording(np.repeat(rest.positions, 6, axis=0))
     aligned = restore(still, motion)
-    np.testing.assert_allclose(aligned.positions, moved(rest, motion).positions, atol=1e-9)
+    np.testing.assert_allclose(aligned.positions, run_moved(rest, motion).positions, atol=1e-9)
 
 
-def test_it_undoes_an_alignment_and_keeps_what_is_known_of_samples(
-    head: Head, moved: Moved
-) -> None:
-    rest, motion = head(frames=6)
-    take = moved(rest, replace(motion, scales=np.linspace(0.5, 2.0, 6)))
+def test_it_undoes_an_alignment_and_keeps_what_is_known_of_samples() -> None:
+    rest, motion = make_head(frames=6)
+    take = run_moved(rest, replace(motion, scales=np.linspace(0.5, 2.0, 6)))
     positions, origin = take.positions.copy(), take.origin.copy()
     positions[2, 9], origin[2, 9], origin[3, 3] = np.nan, Origin.MISSING, Origin.FILLED
     take = replace(take, positions=positions, origin=origin, sigma=np.full((6, 12), 0.25))
@@ -41,7 +39,7 @@ def test_it_undoes_an_alignment_and_keeps_what_is_known_of_samples(
     assert back.marker_set is take.marker_set
 
 
-def test_frames_that_do_not_match(head: Head) -> None:
-    rest, motion = head(frames=6)
+def test_frames_that_do_not_match() -> None:
+    rest, motion = make_head(frames=6)
     with pytest.raises(ValueError, match="the recording has 1 frames, the head motion 6"):
         restore(rest, motion)

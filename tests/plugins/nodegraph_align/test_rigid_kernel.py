@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,9 @@ from nodegraph_align.rigid_kernel import (
     fit,
     move_into,
 )
+from tests.plugins.nodegraph_align.heads import plain_fit, random_rotations
 
 Array = NDArray[np.float64]
-Kabsch = Callable[..., tuple[Array, Array, Array]]
 FLAT = {"solid": 1.0, "thin": 0.05, "nearly flat": 1e-9, "flat": 0.0}
 
 
@@ -52,23 +51,15 @@ def fitted(positions: Array, shape: Array, **changes: object) -> Any:
     far=st.sampled_from([0.0, 1.0, 1500.0]),
 )
 def test_pose_is_that_of_the_singular_value_decomposition(
-    kabsch: Kabsch,
-    rotations: Callable[..., Array],
-    seed: int,
-    count: int,
-    depth: float,
-    noise: float,
-    mirror: bool,
-    reflection: bool,
-    far: float,
+    seed: int, count: int, depth: float, noise: float, mirror: bool, reflection: bool, far: float
 ) -> None:
     random = np.random.default_rng(seed)
     shape = random.normal(0, 50, (count, 3)) * [1.0, 0.7, depth]
-    turn = rotations(1, seed)[0]
+    turn = random_rotations(1, seed)[0]
     points = shape * [1.0, 1.0, -1.0 if mirror else 1.0] @ turn.T
     points = points + random.normal(0, 1, points.shape) * noise + far * random.normal(0, 1, 3)
     weights = random.uniform(0.1, 2.0, count)
-    expected, centre, goal = kabsch(points, shape, weights, reflection=reflection)
+    expected, centre, goal = plain_fit(points, shape, weights, reflection=reflection)
     covariance = (shape - goal).T @ (weights[:, None] * (points - centre))
     sizes = np.linalg.svd(covariance, compute_uv=False)
     mirrored = np.linalg.det(covariance) < 0 and not reflection
@@ -103,10 +94,10 @@ def test_half_turns_and_no_turn_are_found(depth: float, axis: object) -> None:
     assert states.tolist() == [FITTED, FITTED]
 
 
-def test_three_noisy_landmarks_never_give_a_mirror_image(rotations: Callable[..., Array]) -> None:
+def test_three_noisy_landmarks_never_give_a_mirror_image() -> None:
     random = np.random.default_rng(1)
     shape = random.normal(0, 50, (3, 3))
-    positions = shape @ rotations(300) + random.normal(0, 2, (300, 3, 3))
+    positions = shape @ random_rotations(300) + random.normal(0, 2, (300, 3, 3))
     for reflection in (False, True):  # they fit turned over as well, so that none is needed
         output, *_ = fitted(positions, shape, reflection=reflection)
         assert np.linalg.det(output).min() > 0.999
@@ -123,12 +114,10 @@ def test_mirror_images_are_called_so_and_fitted_where_allowed() -> None:
     assert states[0] == FITTED
 
 
-def test_flat_and_noisy_landmarks_are_not_called_mirror_images(
-    rotations: Callable[..., Array],
-) -> None:
+def test_flat_and_noisy_landmarks_are_not_called_mirror_images() -> None:
     random = np.random.default_rng(4)
     shape = random.normal(0, 50, (6, 3)) * [1.0, 1.0, 0.01]
-    positions = shape @ rotations(500) + random.normal(0, 1, (500, 6, 3))
+    positions = shape @ random_rotations(500) + random.normal(0, 1, (500, 6, 3))
     assert np.all(fitted(positions, shape)[4] == FITTED)
 
 
@@ -148,7 +137,7 @@ def test_scale_is_the_ratio_of_sizes_or_what_fits_best(scaling: int) -> None:
     assert scales[0] == pytest.approx(plain[scaling], rel=1e-12)
 
 
-def test_columns_choose_the_landmarks_and_missing_ones_do_not_count(kabsch: Kabsch) -> None:
+def test_columns_choose_the_landmarks_and_missing_ones_do_not_count() -> None:
     random = np.random.default_rng(6)
     columns = np.array([7, 0, 3, 9, 4])
     shape, positions = random.normal(0, 50, (5, 3)), random.normal(0, 50, (4, 10, 3))
@@ -156,7 +145,7 @@ def test_columns_choose_the_landmarks_and_missing_ones_do_not_count(kabsch: Kabs
     rotations, _, centres, goals, states = fitted(positions, shape, columns=columns)
     for frame in range(3):
         there = ~np.isnan(positions[frame, columns, 0])
-        expected = kabsch(positions[frame, columns][there], shape[there])
+        expected = plain_fit(positions[frame, columns][there], shape[there])
         for output, plain in zip((rotations, centres, goals), expected, strict=True):
             np.testing.assert_allclose(output[frame], plain, rtol=0, atol=1e-12)
     assert states[3] == FEW
@@ -190,9 +179,9 @@ def test_lines_and_single_places_tell_no_turn(far: float) -> None:
     assert fitted(shape[None] + far, place)[4].tolist() == [LINE]
 
 
-def test_size_does_not_matter(rotations: Callable[..., Array]) -> None:
+def test_size_does_not_matter() -> None:
     shape = np.random.default_rng(9).normal(0, 1, (5, 3))
-    positions = shape @ rotations(10)
+    positions = shape @ random_rotations(10)
     expected = fitted(positions, shape)[0]
     for size in (1e-6, 1e-3, 1e6):
         output, *_, states = fitted(size * positions, size * shape)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
 
@@ -13,18 +12,17 @@ from numpy.typing import NDArray
 from nodegraph_align.procrustes import procrustes
 from nodegraph_align.trimmed import _triple, trimmed
 from nodegraph_mocap import HeadMotion, Trajectories
+from tests.plugins.nodegraph_align.heads import make_head, make_recording, plain_fit, run_moved
 
 Array = NDArray[np.float64]
-Head = Callable[..., tuple[Trajectories, HeadMotion]]
-Moved = Callable[[Trajectories, HeadMotion], Trajectories]
 Shaken = tuple[Trajectories, Trajectories, HeadMotion]
 
 
 @pytest.fixture(scope="module")
-def shaken(head: Head, moved: Moved) -> Shaken:
+def shaken() -> Shaken:
     """A face at rest; moved, with noise, and three landmarks of ten shifted together."""
-    rest, motion = head(frames=30, seed=2)
-    take, random = moved(rest, motion), np.random.default_rng(3)
+    rest, motion = make_head(frames=30, seed=2)
+    take, random = run_moved(rest, motion), np.random.default_rng(3)
     positions = take.positions + random.normal(0, 0.2, take.positions.shape)
     for frame in positions:
         frame[random.choice(10, 3, replace=False)] += random.normal(0, 15, 3)
@@ -39,16 +37,14 @@ def sums(placed: Array, shape: Array, count: int) -> Array:
     return np.asarray(squared[:, :count].sum(axis=1))
 
 
-def test_the_sum_is_the_smallest_of_all_choices(
-    shaken: Shaken, kabsch: Callable[..., tuple[Array, Array, Array]]
-) -> None:
+def test_the_sum_is_the_smallest_of_all_choices(shaken: Shaken) -> None:
     rest, take, _ = shaken
     points, shape = take.positions[:8, :10], rest.positions[0, :10]
     least = np.full(8, np.inf)
     for choice in combinations(range(10), 7):
         some = list(choice)
         for frame in range(8):
-            turn, centre, goal = kabsch(points[frame, some], shape[some])
+            turn, centre, goal = plain_fit(points[frame, some], shape[some])
             apart = (points[frame, some] - centre) @ turn.T + goal - shape[some]
             least[frame] = min(least[frame], (apart**2).sum())
     aligned = trimmed(take, rest, landmarks=NAMES, share=0.7).aligned.positions[:8, :10]
@@ -83,28 +79,24 @@ def test_share_is_rounded_up_and_three_at_least(shaken: Shaken, share: float, co
         assert best.sum() < sums(again, shape, count).sum()
 
 
-def test_missing_landmarks_make_the_choice_smaller(
-    shaken: Shaken, recorded: Callable[..., Trajectories]
-) -> None:
+def test_missing_landmarks_make_the_choice_smaller(shaken: Shaken) -> None:
     rest, take, motion = shaken
     positions = take.positions.copy()
     positions[0, :2] = positions[1, :8] = np.nan
-    gappy = recorded(positions)
+    gappy = make_recording(positions)
     with pytest.warns(UserWarning, match="1 of 30 frames .first 1. left as they are, with fewer"):
         aligned = trimmed(gappy, rest, landmarks=NAMES, share=0.6)
     np.testing.assert_array_equal(aligned.aligned.positions[1], positions[1])
     assert np.abs(aligned.head_motion.rotations[0] - motion.rotations[0]).max() < 0.02
 
 
-def test_the_nearest_on_a_line_leave_the_pose_before(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_the_nearest_on_a_line_leave_the_pose_before() -> None:
     line = np.outer(np.arange(4.0), [30.0, 0.0, 0.0])
     shape = np.vstack([line, [[40.0, 50.0, 0.0], [20.0, -40.0, 30.0]]])
     off = shape.copy()
     off[4] += [0.0, 0.0, 9.0]
     off[5] += [0.0, 9.0, 0.0]
-    aligned = trimmed(recorded([off]), recorded([shape]), share=0.6)
+    aligned = trimmed(make_recording([off]), make_recording([shape]), share=0.6)
     assert aligned.aligned.present.all()
     assert np.abs(aligned.aligned.positions[0] - shape).max() < 15.0
     assert np.abs(aligned.head_motion.rotations[0] - np.eye(3)).max() < 0.3
@@ -117,9 +109,9 @@ def test_triples_come_in_order_and_each_once() -> None:
     assert len(set(_triple(166_167_000 - 1))) == 3
 
 
-def test_a_quarter_of_sixty_that_moves_together_does_nothing(head: Head, moved: Moved) -> None:
-    rest, motion = head(frames=4, markers=60, seed=5)
-    take, names = moved(rest, motion), tuple(f"m{index}" for index in range(60))
+def test_a_quarter_of_sixty_that_moves_together_does_nothing() -> None:
+    rest, motion = make_head(frames=4, markers=60, seed=5)
+    take, names = run_moved(rest, motion), tuple(f"m{index}" for index in range(60))
     positions = take.positions.copy()
     positions[:, ::4] += 60.0  # every fourth, all alike
     aligned = trimmed(replace(take, positions=positions), rest, landmarks=names, share=0.7)

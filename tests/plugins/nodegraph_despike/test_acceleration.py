@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,8 +9,8 @@ from hypothesis import strategies as st
 
 from nodegraph_despike.acceleration import acceleration
 from nodegraph_mocap import Origin, Trajectories
-
-Quietly = Callable[..., Trajectories]
+from tests.plugins.nodegraph_despike.impulses import hit, make_gappy, make_recording
+from tests.plugins.recordings import quietly
 
 
 def plainly(recording: Trajectories, threshold: float) -> np.ndarray:
@@ -35,10 +33,8 @@ def plainly(recording: Trajectories, threshold: float) -> np.ndarray:
 
 
 @given(seed=st.integers(0, 10_000), threshold=st.sampled_from([1e3, 1e4, 1e5]))
-def test_equals_a_plain_statement(
-    gappy: Callable[[int], Trajectories], quietly: Quietly, seed: int, threshold: float
-) -> None:
-    recording = gappy(seed)
+def test_equals_a_plain_statement(seed: int, threshold: float) -> None:
+    recording = make_gappy(seed)
     despiked = quietly(acceleration, recording, threshold=threshold)
     expected = plainly(recording, threshold)
     assert np.allclose(despiked.positions, expected, rtol=0, atol=1e-9, equal_nan=True)
@@ -47,62 +43,50 @@ def test_equals_a_plain_statement(
 
 
 @pytest.mark.parametrize(("rate", "least"), [(60.0, 2.8), (30.0, 11.2), (100.0, 1.0)])
-def test_the_least_impulse_that_is_bad(
-    recorded: Callable[..., Trajectories], quietly: Quietly, rate: float, least: float
-) -> None:
+def test_the_least_impulse_that_is_bad(rate: float, least: float) -> None:
     def repaired(size: float) -> list[int]:
         line = np.zeros(30)
         line[9] = size
-        despiked = quietly(acceleration, recorded(line, rate=rate))
+        despiked = quietly(acceleration, make_recording(line, rate=rate))
         return list(np.flatnonzero(despiked.origin == Origin.REPAIRED))
 
     assert repaired(0.95 * least) == []
     assert repaired(1.05 * least) == [9]
 
 
-def test_a_large_impulse_takes_its_neighbours_with_it(
-    recorded: Callable[..., Trajectories], quietly: Quietly
-) -> None:
+def test_a_large_impulse_takes_its_neighbours_with_it() -> None:
     line = np.arange(30.0) ** 2 * 0.01
     spiky = line.copy()
     spiky[9] += 20.0
-    despiked = quietly(acceleration, recorded(spiky))
+    despiked = quietly(acceleration, make_recording(spiky))
     assert np.flatnonzero(despiked.origin == Origin.REPAIRED).tolist() == [8, 9, 10]
     # On the line from frame 7 to frame 11, which is a little above the parabola.
-    off = np.linalg.norm(despiked.positions - recorded(line).positions, axis=2)[:, 0]
+    off = np.linalg.norm(despiked.positions - make_recording(line).positions, axis=2)[:, 0]
     assert off[[8, 9, 10]] == pytest.approx([0.03, 0.04, 0.03])
 
 
 @pytest.mark.parametrize("width", [1, 2])
-def test_impulses_of_one_and_two_frames_are_found(
-    wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly, width: int
-) -> None:
+def test_impulses_of_one_and_two_frames_are_found(wavy: Trajectories, width: int) -> None:
     frames = [start + offset for start in range(10, 110, 20) for offset in range(width)]
-    despiked = quietly(acceleration, spiked(wavy, frames, [12.0, -9.0, 8.0]))
+    despiked = quietly(acceleration, hit(wavy, frames, [12.0, -9.0, 8.0]))
     assert np.all(despiked.origin[frames] == Origin.REPAIRED)
     assert np.abs(despiked.positions - wavy.positions).max() < 2.0
 
 
-def test_of_a_longer_one_only_the_edges_are(
-    wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
-) -> None:
-    despiked = quietly(acceleration, spiked(wavy, [40, 41, 42], [12.0, -9.0, 8.0]))
+def test_of_a_longer_one_only_the_edges_are(wavy: Trajectories) -> None:
+    despiked = quietly(acceleration, hit(wavy, [40, 41, 42], [12.0, -9.0, 8.0]))
     repaired = despiked.origin[:, 0] == Origin.REPAIRED
     assert np.flatnonzero(repaired).tolist() == [39, 40, 42, 43]
 
 
-def test_the_good_sample_between_two_impulses_is_saved(
-    wavy: Trajectories, spiked: Callable[..., Trajectories], quietly: Quietly
-) -> None:
-    despiked = quietly(acceleration, spiked(wavy, [10, 12], [12.0, -9.0, 8.0]))
+def test_the_good_sample_between_two_impulses_is_saved(wavy: Trajectories) -> None:
+    despiked = quietly(acceleration, hit(wavy, [10, 12], [12.0, -9.0, 8.0]))
     assert np.abs(despiked.positions - wavy.positions).max() < 2.0
 
 
-def test_at_the_ends_and_beside_gaps_there_is_no_acceleration(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_at_the_ends_and_beside_gaps_there_is_no_acceleration() -> None:
     line = np.zeros(20)
     line[[8, 12]] = 50.0
     line[[7, 9, 11, 13]] = np.nan
-    recording = recorded(line)
+    recording = make_recording(line)
     assert acceleration(recording) is recording

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -12,10 +11,11 @@ from hypothesis import strategies as st
 
 from nodegraph_despike.impulse import impulse
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.nodegraph_despike.impulses import hit, make_gappy, make_recording
+from tests.plugins.recordings import quietly
 
 Point = tuple[float, float, float]
 ORDERS = ["simultaneous", "in_place", "redetect"]
-Quietly = Callable[..., Trajectories]
 
 
 def distance(first: Point, second: Point) -> float:
@@ -80,19 +80,17 @@ def plainly(recording: Trajectories, order: str, factor: float) -> list[list[Poi
 @given(
     seed=st.integers(0, 10_000), order=st.sampled_from(ORDERS), factor=st.sampled_from([0.5, 1.5])
 )
-def test_equals_a_plain_statement_to_the_last_bit(
-    gappy: Callable[[int], Trajectories], quietly: Quietly, seed: int, order: str, factor: float
-) -> None:
-    recording = gappy(seed)
+def test_equals_a_plain_statement_to_the_last_bit(seed: int, order: str, factor: float) -> None:
+    recording = make_gappy(seed)
     despiked = quietly(impulse, recording, order=order, factor=factor)
     expected = np.array(plainly(recording, order, factor)).transpose(1, 0, 2)
     assert np.array_equal(despiked.positions, expected, equal_nan=True)
 
 
-def test_the_plain_statement_repairs_something(gappy: Callable[[int], Trajectories]) -> None:
+def test_the_plain_statement_repairs_something() -> None:
     changed = 0
     for seed in range(20):
-        recording = gappy(seed)
+        recording = make_gappy(seed)
         despiked = np.array(plainly(recording, "redetect", 1.5)).transpose(1, 0, 2)
         changed += int(
             np.count_nonzero(recording.present & np.any(despiked != recording.positions, axis=2))
@@ -103,16 +101,11 @@ def test_the_plain_statement_repairs_something(gappy: Callable[[int], Trajectori
 @pytest.mark.parametrize(("width", "recall"), [(1, 1.0), (2, 0.0), (3, 0.0)])
 @pytest.mark.parametrize("order", ORDERS)
 def test_finds_impulses_of_one_frame_and_none_of_two_or_three(
-    wavy: Trajectories,
-    spiked: Callable[..., Trajectories],
-    quietly: Quietly,
-    width: int,
-    recall: float,
-    order: str,
+    wavy: Trajectories, width: int, recall: float, order: str
 ) -> None:
     starts = range(10, 110, 20)
     frames = [start + offset for start in starts for offset in range(width)]
-    despiked = quietly(impulse, spiked(wavy, frames, [12.0, -9.0, 8.0]), order=order)
+    despiked = quietly(impulse, hit(wavy, frames, [12.0, -9.0, 8.0]), order=order)
     actual = despiked.origin[frames] == Origin.REPAIRED
     assert actual.mean() == recall
 
@@ -121,80 +114,64 @@ def test_finds_impulses_of_one_frame_and_none_of_two_or_three(
     ("order", "repaired", "off"),
     [("simultaneous", [10, 11, 12], 30.0), ("in_place", [10, 12], 0.0), ("redetect", [10, 12], 0)],
 )
-def test_a_good_sample_between_two_impulses(
-    recorded: Callable[..., Trajectories],
-    quietly: Quietly,
-    order: str,
-    repaired: list[int],
-    off: float,
-) -> None:
+def test_a_good_sample_between_two_impulses(order: str, repaired: list[int], off: float) -> None:
     line = np.arange(60) * 0.1
     line[[10, 12]] += 30.0
-    despiked = quietly(impulse, recorded(line), order=order)
+    despiked = quietly(impulse, make_recording(line), order=order)
     assert np.flatnonzero(despiked.origin[:, 0] == Origin.REPAIRED).tolist() == repaired
-    error = np.linalg.norm(despiked.positions - recorded(np.arange(60) * 0.1).positions, axis=2)
+    error = np.linalg.norm(
+        despiked.positions - make_recording(np.arange(60) * 0.1).positions, axis=2
+    )
     # The good sample becomes the impulse; with the other orders nothing is left of them.
     assert error[11, 0] == pytest.approx(off, abs=1e-9)
     assert np.delete(error[:, 0], 11).max() < (0.1 if off else 1e-9)
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_a_marker_that_stands_still_has_nothing_bad(
-    recorded: Callable[..., Trajectories], order: str
-) -> None:
-    still = recorded(np.full(100, 3.7))
+def test_a_marker_that_stands_still_has_nothing_bad(order: str) -> None:
+    still = make_recording(np.full(100, 3.7))
     assert impulse(still, order=order) is still  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_a_sample_beside_a_gap_is_not_judged(
-    recorded: Callable[..., Trajectories], order: str
-) -> None:
+def test_a_sample_beside_a_gap_is_not_judged(order: str) -> None:
     line = np.arange(40) * 0.1
     line[[0, 10, 20, 39]] += 30.0
     line[[9, 21]] = np.nan
-    recording = recorded(line)
+    recording = make_recording(line)
     assert impulse(recording, order=order) is recording  # type: ignore[arg-type]
 
 
-def test_filled_samples_count_and_steps_across_a_gap_do_not(
-    recorded: Callable[..., Trajectories], quietly: Quietly
-) -> None:
+def test_filled_samples_count_and_steps_across_a_gap_do_not() -> None:
     steps = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, np.nan, np.nan, np.nan, 1.0, 1.0, 1.7, 1.8, 1.0, 1.0]
     line = np.cumsum([0.0, *np.nan_to_num(steps, nan=30.0)])
     line[7:9] = np.nan
     origin = np.full((16, 1), Origin.FILLED, dtype=np.uint8)
     origin[7:9] = Origin.MISSING
-    despiked = quietly(impulse, recorded(line, origin))
+    despiked = quietly(impulse, make_recording(line, origin))
     assert 1.5 * np.nanmean(steps) < 1.7 < 1.5 * 30.0
     assert np.flatnonzero(despiked.origin == Origin.REPAIRED).tolist() == [12]
 
 
-def test_a_bad_sample_that_is_at_its_midpoint_already_is_not_marked(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_bad_sample_that_is_at_its_midpoint_already_is_not_marked() -> None:
     line = np.zeros((20, 1, 3))
     line[8:, 0, 0], line[9:, 0, 0] = 4.0, 8.0
-    recording = recorded(line)
+    recording = make_recording(line)
     assert impulse(recording) is recording
 
 
 @pytest.mark.parametrize(
     ("period", "share"), [(12, 0.0), (15, 0.067), (20, 0.10), (40, 0.15), (60, 0.166), (100, 0.18)]
 )
-def test_takes_part_of_a_clean_sinusoid_for_noise(
-    recorded: Callable[..., Trajectories], quietly: Quietly, period: int, share: float
-) -> None:
+def test_takes_part_of_a_clean_sinusoid_for_noise(period: int, share: float) -> None:
     wave = 10 * np.sin(2 * np.pi * np.arange(6000) / period + 0.3)
-    despiked = quietly(impulse, recorded(wave))
+    despiked = quietly(impulse, make_recording(wave))
     assert np.mean(despiked.origin == Origin.REPAIRED) == pytest.approx(share, abs=0.003)
 
 
-def test_of_a_slow_sinusoid_it_takes_what_is_faster_than_the_mean_by_half(
-    recorded: Callable[..., Trajectories], quietly: Quietly
-) -> None:
+def test_of_a_slow_sinusoid_it_takes_what_is_faster_than_the_mean_by_half() -> None:
     wave = 10 * np.sin(2 * np.pi * np.arange(40_000) / 4001.3)
-    despiked = quietly(impulse, recorded(wave))
+    despiked = quietly(impulse, make_recording(wave))
     # The speed is |cos|, with the mean 2 / pi.
     limit = 1 - 2 / np.pi * np.arcsin(3 / np.pi)
     assert np.mean(despiked.origin == Origin.REPAIRED) == pytest.approx(limit, abs=0.005)

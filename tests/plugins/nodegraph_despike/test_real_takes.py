@@ -17,6 +17,7 @@ from nodegraph_despike.wavelet import wavelet
 from nodegraph_files.c3d import read_c3d
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_synthesize.impulses import add
+from tests.plugins.recordings import quietly
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 pytestmark = pytest.mark.skipif(
@@ -39,7 +40,7 @@ def take(name: str) -> Trajectories:
     ],
 )
 def test_the_impulse_filter_takes_much_of_a_clean_face_for_noise(
-    quietly: Callable[..., Trajectories], name: str, share: float, mean: float, most: float
+    name: str, share: float, mean: float, most: float
 ) -> None:
     clean = take(name)
     despiked = quietly(impulse, clean)
@@ -53,7 +54,7 @@ def test_the_impulse_filter_takes_much_of_a_clean_face_for_noise(
 @pytest.mark.parametrize("method", [hampel, median, acceleration, wavelet])
 @pytest.mark.parametrize("name", ["jaw", "cheeks"])
 def test_its_rivals_leave_a_clean_face_alone_and_find_what_is_added(
-    quietly: Callable[..., Trajectories], method: Callable[..., Trajectories], name: str
+    method: Callable[..., Trajectories], name: str
 ) -> None:
     clean = take(f"animface/{name}.c3d")
     assert np.mean(quietly(method, clean).origin == Origin.REPAIRED) < 1e-4

@@ -20,6 +20,7 @@ from nodegraph_despike.median import median
 from nodegraph_despike.repair import repaired
 from nodegraph_despike.wavelet import wavelet
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.recordings import quietly
 
 Method = Callable[..., Trajectories]
 METHODS: dict[str, Method] = {
@@ -55,7 +56,7 @@ def marks(despiked: Trajectories) -> np.ndarray:
 
 
 @every
-def test_turned_as_a_whole(name: str, spiky: Trajectories, quietly: Method) -> None:
+def test_turned_as_a_whole(name: str, spiky: Trajectories) -> None:
     turn = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
     despiked = quietly(METHODS[name], spiky)
     turned = quietly(METHODS[name], replace(spiky, positions=spiky.positions @ turn.T))
@@ -66,7 +67,7 @@ def test_turned_as_a_whole(name: str, spiky: Trajectories, quietly: Method) -> N
 
 
 @every
-def test_scaled_as_a_whole(name: str, spiky: Trajectories, quietly: Method) -> None:
+def test_scaled_as_a_whole(name: str, spiky: Trajectories) -> None:
     despiked = quietly(METHODS[name], spiky)
     larger = replace(spiky, positions=spiky.positions * 4.0)
     settings = {"threshold": 4.0 * THRESHOLDS[name]} if name in THRESHOLDS else {}
@@ -76,9 +77,7 @@ def test_scaled_as_a_whole(name: str, spiky: Trajectories, quietly: Method) -> N
 
 
 @every
-def test_repaired_and_filled_samples_count_as_present(
-    name: str, spiky: Trajectories, quietly: Method
-) -> None:
+def test_repaired_and_filled_samples_count_as_present(name: str, spiky: Trajectories) -> None:
     despiked = quietly(METHODS[name], spiky)
     origin = spiky.origin.copy()
     origin[::2][origin[::2] == Origin.MEASURED] = Origin.FILLED
@@ -92,7 +91,7 @@ def test_repaired_and_filled_samples_count_as_present(
 
 @every
 @pytest.mark.parametrize("frames", [1, 2, 3, 4, 5])
-def test_takes_shorter_than_any_window(name: str, frames: int, quietly: Method) -> None:
+def test_takes_shorter_than_any_window(name: str, frames: int) -> None:
     random = np.random.default_rng(frames)
     positions = random.normal(0, 30, (frames, 3, 3))
     positions[0, 1] = np.nan
@@ -114,7 +113,7 @@ def test_constant_nowhere_and_single(name: str) -> None:
 
 
 @every
-def test_other_memory_and_float32(name: str, spiky: Trajectories, quietly: Method) -> None:
+def test_other_memory_and_float32(name: str, spiky: Trajectories) -> None:
     single = spiky.positions.astype(np.float32)
     despiked = quietly(METHODS[name], replace(spiky, positions=single.astype(np.float64)))
     others: list[Any] = [np.asfortranarray(single), np.repeat(single, 2, axis=0)[::2]]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,6 +9,7 @@ from hypothesis import strategies as st
 
 from nodegraph_despike.vector_median import running_median, running_spread
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_despike.impulses import make_gappy, make_recording
 
 
 def plain_window(recording: Trajectories, marker: int, now: int, reach: int) -> list[int]:
@@ -34,10 +33,8 @@ def plain_median(recording: Trajectories, marker: int, now: int, window: list[in
 
 
 @given(seed=st.integers(0, 10_000), reach=st.integers(1, 6))
-def test_equals_a_plain_statement(
-    gappy: Callable[[int], Trajectories], seed: int, reach: int
-) -> None:
-    recording = gappy(seed)
+def test_equals_a_plain_statement(seed: int, reach: int) -> None:
+    recording = make_gappy(seed)
     median, distance = running_median(recording.positions, reach)
     spread = running_spread(recording.positions, median, reach)
     for now, marker in np.ndindex(recording.origin.shape):
@@ -54,9 +51,9 @@ def test_equals_a_plain_statement(
         assert spread[now, marker] == pytest.approx(np.median(apart))
 
 
-def test_along_a_line_it_is_the_median(recorded: Callable[..., Trajectories]) -> None:
+def test_along_a_line_it_is_the_median() -> None:
     values = np.random.default_rng(4).normal(size=50)
-    recording = recorded(values)
+    recording = make_recording(values)
     median, _ = running_median(recording.positions, 3)
     spread = running_spread(recording.positions, median, 3)
     along = np.array([2.0, -1.0, 2.0]) / 3.0
@@ -67,21 +64,19 @@ def test_along_a_line_it_is_the_median(recorded: Callable[..., Trajectories]) ->
         assert spread[now, 0] == pytest.approx(expected)
 
 
-def test_of_two_middle_ones_the_nearer_is_taken_and_then_the_earlier(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_of_two_middle_ones_the_nearer_is_taken_and_then_the_earlier() -> None:
     # At frame 1 the window is cut off to 0 .. 3: frames 1 and 2 lie equally in the middle.
-    line = recorded(np.arange(8.0) * 0.1)
+    line = make_recording(np.arange(8.0) * 0.1)
     median, distance = running_median(line.positions, 2)
     assert np.array_equal(median, line.positions)
     assert np.all(distance == 0)
-    lacking = recorded([0.0, 1.0, 5.0, 2.0, 3.0, 4.0, 4.5])
+    lacking = make_recording([0.0, 1.0, 5.0, 2.0, 3.0, 4.0, 4.5])
     middle, _ = running_median(lacking.positions, 1)
     assert np.array_equal(middle[2, 0], lacking.positions[3, 0])
 
 
-def test_a_window_longer_than_the_take_is_the_take(recorded: Callable[..., Trajectories]) -> None:
-    recording = recorded(np.random.default_rng(5).normal(size=9))
+def test_a_window_longer_than_the_take_is_the_take() -> None:
+    recording = make_recording(np.random.default_rng(5).normal(size=9))
     median, distance = running_median(recording.positions, 8)
     farther, far = running_median(recording.positions, 2**62)
     assert np.array_equal(farther, median)

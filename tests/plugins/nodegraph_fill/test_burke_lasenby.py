@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from nodegraph import Refusal
 from nodegraph_fill.burke_lasenby import burke_lasenby
-from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
 MISSING = ((slice(4, 8), 0), (slice(6, 10), 2), (slice(0, 2), 3), (slice(12, 14), 1))
@@ -55,23 +53,19 @@ def plain(gappy: Positions, tolerance: float, noise: float, known: NDArray[np.bo
 
 
 @pytest.mark.parametrize(("tolerance", "noise"), [(0.2, 0.5), (0.05, 0.01)])
-def test_is_the_conditional_mean(
-    recorded: Callable[..., Trajectories], tolerance: float, noise: float
-) -> None:
+def test_is_the_conditional_mean(tolerance: float, noise: float) -> None:
     gappy = holed()
-    filled = burke_lasenby(recorded(gappy), tolerance=tolerance, noise=noise)
+    filled = burke_lasenby(make_recording(gappy), tolerance=tolerance, noise=noise)
     hidden = np.isnan(gappy[..., 0])
     expected = plain(gappy, tolerance, noise, ~np.isnan(gappy))
     np.testing.assert_allclose(filled.positions[hidden], expected[hidden], rtol=0, atol=1e-4)
     assert filled.sigma is None
 
 
-def test_the_ends_are_estimated_without_what_the_gap_lacks(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_the_ends_are_estimated_without_what_the_gap_lacks() -> None:
     gappy = holed()
     free, met = (
-        burke_lasenby(recorded(gappy), tolerance=0.2, noise=0.5, ends=ends).positions[4:8, 0]
+        burke_lasenby(make_recording(gappy), tolerance=0.2, noise=0.5, ends=ends).positions[4:8, 0]
         for ends in ("as_published", "met")
     )
     before, after = ~np.isnan(gappy), ~np.isnan(gappy)
@@ -82,18 +76,16 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(
     np.testing.assert_allclose(met, free + (1 - share) * first + share * last, atol=1e-4)
 
 
-def test_complete_frames_are_needed(recorded: Callable[..., Trajectories]) -> None:
+def test_complete_frames_are_needed() -> None:
     gappy = take()
     gappy[::2, 0] = gappy[1::2, 1] = np.nan
     with pytest.raises(Refusal, match="needs two complete frames: 0 of 30"):
-        burke_lasenby(recorded(gappy))
+        burke_lasenby(make_recording(gappy))
 
 
-def test_a_marker_that_is_never_measured_is_no_part_of_complete(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_marker_that_is_never_measured_is_no_part_of_complete() -> None:
     gappy = holed()
     gappy[:, 3] = np.nan
     with pytest.warns(UserWarning, match="30 samples of 1 marker left missing: never measured 30"):
-        filled = burke_lasenby(recorded(gappy))
+        filled = burke_lasenby(make_recording(gappy))
     assert filled.present[:, :3].all()

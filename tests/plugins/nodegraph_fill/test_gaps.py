@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from nodegraph_fill.gaps import Gaps, warn_left
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Origin
+from tests.plugins.recordings import make_gappy, make_recording
 
 
-def test_gaps_are_the_runs_of_missing_samples(gappy: Callable[[int], Trajectories]) -> None:
+def test_gaps_are_the_runs_of_missing_samples() -> None:
     for seed in range(40):
-        recording = gappy(seed)
+        recording = make_gappy(seed)
         gaps = Gaps.of(recording)
         np.testing.assert_array_equal(gaps.mask, recording.origin == Origin.MISSING)
         for marker, start, stop in zip(gaps.marker, gaps.start, gaps.stop, strict=True):
@@ -24,21 +24,21 @@ def test_gaps_are_the_runs_of_missing_samples(gappy: Callable[[int], Trajectorie
         np.testing.assert_array_equal(parts.sum(axis=0), 1)
 
 
-def test_the_share_of_the_way_leaves_both_ends_out(recorded: Callable[..., Trajectories]) -> None:
+def test_the_share_of_the_way_leaves_both_ends_out() -> None:
     positions = np.zeros((6, 1, 3))
     positions[1:4] = np.nan
-    gap, frame, marker, share = Gaps.of(recorded(positions)).samples
+    gap, frame, marker, share = Gaps.of(make_recording(positions)).samples
     assert (gap.tolist(), frame.tolist(), marker.tolist()) == ([0] * 3, [1, 2, 3], [0] * 3)
     assert share.tolist() == [0.25, 0.5, 0.75]
 
 
-def test_nothing_left_is_no_warning(recorded: Callable[..., Trajectories]) -> None:
+def test_nothing_left_is_no_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warn_left(recorded(np.zeros((2, 1, 3))), [], "nothing", stacklevel=1)
+        warn_left(make_recording(np.zeros((2, 1, 3))), [], "nothing", stacklevel=1)
 
 
-def test_one_is_not_reported_as_many(recorded: Callable[..., Trajectories]) -> None:
+def test_one_is_not_reported_as_many() -> None:
     positions = np.full((1, 1, 3), np.nan)
     with pytest.warns(UserWarning, match="^1 sample of 1 marker left missing: lost 1$"):
-        warn_left(recorded(positions), [], "lost", stacklevel=1)
+        warn_left(make_recording(positions), [], "lost", stacklevel=1)

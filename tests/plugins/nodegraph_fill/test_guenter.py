@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,8 @@ from hypothesis import strategies as st
 
 from nodegraph_fill.guenter import guenter
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import run_plainly
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 
 def weigh(distances: list[float]) -> list[float]:
@@ -26,24 +27,17 @@ def weigh(distances: list[float]) -> list[float]:
     close_gap=st.sampled_from(["none", "ramp", "blend"]),
 )
 def test_equals_the_plain_statement(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    plainly: Callable[..., Any],
-    seed: int,
-    neighbours: int,
-    ring: int,
-    use_filled: bool,
-    close_gap: str,
+    seed: int, neighbours: int, ring: int, use_filled: bool, close_gap: str
 ) -> None:
-    recording = gappy(seed)
-    shared = {
+    recording = make_gappy(seed)
+    shared: dict[str, Any] = {
         "neighbours": neighbours,
         "ring": ring,
         "use_filled": use_filled,
         "close_gap": close_gap,
     }
     filled = quietly(guenter, recording, **shared)
-    plain = plainly(recording, weigh, **shared)
+    plain = run_plainly(recording, weigh, **shared)
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 
 
@@ -84,6 +78,6 @@ def test_equal_rings_go_in_marker_order() -> None:
     assert filled.positions[1, :2, 2].tolist() == [1, 1]
 
 
-def test_no_neighbour_to_use_is_refused(recorded: Callable[..., Trajectories]) -> None:
+def test_no_neighbour_to_use_is_refused() -> None:
     with pytest.raises(ValueError, match="neighbours must be at least 1, got 0"):
-        guenter(recorded(np.zeros((2, 2, 3))), neighbours=0)
+        guenter(make_recording(np.zeros((2, 2, 3))), neighbours=0)

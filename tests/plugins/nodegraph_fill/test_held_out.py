@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,6 +9,7 @@ from numpy.typing import NDArray
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.whole_take import Estimate, fill_from
 from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_recording
 
 FRAMES, MARKERS = 200, 60
 LENGTHS = (3, 12)
@@ -44,10 +43,8 @@ def reach(markers: range) -> float:
 
 
 @pytest.mark.parametrize("own", [0.1, 5.0])
-def test_95_in_100_errors_half_a_take_later_are_within(
-    recorded: Callable[..., Trajectories], own: float
-) -> None:
-    sigma = sigma_of(recorded(gappy()), own)
+def test_95_in_100_errors_half_a_take_later_are_within(own: float) -> None:
+    sigma = sigma_of(make_recording(gappy()), own)
     for marker in (0, 1, 58, 59):
         gap = sigma[4 + marker :][: LENGTHS[marker % 2], marker]
         expected = reach(range(marker % 2, MARKERS, 2))
@@ -55,19 +52,15 @@ def test_95_in_100_errors_half_a_take_later_are_within(
     assert np.count_nonzero(~np.isnan(sigma)) == 30 * 3 + 30 * 12
 
 
-def test_a_gap_is_held_out_where_the_marker_is_present_around_it(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_gap_is_held_out_where_the_marker_is_present_around_it() -> None:
     positions = gappy(40)
     positions[103, 0] = np.nan
-    sigma = sigma_of(recorded(positions), 1.0)
+    sigma = sigma_of(make_recording(positions), 1.0)
     # 19 of its length are too few: all of the next length count, too
     expected = reach(range(1, 40))
     np.testing.assert_allclose(1.96 * sigma[4, 0], expected, rtol=1e-4)
 
 
-def test_of_fewer_than_ten_held_out_gaps_nothing_is_concluded(
-    recorded: Callable[..., Trajectories],
-) -> None:
-    assert np.isnan(sigma_of(recorded(gappy(9)), 1.0)).all()
-    assert not np.isnan(sigma_of(recorded(gappy(10)), 1.0)).all()
+def test_of_fewer_than_ten_held_out_gaps_nothing_is_concluded() -> None:
+    assert np.isnan(sigma_of(make_recording(gappy(9)), 1.0)).all()
+    assert not np.isnan(sigma_of(make_recording(gappy(10)), 1.0)).all()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.lin_ouhyoung import lin_ouhyoung, one_ring
-from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import run_plainly
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 
 def weigh(distances: list[float]) -> list[float]:
@@ -30,39 +30,31 @@ def weigh(distances: list[float]) -> list[float]:
     close_gap=st.sampled_from(["none", "ramp", "blend"]),
 )
 def test_equals_the_plain_statement(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    plainly: Callable[..., Any],
-    seed: int,
-    neighbours: int | str,
-    use_filled: bool,
-    close_gap: str,
+    seed: int, neighbours: int | str, use_filled: bool, close_gap: str
 ) -> None:
-    recording = gappy(seed)
-    shared = {"use_filled": use_filled, "close_gap": close_gap}
+    recording = make_gappy(seed)
+    shared: dict[str, Any] = {"use_filled": use_filled, "close_gap": close_gap}
     filled = quietly(lin_ouhyoung, recording, neighbours=neighbours, **shared)
     ringed = neighbours == "one_ring"
     rule = (
         {"neighbours": 99, "joined": one_ring(recording)} if ringed else {"neighbours": neighbours}
     )
-    plain = plainly(recording, weigh, **rule, **shared)
+    plain = run_plainly(recording, weigh, **rule, **shared)
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 
 
-def test_the_farthest_neighbour_weighs_a_third_of_the_nearest(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_the_farthest_neighbour_weighs_a_third_of_the_nearest() -> None:
     positions = np.zeros((2, 3, 3))
     positions[:, 1, 0], positions[:, 2, 0] = 1, 5
     positions[1, 2, 1] = 1
     positions[1, 0] = np.nan
-    filled = lin_ouhyoung(recorded(positions))
+    filled = lin_ouhyoung(make_recording(positions))
     assert filled.positions[1, 0, 1] == pytest.approx(0.309017 / 1.309017, abs=1e-6)
 
 
-def test_equal_distances_weigh_the_same(recorded: Callable[..., Trajectories]) -> None:
+def test_equal_distances_weigh_the_same() -> None:
     positions = np.zeros((2, 5, 3))
     positions[:, 1:, :2] = [[1, 0], [-1, 0], [0, 1], [0, -1]]
     positions[1, 1:, 2] = [1, 2, 3, 6]
     positions[1, 0] = np.nan
-    np.testing.assert_allclose(lin_ouhyoung(recorded(positions)).positions[1, 0], [0, 0, 3])
+    np.testing.assert_allclose(lin_ouhyoung(make_recording(positions)).positions[1, 0], [0, 0, 3])

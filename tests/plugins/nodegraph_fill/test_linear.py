@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.linear import linear
-from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_gappy, quietly
 
 
 @given(seed=st.integers(0, 2**32 - 1), max_gap=st.sampled_from([None, 1, 4]))
-def test_equals_numpy_interp(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    seed: int,
-    max_gap: int | None,
-) -> None:
-    recording = gappy(seed)
+def test_equals_numpy_interp(seed: int, max_gap: int | None) -> None:
+    recording = make_gappy(seed)
     filled = quietly(linear, recording, max_gap=max_gap)
     time = np.arange(recording.frames)
     for marker, present in enumerate(recording.present.T):

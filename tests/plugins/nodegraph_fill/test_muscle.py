@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,8 @@ from hypothesis import strategies as st
 
 from nodegraph_fill.muscle import muscle
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import run_plainly
+from tests.plugins.recordings import make_gappy, quietly
 
 
 def weigh(distances: list[float]) -> list[float]:
@@ -37,19 +38,12 @@ def weigh_normalized(distances: list[float]) -> list[float]:
     max_gap=st.sampled_from([None, 1, 4]),
 )
 def test_equals_the_plain_statement(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    plainly: Callable[..., Any],
-    seed: int,
-    normalize: bool,
-    use_filled: bool,
-    close_gap: str,
-    max_gap: int | None,
+    seed: int, normalize: bool, use_filled: bool, close_gap: str, max_gap: int | None
 ) -> None:
-    recording = gappy(seed)
-    shared = {"use_filled": use_filled, "close_gap": close_gap, "max_gap": max_gap}
+    recording = make_gappy(seed)
+    shared: dict[str, Any] = {"use_filled": use_filled, "close_gap": close_gap, "max_gap": max_gap}
     filled = quietly(muscle, recording, normalize=normalize, **shared)
-    plain = plainly(recording, weigh_normalized if normalize else weigh, neighbours=3, **shared)
+    plain = run_plainly(recording, weigh_normalized if normalize else weigh, neighbours=3, **shared)
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
 
 

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from nodegraph_fill.nearest_frames import nearest_frames
-from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_recording
 
 
 @pytest.mark.parametrize("frames", [1, 3])
-def test_equals_the_plain_weighted_mean(recorded: Callable[..., Trajectories], frames: int) -> None:
+def test_equals_the_plain_weighted_mean(frames: int) -> None:
     truth = np.cumsum(np.random.default_rng(1).normal(size=(25, 4, 3)), axis=0)
     gappy = truth.copy()
     gappy[8:12, 0] = gappy[3, 2] = gappy[9, 3] = np.nan
-    filled = nearest_frames(recorded(gappy), frames=frames)
+    filled = nearest_frames(make_recording(gappy), frames=frames)
     missing = np.isnan(gappy[..., 0])
     for frame, marker in np.argwhere(missing):
         apart = []
@@ -31,20 +29,18 @@ def test_equals_the_plain_weighted_mean(recorded: Callable[..., Trajectories], f
         np.testing.assert_allclose(filled.positions[frame, marker], expected, rtol=0, atol=1e-9)
 
 
-def test_a_frame_that_comes_again_is_found(recorded: Callable[..., Trajectories]) -> None:
+def test_a_frame_that_comes_again_is_found() -> None:
     once = np.cumsum(np.random.default_rng(2).normal(size=(30, 5, 3)), axis=0)
     truth = np.concatenate([once, once])
     gappy = truth.copy()
     gappy[40:50, 1] = np.nan
-    filled = nearest_frames(recorded(gappy))
+    filled = nearest_frames(make_recording(gappy))
     np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-5)
 
 
-def test_of_a_long_take_a_marker_seen_between_the_chosen_frames_is_found(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_of_a_long_take_a_marker_seen_between_the_chosen_frames_is_found() -> None:
     positions = np.random.default_rng(4).normal(size=(9000, 2, 3))
     positions[:, 0] = np.nan
     positions[4321, 0] = 7.0
-    filled = nearest_frames(recorded(positions))
+    filled = nearest_frames(make_recording(positions))
     np.testing.assert_allclose(filled.positions[:, 0], 7.0, atol=1e-9)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,7 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_fill.neighbour_kalman import neighbour_kalman
-from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import carry, plain_gaps
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Plain = list[tuple[int, int, int]]
 Positions = NDArray[np.float64]
@@ -41,17 +40,10 @@ def filtered(measured: list[tuple[Positions, float]], step: float, jolt: float) 
 
 
 @given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 5]))
-def test_equals_the_textbooks_filter(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    holes: Callable[..., Plain],
-    carried: Callable[..., Positions],
-    seed: int,
-    neighbours: int,
-) -> None:
-    recording = gappy(seed)
+def test_equals_the_textbooks_filter(seed: int, neighbours: int) -> None:
+    recording = make_gappy(seed)
     expected = recording.positions.copy()
-    for marker, start, stop in holes(recording.origin):
+    for marker, start, stop in plain_gaps(recording.origin):
         if start == 0 and stop == recording.frames:
             continue
         seen = start - 1 if start else stop
@@ -68,7 +60,7 @@ def test_equals_the_textbooks_filter(
                 measured.append((recording.positions[frame, marker], 0.2**2))
             else:
                 before = max(t for t in range(frame) if present[t]) if start else seen
-                measured.append((carried(recording, before, frame, marker, neighbours), 2.0**2))
+                measured.append((carry(recording, before, frame, marker, neighbours), 2.0**2))
         output = filtered(measured, 1 / recording.rate, 500.0)
         for frame, place, (z, _) in zip(frames, output, measured, strict=True):
             if start <= frame < stop:
@@ -91,54 +83,50 @@ def moved(frames: int = 40) -> Positions:
     return np.asarray(places + np.cumsum(random.normal(0, 1, (frames, 7, 3)), axis=0))
 
 
-def test_later_frames_do_not_matter(recorded: Callable[..., Trajectories]) -> None:
+def test_later_frames_do_not_matter() -> None:
     gappy = moved()
     gappy[10:30, 0] = gappy[15:20, 1] = gappy[22:25, 4] = np.nan
-    whole = neighbour_kalman(recorded(gappy)).positions
+    whole = neighbour_kalman(make_recording(gappy)).positions
     for end in (11, 18, 23, 30):
         np.testing.assert_array_equal(
-            neighbour_kalman(recorded(gappy[:end])).positions, whole[:end]
+            neighbour_kalman(make_recording(gappy[:end])).positions, whole[:end]
         )
 
 
-def test_a_gap_at_the_start_is_filled_as_backward_in_time(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_gap_at_the_start_is_filled_as_backward_in_time() -> None:
     gappy = moved()
     gappy[:8, 2] = np.nan
-    backward = neighbour_kalman(recorded(gappy[::-1])).positions[::-1]
-    np.testing.assert_array_equal(neighbour_kalman(recorded(gappy)).positions, backward)
+    backward = neighbour_kalman(make_recording(gappy[::-1])).positions[::-1]
+    np.testing.assert_array_equal(neighbour_kalman(make_recording(gappy)).positions, backward)
 
 
-def test_steady_motion_goes_on_when_the_neighbours_are_not_trusted(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_steady_motion_goes_on_when_the_neighbours_are_not_trusted() -> None:
     random = np.random.default_rng(2)
     positions = np.tile(random.normal(0, 30, (1, 5, 3)), (60, 1, 1))
     positions[:, 0] += np.arange(60)[:, None] * np.array([0.4, -0.1, 0.2])
     gappy = positions.copy()
     gappy[50:55, 0] = np.nan
-    free = neighbour_kalman(recorded(gappy), neighbour_noise=1e6).positions
+    free = neighbour_kalman(make_recording(gappy), neighbour_noise=1e6).positions
     np.testing.assert_allclose(free, positions, rtol=0, atol=1e-3)
-    held = neighbour_kalman(recorded(gappy), neighbour_noise=1e-6).positions
+    held = neighbour_kalman(make_recording(gappy), neighbour_noise=1e-6).positions
     np.testing.assert_allclose(held[50:55, 0], gappy[[49] * 5, 0], rtol=0, atol=1e-3)
 
 
-def test_turning_the_axes_changes_nothing(recorded: Callable[..., Trajectories]) -> None:
+def test_turning_the_axes_changes_nothing() -> None:
     turn = Rotation.from_rotvec([0.5, -1.0, 0.3]).as_matrix()
     gappy = moved()
     gappy[10:30, 0] = gappy[:5, 3] = np.nan
-    plain = neighbour_kalman(recorded(gappy)).positions
-    turned = neighbour_kalman(recorded(gappy @ turn.T)).positions
+    plain = neighbour_kalman(make_recording(gappy)).positions
+    turned = neighbour_kalman(make_recording(gappy @ turn.T)).positions
     np.testing.assert_allclose(turned, plain @ turn.T, rtol=0, atol=1e-9)
 
 
-def test_fewer_than_three_neighbours_are_reported(recorded: Callable[..., Trajectories]) -> None:
+def test_fewer_than_three_neighbours_are_reported() -> None:
     gappy = moved()[:, :4]
     gappy[10:20, 0] = gappy[15:, 1] = np.nan
     message = "^35 samples of 2 markers left missing: no three neighbours that span a plane 35$"
     with pytest.warns(UserWarning, match=message):
-        neighbour_kalman(recorded(gappy[:, :3]))
+        neighbour_kalman(make_recording(gappy[:, :3]))
     with pytest.warns(UserWarning, match="^30 samples of 2 markers left missing"):
-        filled = neighbour_kalman(recorded(gappy))
+        filled = neighbour_kalman(make_recording(gappy))
     assert filled.present[10:15, 0].all()

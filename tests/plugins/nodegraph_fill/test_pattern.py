@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,7 +9,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from nodegraph_fill.pattern import pattern
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Origin
+from tests.plugins.nodegraph_fill.plain_fills import plain_gaps
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Plain = list[tuple[int, int, int]]
 
@@ -21,16 +21,10 @@ def line(body: NDArray[np.float64], first: int, last: int, frame: int) -> NDArra
 
 
 @given(seed=st.integers(0, 2**32 - 1), max_gap=st.sampled_from([None, 3]))
-def test_equals_the_plain_formula(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    holes: Callable[..., Plain],
-    seed: int,
-    max_gap: int | None,
-) -> None:
-    recording = gappy(seed)
+def test_equals_the_plain_formula(seed: int, max_gap: int | None) -> None:
+    recording = make_gappy(seed)
     expected = recording.positions.copy()
-    for marker, start, stop in holes(recording.origin):
+    for marker, start, stop in plain_gaps(recording.origin):
         first, last = start - 1, stop
         if first < 0 or last == recording.frames or (max_gap and stop - start > max_gap):
             continue
@@ -51,19 +45,17 @@ def test_equals_the_plain_formula(
     np.testing.assert_allclose(filled.positions, expected, rtol=0, atol=1e-9)
 
 
-def test_a_donor_has_no_hole_in_the_whole_gap(recorded: Callable[..., Trajectories]) -> None:
+def test_a_donor_has_no_hole_in_the_whole_gap() -> None:
     positions = np.zeros((8, 3, 3))
     positions[:, 1, 0], positions[:, 2, 0] = 1.0, 9.0
     positions[:, :, 1] = np.arange(8.0)[:, None] ** 2
     truth = positions.copy()
     positions[2:5, 0] = positions[4, 1] = np.nan
-    filled = pattern(recorded(positions))
+    filled = pattern(make_recording(positions))
     np.testing.assert_allclose(filled.positions[2:5, 0], truth[2:5, 0], atol=1e-12)
 
 
-def test_without_a_donor_the_gap_is_left_and_reported(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_without_a_donor_the_gap_is_left_and_reported() -> None:
     positions = np.ones((9, 2, 3))
     positions[3:6, 0] = positions[5, 1] = positions[8, 1] = np.nan
     message = (
@@ -71,5 +63,5 @@ def test_without_a_donor_the_gap_is_left_and_reported(
         "no marker without a hole there 4$"
     )
     with pytest.warns(UserWarning, match=message):
-        filled = pattern(recorded(positions))
+        filled = pattern(make_recording(positions))
     assert not np.any(filled.origin == Origin.FILLED)

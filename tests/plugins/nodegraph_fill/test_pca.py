@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from nodegraph import Refusal
 from nodegraph_fill.pca import Strategy, pca
-from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Positions = NDArray[np.float64]
 
@@ -61,21 +59,19 @@ def reconstructed(
     return np.asarray(expected + gappy[:, whole].mean(axis=1, keepdims=True))
 
 
-def test_each_marker_is_filled_from_those_that_have_no_gaps(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_each_marker_is_filled_from_those_that_have_no_gaps() -> None:
     gappy = take()
     gappy[20:30, 0] = gappy[25:40, 4] = np.nan
-    filled = pca(recorded(gappy), weight_scale=50.0, weight_missing=0.1, singular_values=0.9)
+    filled = pca(make_recording(gappy), weight_scale=50.0, weight_missing=0.1, singular_values=0.9)
     for marker, gap in ((0, slice(20, 30)), (4, slice(25, 40))):
         output = reconstructed(gappy, [marker], [1, 2, 3, 5], 50.0, 0.1, 0.9)
         np.testing.assert_allclose(filled.positions[gap, marker], output[gap, 0], rtol=0, atol=1e-7)
 
 
-def test_together_all_markers_with_gaps_are_hidden(recorded: Callable[..., Trajectories]) -> None:
+def test_together_all_markers_with_gaps_are_hidden() -> None:
     gappy = take()
     gappy[20:30, 0] = gappy[45:50, 4] = np.nan
-    filled = pca(recorded(gappy), strategy="together")
+    filled = pca(make_recording(gappy), strategy="together")
     shape = gappy[~np.isnan(gappy[..., 0]).any(axis=1)][0]
     apart = np.linalg.norm(shape[:, None] - shape, axis=2)[np.triu_indices(6, k=1)].mean()
     output = reconstructed(gappy, [0, 4], [1, 2, 3, 5], apart, 0.02, 0.99)
@@ -83,9 +79,7 @@ def test_together_all_markers_with_gaps_are_hidden(recorded: Callable[..., Traje
     np.testing.assert_allclose(filled.positions[45:50, 4], output[45:50, 1], rtol=0, atol=1e-7)
 
 
-def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not() -> None:
     near, far = take(), take()
     near[:, 1] += near[:, 0].mean(axis=0) - near[:, 1].mean(axis=0) + [1.0, 0.0, 0.0]
     far[:, 1] += far[:, 0].mean(axis=0) - far[:, 1].mean(axis=0) + [500.0, 0.0, 0.0]
@@ -94,66 +88,61 @@ def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not(
         moved = positions.copy()
         moved[:, 1] += np.random.default_rng(1).normal(size=(60, 3))
         first, second = (
-            pca(recorded(p), weight_scale=200.0).positions[20:30, 0] for p in (positions, moved)
+            pca(make_recording(p), weight_scale=200.0).positions[20:30, 0]
+            for p in (positions, moved)
         )
         assert np.array_equal(first, second) is not used
 
 
-def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:
+def test_linear_movements_are_found_again() -> None:
     truth = take(frames=200, markers=9)
     gappy = truth.copy()
     gappy[50:90, 0] = gappy[100:150, 1] = gappy[:20, 2] = np.nan
     missing = np.isnan(gappy[..., 0])
     for ends in ("as_published", "met"):
-        filled = pca(recorded(gappy), singular_values=0.999, ends=ends).positions
+        filled = pca(make_recording(gappy), singular_values=0.999, ends=ends).positions
         off = np.linalg.norm(filled - truth, axis=2)[missing]
         assert np.sqrt((off**2).mean()) < 0.15
 
 
 @pytest.mark.parametrize("strategy", ["each", "together"])
-def test_without_a_complete_frame_it_is_refused(
-    recorded: Callable[..., Trajectories], strategy: Strategy
-) -> None:
+def test_without_a_complete_frame_it_is_refused(strategy: Strategy) -> None:
     gappy = take()
     gappy[:, 1] = gappy[:, 0] + 1.0
     gappy[::2, 0] = gappy[1::2, 1] = np.nan
     message = r"needs one complete frame: none of 60 has .* \(2 of 6 markers have gaps to fill; at "
     with pytest.raises(Refusal, match=message + "most 5 are present at once"):
-        pca(recorded(gappy), strategy=strategy)
+        pca(make_recording(gappy), strategy=strategy)
 
 
-def test_a_marker_without_a_complete_frame_is_left_and_reported(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_marker_without_a_complete_frame_is_left_and_reported() -> None:
     gappy = take()
     gappy[:, 1] = gappy[:, 0] + 1.0
     gappy[::2, 0] = gappy[1::2, 1] = gappy[:5, 4] = np.nan
     message = "^60 samples of 2 markers left missing: no marker to fill from, or no frame complete "
     with pytest.warns(UserWarning, match=message + "with those 60$"):
-        filled = pca(recorded(gappy))
+        filled = pca(make_recording(gappy))
     assert filled.present[:, 4].all()
 
 
-def test_static_markers_tell_nothing_and_are_filled(recorded: Callable[..., Trajectories]) -> None:
+def test_static_markers_tell_nothing_and_are_filled() -> None:
     truth = take()
     truth[:] = truth[0]
     gappy = truth.copy() + np.array([1234.5, 0.1, 0.2])
     gappy[4:9, 2] = np.nan
-    filled = pca(recorded(gappy))
+    filled = pca(make_recording(gappy))
     np.testing.assert_allclose(filled.positions[6, 2], gappy[3, 2], rtol=0, atol=1e-9)
 
 
-def test_an_unknown_strategy_is_refused(recorded: Callable[..., Trajectories]) -> None:
+def test_an_unknown_strategy_is_refused() -> None:
     with pytest.raises(ValueError, match="strategy must be each or together, got 'both'"):
-        pca(recorded(take()), strategy="both")  # type: ignore[arg-type]
+        pca(make_recording(take()), strategy="both")  # type: ignore[arg-type]
 
 
-def test_what_is_left_is_left_in_any_recording(
-    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories]
-) -> None:
+def test_what_is_left_is_left_in_any_recording() -> None:
     filled = 0
     for seed in range(40):
-        recording = gappy(seed)
+        recording = make_gappy(seed)
         for strategy in ("each", "together"):
             try:
                 output = quietly(pca, recording, strategy=strategy, ends="met")

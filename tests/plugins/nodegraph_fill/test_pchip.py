@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.pchip import pchip
-from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import check_hermite
+from tests.plugins.recordings import make_gappy, quietly
 
 
 @given(seed=st.integers(0, 2**32 - 1))
-def test_never_leaves_the_range_of_a_gaps_ends(
-    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories], seed: int
-) -> None:
-    recording = gappy(seed)
+def test_never_leaves_the_range_of_a_gaps_ends(seed: int) -> None:
+    recording = make_gappy(seed)
     filled = quietly(pchip, recording)
     gaps = Gaps.of(recording)
     inner = gaps.subset(gaps.inner)
@@ -39,5 +36,5 @@ def slope(x: list[float], y: list[float], i: int) -> float:
     return (w1 + w2) / (w1 / before + w2 / after)
 
 
-def test_equals_the_hermite_curve_of_harmonic_slopes(hermite: Callable[..., None]) -> None:
-    hermite(pchip, slope)
+def test_equals_the_hermite_curve_of_harmonic_slopes() -> None:
+    check_hermite(pchip, slope)

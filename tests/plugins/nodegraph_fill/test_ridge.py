@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.ridge import ridge
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Origin
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
 
@@ -35,13 +34,13 @@ def solved(x: Positions, y: Positions, penalty: float, at: Positions) -> Positio
 
 @pytest.mark.parametrize("ends", ["as_published", "met"])
 @pytest.mark.parametrize("penalty", [0.1, 10.0, 1e4])
-def test_equals_the_normal_equations(
-    recorded: Callable[..., Trajectories], penalty: float, ends: Ends
-) -> None:
+def test_equals_the_normal_equations(penalty: float, ends: Ends) -> None:
     truth = take()
     gappy = truth.copy()
     gappy[20:30, 0] = gappy[25, 5] = np.nan
-    filled = ridge(recorded(gappy[:, :6]), neighbours=3, penalty=penalty, ends=ends, max_gap=10)
+    filled = ridge(
+        make_recording(gappy[:, :6]), neighbours=3, penalty=penalty, ends=ends, max_gap=10
+    )
     apart = np.linalg.norm(truth[0, 1:5] - truth[0, 0], axis=1)
     # the marker with a hole there does not predict, whatever its distance
     chosen = 1 + np.argsort(_shape_distances(gappy)[1:5])[:3]
@@ -62,36 +61,32 @@ def _shape_distances(positions: Positions) -> Positions:
     return np.asarray(np.linalg.norm(positions[frame] - positions[frame, 0], axis=1))
 
 
-def test_a_gap_with_one_end_meets_that(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_a_gap_with_one_end_meets_that() -> None:
     gappy = take()
     gappy[60:, 2] = np.nan
-    free = ridge(recorded(gappy), penalty=1e3).positions[60:, 2]
-    bent = ridge(recorded(gappy), penalty=1e3, ends="met").positions[60:, 2]
+    free = ridge(make_recording(gappy), penalty=1e3).positions[60:, 2]
+    bent = ridge(make_recording(gappy), penalty=1e3, ends="met").positions[60:, 2]
     shift = bent - free
     share = np.arange(1, len(shift) + 1)[:, None] / (len(shift) + 1)
     assert np.linalg.norm(shift[0]) > 0.01
     np.testing.assert_allclose(shift, shift[0] / (1 - share[0]) * (1 - share), atol=1e-9)
 
 
-def test_linear_movements_are_found_again(recorded: Callable[..., Trajectories]) -> None:
+def test_linear_movements_are_found_again() -> None:
     truth = take(frames=300)
     gappy = truth.copy()
     gappy[100:160, 0] = gappy[120:200, 1] = gappy[:30, 2] = np.nan
-    filled = ridge(recorded(gappy), penalty=0.1)
+    filled = ridge(make_recording(gappy), penalty=0.1)
     error = np.linalg.norm(filled.positions - truth, axis=2)
     assert error.max() < 0.2
     assert np.sqrt((error[np.isnan(gappy[..., 0])] ** 2).mean()) < 0.05
 
 
-def test_where_nothing_can_be_learnt_the_gap_is_left_and_reported(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_where_nothing_can_be_learnt_the_gap_is_left_and_reported() -> None:
     positions = take(frames=6, markers=3)
     positions[1:5, 0] = np.nan
     positions[[0, 5], 1:] = np.nan
     message = "^8 samples of 3 markers left missing: no marker, or no frames, to learn from 8$"
     with pytest.warns(UserWarning, match=message):
-        filled = ridge(recorded(positions))
+        filled = ridge(make_recording(positions))
     assert not np.any(filled.origin[1:5, 0] == Origin.FILLED)

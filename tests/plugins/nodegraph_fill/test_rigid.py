@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_fill.rigid import rigid
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Origin
+from tests.plugins.nodegraph_fill.plain_fills import carry, plain_gaps
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Plain = list[tuple[int, int, int]]
 Positions = NDArray[np.float64]
@@ -28,29 +28,22 @@ def moved_body(frames: int, markers: int, seed: int) -> Positions:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_rigid_body_is_filled_exactly(recorded: Callable[..., Trajectories], seed: int) -> None:
+def test_a_rigid_body_is_filled_exactly(seed: int) -> None:
     truth = moved_body(20, 7, seed)
     gappy = truth.copy()
     gappy[3:9, 0] = gappy[5:12, 1] = gappy[:4, 2] = gappy[15:, 3] = np.nan
-    filled = rigid(recorded(gappy))
+    filled = rigid(make_recording(gappy))
     np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-9)
 
 
 @given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 4, 6]))
-def test_equals_scipys_fit_from_both_ends(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    holes: Callable[..., Plain],
-    carried: Callable[..., Positions],
-    seed: int,
-    neighbours: int,
-) -> None:
-    recording = gappy(seed)
+def test_equals_scipys_fit_from_both_ends(seed: int, neighbours: int) -> None:
+    recording = make_gappy(seed)
     expected = recording.positions.copy()
-    for marker, start, stop in holes(recording.origin):
+    for marker, start, stop in plain_gaps(recording.origin):
         for frame in range(start, stop):
-            ahead = carried(recording, start - 1, frame, marker, neighbours)
-            back = carried(recording, stop, frame, marker, neighbours)
+            ahead = carry(recording, start - 1, frame, marker, neighbours)
+            back = carry(recording, stop, frame, marker, neighbours)
             share = (frame - start + 1) / (stop - start + 1)
             mixed = (1 - share) * ahead + share * back
             mixed = back if np.isnan(ahead).any() else ahead if np.isnan(back).any() else mixed
@@ -59,20 +52,20 @@ def test_equals_scipys_fit_from_both_ends(
     np.testing.assert_allclose(filled.positions, expected, rtol=0, atol=1e-7)
 
 
-def test_neighbours_on_a_line_tell_nothing(recorded: Callable[..., Trajectories]) -> None:
+def test_neighbours_on_a_line_tell_nothing() -> None:
     positions = np.zeros((6, 4, 3))
     positions[:, 1:, 0] = [10.0, 20.0, 30.0]
     positions[:, 1:, 1] = [0.0, 0.1, 0.0]
     positions[2:4, 0] = np.nan
     message = "^2 samples of 1 marker left missing: no three neighbours that span a plane 2$"
     with pytest.warns(UserWarning, match=message):
-        filled = rigid(recorded(positions))
+        filled = rigid(make_recording(positions))
     assert not np.any(filled.origin == Origin.FILLED)
 
 
-def test_long_takes_are_computed_piece_by_piece(recorded: Callable[..., Trajectories]) -> None:
+def test_long_takes_are_computed_piece_by_piece() -> None:
     truth = np.tile(moved_body(50, 5, 1), (100, 1, 1))
     gappy = truth.copy()
     gappy[1:4999, 0] = np.nan
-    filled = rigid(recorded(gappy))
+    filled = rigid(make_recording(gappy))
     np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-8)

@@ -16,6 +16,7 @@ from nodegraph_fill.linear import linear
 from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "animface"
 Positions = NDArray[np.float64]
@@ -41,10 +42,10 @@ def holed(seed: int = 3) -> Positions:
 
 
 @pytest.mark.parametrize("shrinkage", [0.2, 0.02, 0.002])
-def test_the_answer_is_optimal(recorded: Callable[..., Trajectories], shrinkage: float) -> None:
+def test_the_answer_is_optimal(shrinkage: float) -> None:
     """Where the sub-gradient of ``s |Z|_*`` and the residual cancel, a convex sum is least."""
     gappy = holed()
-    filled = soft_impute(recorded(gappy), shrinkage=shrinkage, ends="as_published").positions
+    filled = soft_impute(make_recording(gappy), shrinkage=shrinkage, ends="as_published").positions
     middle = np.nanmean(gappy, axis=0)
     full = (filled - middle).reshape(60, -1)
     missing = np.isnan(gappy).reshape(60, -1)
@@ -63,16 +64,14 @@ def test_the_answer_is_optimal(recorded: Callable[..., Trajectories], shrinkage:
 
 
 @pytest.mark.parametrize("one_end", [False, True])
-def test_the_ends_are_estimated_without_what_the_gap_lacks(
-    recorded: Callable[..., Trajectories], one_end: bool
-) -> None:
+def test_the_ends_are_estimated_without_what_the_gap_lacks(one_end: bool) -> None:
     gappy = take()
     gappy[20:30, 0] = gappy[24:32, 5] = np.nan
     if one_end:
         gappy[30:, 0] = np.nan
     stop = 60 if one_end else 30
-    free = soft_impute(recorded(gappy), shrinkage=0.01).positions
-    bent = soft_impute(recorded(gappy), shrinkage=0.01, ends="met").positions
+    free = soft_impute(make_recording(gappy), shrinkage=0.01).positions
+    bent = soft_impute(make_recording(gappy), shrinkage=0.01, ends="met").positions
     middle = np.nanmean(gappy, axis=0).ravel()
     known = np.where(np.isnan(gappy).reshape(60, -1), 0.0, gappy.reshape(60, -1) - middle)
     full = free.reshape(60, -1) - middle
@@ -94,32 +93,28 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(
     np.testing.assert_allclose(bent[20:stop, 0], expected, rtol=0, atol=1e-4)
 
 
-def test_few_movements_are_found_again(
-    recorded: Callable[..., Trajectories], quietly: Callable[..., Trajectories]
-) -> None:
-    straight = quietly(linear, recorded(holed()))
+def test_few_movements_are_found_again() -> None:
+    straight = quietly(linear, make_recording(holed()))
     hidden = np.isnan(holed()[..., 0]) & straight.present
 
     def error(fill: Callable[..., Trajectories]) -> float:
-        off = quietly(fill, recorded(holed()), ends="met").positions - take()
+        off = quietly(fill, make_recording(holed()), ends="met").positions - take()
         return float(np.sqrt((off[hidden] ** 2).sum(axis=1).mean()))
 
     assert error(soft_impute) < 0.25 * error(linear)
 
 
-def test_turning_and_another_unit_change_nothing(recorded: Callable[..., Trajectories]) -> None:
+def test_turning_and_another_unit_change_nothing() -> None:
     turn = Rotation.from_rotvec([0.5, -1.0, 0.3])
     gappy = holed()
-    plain = soft_impute(recorded(gappy)).positions
-    turned = soft_impute(recorded(1e-3 * gappy @ turn.as_matrix().T)).positions
+    plain = soft_impute(make_recording(gappy)).positions
+    turned = soft_impute(make_recording(1e-3 * gappy @ turn.as_matrix().T)).positions
     np.testing.assert_allclose(turned, 1e-3 * plain @ turn.as_matrix().T, rtol=0, atol=1e-8)
 
 
-def test_any_recording_can_be_filled(
-    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories]
-) -> None:
+def test_any_recording_can_be_filled() -> None:
     for seed in range(40):
-        recording = gappy(seed)
+        recording = make_gappy(seed)
         filled = quietly(soft_impute, recording)
         seen = recording.present.any(axis=0)
         np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_fill.subspace_kalman import subspace_kalman
 from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Positions = NDArray[np.float64]
 
@@ -70,9 +70,9 @@ def holed() -> Positions:
     return positions
 
 
-def test_is_the_conditional_mean(recorded: Callable[..., Trajectories]) -> None:
+def test_is_the_conditional_mean() -> None:
     gappy = holed()
-    recording = recorded(gappy)
+    recording = make_recording(gappy)
     filled = subspace_kalman(recording, variance=0.9, ends="as_published")
     plain = Plain(gappy, recording, 0.9)
     mean, _ = plain(plain.known)
@@ -80,13 +80,11 @@ def test_is_the_conditional_mean(recorded: Callable[..., Trajectories]) -> None:
     np.testing.assert_allclose(filled.positions[missing], mean[missing], rtol=0, atol=1e-5)
 
 
-def test_sigma_is_in_proportion_to_the_conditional_variance(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_sigma_is_in_proportion_to_the_conditional_variance() -> None:
     gappy = take(frames=30, markers=12)
     for marker in range(12):
         gappy[2 + marker : 4 + marker, marker] = np.nan
-    recording = recorded(gappy)
+    recording = make_recording(gappy)
     missing = ~recording.present
     sigma = subspace_kalman(recording, variance=0.9).sigma
     plain = Plain(gappy, recording, 0.9)
@@ -97,12 +95,10 @@ def test_sigma_is_in_proportion_to_the_conditional_variance(
     assert np.isnan(sigma[recording.present]).all()
 
 
-def test_the_ends_are_estimated_without_what_the_gap_lacks(
-    recorded: Callable[..., Trajectories],
-) -> None:
+def test_the_ends_are_estimated_without_what_the_gap_lacks() -> None:
     gappy = take()
     gappy[4:8, 0] = gappy[6:10, 2] = np.nan
-    recording = recorded(gappy)
+    recording = make_recording(gappy)
     free = subspace_kalman(recording, variance=0.9).positions
     bent = subspace_kalman(recording, variance=0.9, ends="met").positions
     plain = Plain(gappy, recording, 0.9)
@@ -117,29 +113,27 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(
     np.testing.assert_allclose(bent[4:8, 0], expected, rtol=0, atol=1e-5)
 
 
-def test_sigma_grows_into_a_gap_of_all_markers(recorded: Callable[..., Trajectories]) -> None:
+def test_sigma_grows_into_a_gap_of_all_markers() -> None:
     gappy = take(frames=60, markers=12)
     gappy[10:21] = np.nan
-    sigma = subspace_kalman(recorded(gappy)).sigma
+    sigma = subspace_kalman(make_recording(gappy)).sigma
     assert sigma is not None
     assert np.all(np.diff(sigma[10:16], axis=0) > 0)
     assert np.all(np.diff(sigma[15:21], axis=0) < 0)
 
 
-def test_what_never_moves_stays(recorded: Callable[..., Trajectories]) -> None:
+def test_what_never_moves_stays() -> None:
     positions = np.broadcast_to(np.random.default_rng(1).normal(size=(3, 3)), (9, 3, 3)).copy()
     gappy = positions.copy()
     gappy[2:5, 0] = np.nan
-    filled = subspace_kalman(recorded(gappy))
+    filled = subspace_kalman(make_recording(gappy))
     np.testing.assert_allclose(filled.positions, positions, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("variance", [0.5, 0.995, 1.0])
-def test_any_recording_can_be_filled(
-    gappy: Callable[[int], Trajectories], quietly: Callable[..., Trajectories], variance: float
-) -> None:
+def test_any_recording_can_be_filled(variance: float) -> None:
     for seed in range(40):
-        recording = gappy(seed)
+        recording = make_gappy(seed)
         filled = quietly(subspace_kalman, recording, variance=variance)
         seen = recording.present.any(axis=0)
         np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))

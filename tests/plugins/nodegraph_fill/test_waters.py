@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,8 @@ from hypothesis import strategies as st
 
 from nodegraph_fill.waters import waters
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import run_plainly
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 
 def weigh(distances: list[float], full: float = 15.0, end: float = 45.0) -> list[float]:
@@ -31,19 +32,13 @@ def weigh(distances: list[float], full: float = 15.0, end: float = 45.0) -> list
     close_gap=st.sampled_from(["none", "ramp", "blend"]),
 )
 def test_equals_the_plain_statement(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    plainly: Callable[..., Any],
-    seed: int,
-    radii: tuple[float, float],
-    use_filled: bool,
-    close_gap: str,
+    seed: int, radii: tuple[float, float], use_filled: bool, close_gap: str
 ) -> None:
-    recording = gappy(seed)
+    recording = make_gappy(seed)
     full, end = radii
-    shared = {"use_filled": use_filled, "close_gap": close_gap}
+    shared: dict[str, Any] = {"use_filled": use_filled, "close_gap": close_gap}
     filled = quietly(waters, recording, full_radius=full, falloff_radius=end, **shared)
-    plain = plainly(
+    plain = run_plainly(
         recording, lambda distances: weigh(distances, full, end), neighbours=1, **shared
     )
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
@@ -73,10 +68,8 @@ def test_a_marker_that_stays_where_it_was_is_counted(distance: float) -> None:
 
 
 @pytest.mark.parametrize("falloff", [15.0, 10.0])
-def test_radii_in_the_wrong_order_are_refused(
-    recorded: Callable[..., Trajectories], falloff: float
-) -> None:
+def test_radii_in_the_wrong_order_are_refused(falloff: float) -> None:
     with pytest.raises(
         ValueError, match=rf"smaller than falloff_radius, got 15.0 and {falloff} mm"
     ):
-        waters(recorded(np.zeros((2, 2, 3))), falloff_radius=falloff)
+        waters(make_recording(np.zeros((2, 2, 3))), falloff_radius=falloff)

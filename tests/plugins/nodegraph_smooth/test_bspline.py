@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -16,6 +15,7 @@ from scipy.interpolate import BSpline
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.bspline import bspline
 from nodegraph_smooth.bspline_weights import weights
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Positions = NDArray[np.float64]
 ORDERS = range(1, 10)
@@ -55,11 +55,9 @@ def plainly(run: Positions, order: int, ends: str) -> Positions:
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("length", [1, 2, 3, 5, 8, 12, 40])
-def test_vertex_is_the_curve_with_end_vertices_repeated(
-    recorded: Callable[..., Trajectories], order: int, length: int
-) -> None:
+def test_vertex_is_the_curve_with_end_vertices_repeated(order: int, length: int) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 3))
-    smoothed = bspline(recorded(run[:, None]), order=order)
+    smoothed = bspline(make_recording(run[:, None]), order=order)
     expected = with_end_vertices_repeated(run, order)
     np.testing.assert_allclose(smoothed.positions[:, 0], expected, rtol=0, atol=1e-11)
 
@@ -67,10 +65,10 @@ def test_vertex_is_the_curve_with_end_vertices_repeated(
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("length", [2, 3, 5, 8, 12, 40])
 def test_clamped_is_the_quasi_uniform_curve_at_the_greville_abscissae(
-    recorded: Callable[..., Trajectories], order: int, length: int
+    order: int, length: int
 ) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 3))
-    smoothed = bspline(recorded(run[:, None]), order=order, ends="clamped")
+    smoothed = bspline(make_recording(run[:, None]), order=order, ends="clamped")
     degree = min(order, length - 1)
     inner = np.arange(1.0, length - degree)
     last = float(length - degree)
@@ -83,14 +81,8 @@ def test_clamped_is_the_quasi_uniform_curve_at_the_greville_abscissae(
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.sampled_from(ORDERS), ends=st.sampled_from(ENDS[::2])
 )
-def test_each_run_is_the_weighted_mean_of_its_formula(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    seed: int,
-    order: int,
-    ends: str,
-) -> None:
-    recording = gappy(seed)
+def test_each_run_is_the_weighted_mean_of_its_formula(seed: int, order: int, ends: str) -> None:
+    recording = make_gappy(seed, most_frames=70, most_markers=5)
     smoothed = quietly(bspline, recording, order=order, ends=ends)
     for marker, present in enumerate(recording.present.T):
         edges = np.flatnonzero(np.diff(present.astype(int), prepend=0, append=0))
@@ -124,9 +116,9 @@ def test_free_leaves_half_a_window_as_it_was(noisy: Trajectories) -> None:
     assert np.flatnonzero(kept).tolist() == [0, 1, 2, 118, 119, 120]
 
 
-def test_order_one_changes_nothing(gappy: Callable[[int], Trajectories]) -> None:
+def test_order_one_changes_nothing() -> None:
     for seed in range(5):
-        recording = gappy(seed)
+        recording = make_gappy(seed, most_frames=70, most_markers=5)
         smoothed = bspline(recording, order=1)
         np.testing.assert_array_equal(smoothed.positions, recording.positions)
 
@@ -134,10 +126,8 @@ def test_order_one_changes_nothing(gappy: Callable[[int], Trajectories]) -> None
 @pytest.mark.parametrize(
     ("order", "share"), [(3, 1.0), (4, 0.716), (5, 0.556), (6, 0.451), (7, 0.377)]
 )
-def test_steps_of_pure_noise_lose_variance_as_the_order_rises(
-    recorded: Callable[..., Trajectories], order: int, share: float
-) -> None:
-    noise = recorded(np.random.default_rng(1).normal(0, 1, (100_000, 1, 3)))
+def test_steps_of_pure_noise_lose_variance_as_the_order_rises(order: int, share: float) -> None:
+    noise = make_recording(np.random.default_rng(1).normal(0, 1, (100_000, 1, 3)))
     variance = {
         value: np.diff(bspline(noise, order=value).positions, axis=0).var() for value in (3, order)
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +12,7 @@ from scipy.interpolate import make_smoothing_spline
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth import gcv_kernel
 from nodegraph_smooth.gcv import gcv
+from tests.plugins.recordings import make_recording
 
 
 def test_equals_scipys_spline_with_the_lambda_that_was_chosen(noisy: Trajectories) -> None:
@@ -33,11 +33,9 @@ def wave(noise: float) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("noise", [0.01, 0.1, 0.3])
-def test_chooses_as_scipy_does_for_one_coordinate(
-    recorded: Callable[..., Trajectories], noise: float
-) -> None:
+def test_chooses_as_scipy_does_for_one_coordinate(noise: float) -> None:
     positions = wave(noise)
-    smoothed = gcv(recorded(positions)).positions[:, 0, 1]
+    smoothed = gcv(make_recording(positions)).positions[:, 0, 1]
     frame = np.arange(150.0)
     expected = make_smoothing_spline(frame, positions[:, 0, 1])(frame)
     np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-6)
@@ -70,6 +68,6 @@ def test_smooths_as_much_as_there_is_noise(noisy: Trajectories) -> None:
 
 
 @pytest.mark.parametrize("frames", [5, 6, 40])
-def test_straight_lines_stay(recorded: Callable[..., Trajectories], frames: int) -> None:
+def test_straight_lines_stay(frames: int) -> None:
     line = np.arange(float(frames))[:, None, None] * [[1.0, -2.0, 0.5]] + 300.0
-    np.testing.assert_allclose(gcv(recorded(line)).positions, line, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(gcv(make_recording(line)).positions, line, rtol=0, atol=1e-9)

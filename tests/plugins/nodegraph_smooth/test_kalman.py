@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import factorial
 
@@ -14,6 +13,7 @@ from scipy.interpolate import make_smoothing_spline
 from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.kalman import Motion, kalman
+from tests.plugins.recordings import make_recording
 
 
 def density(cutoff: float, rate: float, order: int) -> float:
@@ -49,10 +49,10 @@ def posterior(
 @pytest.mark.parametrize(("motion", "order"), [("velocity", 2), ("acceleration", 3)])
 @pytest.mark.parametrize("length", [3, 4, 30])
 def test_mean_and_sigma_are_those_of_all_states_at_once(
-    recorded: Callable[..., Trajectories], motion: Motion, order: int, length: int
+    motion: Motion, order: int, length: int
 ) -> None:
     run = np.random.default_rng(length).normal(0, 10, (length, 1, 3))
-    smoothed = kalman(recorded(run), cutoff=8.0, motion=motion, noise=0.3)
+    smoothed = kalman(make_recording(run), cutoff=8.0, motion=motion, noise=0.3)
     mean, variance = posterior(run[:, 0], order, density(8.0, 60.0, order))
     np.testing.assert_allclose(smoothed.positions[:, 0], mean, rtol=0, atol=1e-7)
     assert smoothed.sigma is not None
@@ -67,17 +67,15 @@ def test_constant_velocity_is_the_cubic_smoothing_spline(noisy: Trajectories) ->
 
 
 @pytest.mark.parametrize("motion", ["velocity", "acceleration"])
-def test_half_of_the_amplitude_is_kept_at_the_cut_off(
-    recorded: Callable[..., Trajectories], motion: Motion
-) -> None:
+def test_half_of_the_amplitude_is_kept_at_the_cut_off(motion: Motion) -> None:
     for cutoff in (2.0, 10.0, 24.0):
         wave = np.cos(2 * np.pi * cutoff / 60.0 * np.arange(-600, 601))
-        take = recorded(np.repeat(wave[:, None, None], 3, 2))
+        take = make_recording(np.repeat(wave[:, None, None], 3, 2))
         smoothed = kalman(take, cutoff=cutoff, motion=motion).positions[300:900, 0, 0]
         np.testing.assert_allclose(smoothed, wave[300:900] / 2, rtol=0, atol=1e-5)
 
 
-def test_sigma_is_the_spread_of_what_the_model_makes(recorded: Callable[..., Trajectories]) -> None:
+def test_sigma_is_the_spread_of_what_the_model_makes() -> None:
     random = np.random.default_rng(2)
     ratio, noise, markers = density(10.0, 60.0, 2), 0.5, 400
     factor = np.linalg.cholesky(noise**2 * ratio * np.array([[1 / 3, 1 / 2], [1 / 2, 1]]))
@@ -86,16 +84,16 @@ def test_sigma_is_the_spread_of_what_the_model_makes(recorded: Callable[..., Tra
         truth[t] = state[0]
         state = np.array([[1, 1], [0, 1]]) @ state + factor @ random.normal(0, 1, state.shape)
     samples = truth + random.normal(0, noise, truth.shape)
-    smoothed = kalman(recorded(samples.reshape(40, markers, 3)), noise=noise)
+    smoothed = kalman(make_recording(samples.reshape(40, markers, 3)), noise=noise)
     spread = (smoothed.positions.reshape(40, -1) - truth).std(axis=1)
     assert smoothed.sigma is not None
     np.testing.assert_allclose(smoothed.sigma[:, 0], spread, rtol=0.1)
 
 
-def test_sigma_of_what_is_left_as_it_was(recorded: Callable[..., Trajectories]) -> None:
+def test_sigma_of_what_is_left_as_it_was() -> None:
     positions = np.random.default_rng(1).normal(0, 1, (9, 2, 3))
     positions[1, 0] = np.nan
-    recording = recorded(positions)
+    recording = make_recording(positions)
     with pytest.warns(UserWarning, match="1 of 3 runs .* shorter than 2 frames"):
         smoothed = kalman(recording, noise=0.2)
     assert smoothed.sigma is not None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +11,7 @@ from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.kalman import Motion, kalman
 from nodegraph_smooth.kalman_filter import kalman_filter
+from tests.plugins.recordings import make_recording
 
 
 @pytest.mark.parametrize(("motion", "order"), [("velocity", 2), ("acceleration", 3)])
@@ -33,7 +33,7 @@ def test_each_sample_is_the_last_of_the_smoother_so_far(
         np.testing.assert_allclose(filtered.sigma[count - 1], smoothed.sigma[-1], rtol=1e-6)
 
 
-def test_bad_settings(recorded: Callable[..., Trajectories], noisy: Trajectories) -> None:
+def test_bad_settings(noisy: Trajectories) -> None:
     with pytest.raises(ValueError, match="motion must be velocity or acceleration"):
         kalman_filter(noisy, motion="jerk")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="noise must be a positive number"):
@@ -41,4 +41,6 @@ def test_bad_settings(recorded: Callable[..., Trajectories], noisy: Trajectories
     with pytest.raises(Refusal, match="cut-off 30 Hz is not below 30 Hz"):
         kalman_filter(noisy, cutoff=30.0)
     with pytest.raises(Refusal, match="too low"):
-        kalman_filter(recorded(np.zeros((9, 1, 3)), 1000.0), cutoff=0.01, motion="acceleration")
+        kalman_filter(
+            make_recording(np.zeros((9, 1, 3)), rate=1000.0), cutoff=0.01, motion="acceleration"
+        )

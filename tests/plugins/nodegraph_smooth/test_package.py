@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,8 @@ from nodegraph import Refusal
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth import nodegraph_nodes
+from tests.plugins.nodegraph_smooth.plain_runs import run_by_run
+from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 Positions = NDArray[np.float64]
 NODES = {function.__name__: function for function in nodegraph_nodes()}
@@ -41,26 +43,22 @@ def changed(name: str, factors: Mapping[str, float]) -> dict[str, Any]:
 @EVERY
 @settings(max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_each_run_is_smoothed_by_itself(
-    gappy: Callable[[int], Trajectories],
-    quietly: Callable[..., Trajectories],
-    alone: Callable[..., Positions],
-    name: str,
-    seed: int,
-) -> None:
-    recording = gappy(seed)
+def test_each_run_is_smoothed_by_itself(name: str, seed: int) -> None:
+    recording = make_gappy(seed, most_frames=70, most_markers=5)
     try:
         smoothed = quietly(NODES[name], recording)
     except Refusal:
         return
     np.testing.assert_array_equal(smoothed.origin, recording.origin)
-    np.testing.assert_allclose(smoothed.positions, alone(NODES[name], recording), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        smoothed.positions, run_by_run(NODES[name], recording), rtol=0, atol=1e-9
+    )
 
 
 @EVERY
-def test_what_stands_still_stays(name: str, recorded: Callable[..., Trajectories]) -> None:
+def test_what_stands_still_stays(name: str) -> None:
     still = np.tile(np.random.default_rng(1).normal(0, 300, (1, 4, 3)), (50, 1, 1))
-    np.testing.assert_array_equal(NODES[name](recorded(still)).positions, still)
+    np.testing.assert_array_equal(NODES[name](make_recording(still)).positions, still)
 
 
 @EVERY
@@ -101,14 +99,12 @@ def test_time_has_no_direction_unless_no_frame_ahead_is_seen(
 
 
 @EVERY
-def test_noise_is_reduced_and_movement_kept(
-    name: str, recorded: Callable[..., Trajectories]
-) -> None:
+def test_noise_is_reduced_and_movement_kept(name: str) -> None:
     random = np.random.default_rng(6)
     time = np.arange(600)[:, None, None] / 60.0
     clean = 10.0 * np.sin(2 * np.pi * 0.8 * time + random.uniform(0, 6, (1, 5, 3)))
     noise = random.normal(0, 0.5, clean.shape)
-    smoothed = NODES[name](recorded(clean + noise)).positions
+    smoothed = NODES[name](make_recording(clean + noise)).positions
     error = np.sqrt(np.mean((smoothed - clean) ** 2))
     # one that sees no frame ahead pays for less noise with its lag
     assert error < {"one_euro": 0.75, "kalman_filter": 0.45}.get(name, 0.4)
@@ -142,10 +138,8 @@ def test_several_markers_are_smoothed_as_each_alone(name: str, noisy: Trajectori
 
 @EVERY
 @pytest.mark.parametrize("frames", [0, 1, 2, 3, 5, 8])
-def test_takes_of_any_length_are_smoothed_or_refused(
-    name: str, frames: int, recorded: Callable[..., Trajectories], quietly: Callable[..., Any]
-) -> None:
-    take = recorded(np.random.default_rng(frames).normal(0, 1, (frames, 2, 3)))
+def test_takes_of_any_length_are_smoothed_or_refused(name: str, frames: int) -> None:
+    take = make_recording(np.random.default_rng(frames).normal(0, 1, (frames, 2, 3)))
     try:
         smoothed = quietly(NODES[name], take)
     except Refusal as refusal:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.polynomial import polynomial
+from tests.plugins.recordings import make_recording
 
 
 @pytest.mark.parametrize("degree", [2, 3, 5])
@@ -44,9 +43,7 @@ def test_one_segment_longer_than_the_take_is_one_polynomial(noisy: Trajectories)
     np.testing.assert_allclose(smoothed, expected, rtol=0, atol=1e-9)
 
 
-def test_segments_with_no_more_frames_than_coefficients_are_refused(
-    recorded: Callable[..., Trajectories],
-) -> None:
-    take = recorded(np.zeros((50, 1, 3)), 20.0)
+def test_segments_with_no_more_frames_than_coefficients_are_refused() -> None:
+    take = make_recording(np.zeros((50, 1, 3)), rate=20.0)
     with pytest.raises(Refusal, match=r"a segment of 0\.1 s is 2 frames at 20 Hz, .* more than 2"):
         polynomial(take)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from nodegraph_mocap import HeadMotion, MarkerSet, Trajectories
@@ -72,46 +69,3 @@ def plain_fit(
     u, _, v = np.linalg.svd((shape - goal).T @ (each[:, None] * (points - centre)))
     sign = 1.0 if reflection else np.linalg.det(u @ v)
     return u @ np.diag([1.0, 1.0, sign]) @ v, centre, goal
-
-
-def run_quietly(call: Callable[..., object], *inputs: object, **settings: object) -> Any:
-    """Call a node where its warnings do not matter."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return call(*inputs, **settings)
-
-
-@pytest.fixture(scope="session")
-def rotations() -> Callable[..., Array]:
-    """Any number of rotations."""
-    return random_rotations
-
-
-@pytest.fixture(scope="session")
-def recorded() -> Callable[..., Trajectories]:
-    """Positions to a recording."""
-    return make_recording
-
-
-@pytest.fixture(scope="session")
-def head() -> Callable[..., tuple[Trajectories, HeadMotion]]:
-    """A face at rest and a motion."""
-    return make_head
-
-
-@pytest.fixture(scope="session")
-def moved() -> Callable[[Trajectories, HeadMotion], Trajectories]:
-    """The face at rest, moved."""
-    return run_moved
-
-
-@pytest.fixture(scope="session")
-def kabsch() -> Callable[..., tuple[Array, Array, Array]]:
-    """The fit of one frame, plainly."""
-    return plain_fit
-
-
-@pytest.fixture(scope="session")
-def quietly() -> Callable[..., Any]:
-    """Call where warnings do not matter."""
-    return run_quietly

@@ -1,9 +1,8 @@
-"""Recordings with all kinds of gaps, and the step-wise fills once more as plain loops."""
+"""The step-wise fills once more as plain loops, and what other fills are compared with."""
 
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -13,41 +12,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
 Weigh = Callable[[list[float]], list[float]]
-
-
-def make_recording(positions: Positions, origin: Any = None) -> Trajectories:
-    names = tuple(f"m{index}" for index in range(positions.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=60.0, origin=origin)
-
-
-def make_gappy(seed: int) -> Trajectories:
-    """A few markers that walk about, with gaps anywhere, and samples of every origin."""
-    random = np.random.default_rng(seed)
-    frames, markers = int(random.integers(1, 30)), int(random.integers(1, 9))
-    places = random.normal(0, 30, (markers, 3))
-    positions = places + np.cumsum(random.normal(0, 1, (frames, markers, 3)), axis=0)
-    kinds = [Origin.MEASURED, Origin.MEASURED, Origin.REPAIRED, Origin.FILLED]
-    origin = random.choice(kinds, (frames, markers)).astype(np.uint8)
-    for _ in range(int(random.integers(0, 3 * markers))):
-        marker, start = random.integers(markers), int(random.integers(-8, frames))
-        origin[max(start, 0) : start + int(random.integers(1, 14)), marker] = Origin.MISSING
-    if random.random() < 0.2:
-        origin[:, random.integers(markers)] = Origin.MISSING
-    if random.random() < 0.2:
-        origin[random.integers(frames)] = Origin.MISSING
-    positions[origin == Origin.MISSING] = np.nan
-    return make_recording(positions, origin)
-
-
-def run_quietly(
-    fill: Callable[..., Trajectories], recording: Trajectories, **settings: object
-) -> Trajectories:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return fill(recording, **settings)
 
 
 def plain_gaps(origin: NDArray[np.uint8]) -> list[tuple[int, int, int]]:
@@ -241,45 +209,3 @@ def check_hermite(
                 + s * s * (s - 1) * 5 * last
             )
             assert filled[frame, marker, axis] == pytest.approx(expected, abs=1e-10)
-
-
-@pytest.fixture(scope="session")
-def recorded() -> Callable[..., Trajectories]:
-    """Positions, and origins if any, to a recording."""
-    return make_recording
-
-
-@pytest.fixture(scope="session")
-def gappy() -> Callable[[int], Trajectories]:
-    """A seed to a recording with gaps."""
-    return make_gappy
-
-
-@pytest.fixture(scope="session")
-def quietly() -> Callable[..., Trajectories]:
-    """Run a fill whose warnings do not matter."""
-    return run_quietly
-
-
-@pytest.fixture(scope="session")
-def plainly() -> Callable[..., Positions]:
-    """Run the plain statement of a step-wise fill."""
-    return run_plainly
-
-
-@pytest.fixture(scope="session")
-def holes() -> Callable[..., list[tuple[int, int, int]]]:
-    """Origins to marker, first missing frame and first frame after of every gap."""
-    return plain_gaps
-
-
-@pytest.fixture(scope="session")
-def carried() -> Callable[..., Positions]:
-    """Where the nearest markers' motion takes a marker between two frames."""
-    return carry
-
-
-@pytest.fixture(scope="session")
-def hermite() -> Callable[..., None]:
-    """Check a fill by cubic curves, from its slope at a sample."""
-    return check_hermite
