@@ -36,7 +36,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
   };
 
   const render = (view) => (plot, width) => {
-    const { values, best } = view.numbers();
+    const { values, tied } = view.numbers();
     const sign = view.better === "higher" ? -1 : 1;
     const shown = view.ranked().filter((method) => view.overview.seconds[method] > 0);
     if (!shown.length) {
@@ -71,7 +71,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
         class: `method ${view.roles(point.method)}`,
         onpointermove: (event) => chart.showNote(event, name, view.text(point.value), seconds(point.seconds)),
       }, svg("circle", { class: "reach", cx: point.x, cy: point.y, r: 13 }),
-      svg("circle", { cx: point.x, cy: point.y, r: best.includes(point.method) ? 6 : 4.5, class: "mark" }));
+      svg("circle", { cx: point.x, cy: point.y, ...view.dot(point.method, view.group, 4.5) }));
       const at = place(point, name);
       if (at) mark.append(text(at[0], at[1], name));
       return mark;
@@ -83,6 +83,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
       caption: [
         strong(`${view.what} against the median time of a step, ${x.log && y.log ? "both on log scales" : "time on a log scale"}. `),
         front.length ? "The stepped line joins methods that none beats in both. " : "",
+        tied.length ? "Ringed: tied with the best. " : "",
         "Click a dot to follow the method through the page.",
       ],
     };

@@ -71,8 +71,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       }).join("");
       mark.append(svg("path", { class: "line", d: path }), svg("path", { class: "reach", d: path }));
       for (const [px, y, group] of points) {
-        const best = view.numbers(group).best.includes(method);
-        mark.append(svg("circle", { cx: px, cy: y, r: best ? 5 : 2.4, class: "mark" }));
+        mark.append(svg("circle", { cx: px, cy: y, ...view.dot(method, group, 2.4) }));
       }
       // what can be seen of the name belongs to no button, which says more
       const label = svg("g", {
@@ -103,7 +102,8 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const rows = Math.ceil(panels.length / columns);
     const shown = view.shown();
     const height = rows > 1 ? 380 : HEIGHT;
-    const numbers = view.overview.groups.flatMap((group) => shown.map((method) => view.numbers(group).values[method]));
+    const { groups } = view.overview;
+    const numbers = groups.flatMap((group) => shown.map((method) => view.numbers(group).values[method]));
     const names = labelWidth(view, shown);
     const each = width / columns;
     const wide = each >= 480;
@@ -128,6 +128,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${log ? ", log scale" : ""}. `),
         "A line per method. ", ...(view.better === "none" ? [] : ["Blue: the best in some group, a large dot where it is. "]),
+        ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: tied with the best there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
         log ? "Equal slopes are equal ratios. " : "", "Click a line or a name to follow it through the page.",
       ],
@@ -169,7 +170,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   // A single group: dots on one axis, with the names that fit above them.
   const drawStrip = (view, plot, width) => {
     const shown = view.shown();
-    const { values, best } = view.numbers();
+    const { values, tied } = view.numbers();
     const ranked = view.ranked();
     const axis = scales.fitting(shown.map((method) => values[method]), 16, width - 16, { linear: view.statistic === "rank" });
     const levels = [];
@@ -197,7 +198,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
         ...chart.methodMark(view, method, ranked.indexOf(method), `${name}: ${view.text(values[method])}`),
         class: `method ${view.roles(method)}`,
         onpointermove: (event) => chart.showNote(event, name, ...describe(view, method, [view.group])),
-      }, svg("circle", { cx: px, cy: base, r: best.includes(method) ? 6 : 4.5, class: "mark" }), svg("circle", { cx: px, cy: base, r: 12, class: "reach" }));
+      }, svg("circle", { cx: px, cy: base, ...view.dot(method, view.group, 4.5) }), svg("circle", { cx: px, cy: base, r: 12, class: "reach" }));
       const label = labels.find((label) => label.method === method);
       if (label) {
         const y = base - 14 - label.level * 17;
@@ -209,7 +210,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     return {
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.log ? ", log scale" : ""}. `),
-        "A dot per method. ", view.better === "none" ? "" : "Blue: the best. ", "Click a dot or a name to follow it through the page.",
+        "A dot per method. ", view.better === "none" ? "" : "Blue: the best. ", tied.length ? "Ringed: tied with it. " : "", "Click a dot or a name to follow it through the page.",
       ],
     };
   };

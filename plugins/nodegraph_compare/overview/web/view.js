@@ -165,6 +165,13 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       ].filter(Boolean).join(" ");
     }
 
+    // Class and radius of a method's dot in a group.
+    dot(method, group, small) {
+      const { best, tied } = this.numbers(group);
+      const isTied = tied.includes(method);
+      return { class: isTied ? "mark tied" : "mark", r: best.includes(method) ? 6 : isTied ? 4.5 : small };
+    }
+
     // The larger, the more a label of the method matters.
     weight(method, groups) {
       const roles = this.roles(method, groups);
