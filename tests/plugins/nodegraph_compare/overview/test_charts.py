@@ -620,6 +620,18 @@ def test_odd_data_are_drawn_without_complaint(tab: Page, tmp_path: Path, kind: s
         assert tab.evaluate(COUNT % ".line-chart g[role=button]") == 4
 
 
+@pytest.mark.parametrize("groups", [1, 2])
+def test_methods_tied_with_the_best_are_ringed(tab: Page, tmp_path: Path, groups: int) -> None:
+    data = data_of([*some(groups, 30, 4)], **({"within": []} if groups == 1 else {}))
+    for group in data["groups"]:
+        group["tied"] = [next(at for at in range(4) if at not in group["best"])]
+    load(tab, charts_of(tmp_path, data), width=1280)
+    rings = [COUNT % f"{place} .tied" for place in (".heat", ".line-chart", ".cost-chart")]
+    assert [tab.evaluate(count) for count in rings] == [2 * groups, groups, 1]
+    choose(tab, "Statistic", "median")  # of which no test was made
+    assert [tab.evaluate(count) for count in rings] == [0, 0, 0]
+
+
 WATCH = """
 window.drawn = [];
 new MutationObserver((changes) => drawn.push(...changes
