@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from nodegraph.plugin.hook_types import Renderer
 from nodegraph.plugin.hooks import hookimpl
@@ -12,7 +11,7 @@ from nodegraph.plugin.streaming import Sink, Source, Streamable
 
 
 @hookimpl
-def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
+def nodegraph_executors() -> Mapping[str, Callable[..., object]]:
     """Return the executors of this package."""
     # imported late: most commands run nothing
     from nodegraph.execute.processes import processes

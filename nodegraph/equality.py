@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _DOTS_PER_INCH = 50
 _PLAIN = frozenset({bool, int, float, complex, str, bytes})
@@ -96,7 +99,7 @@ def _library_parts(value: Any) -> Mapping[str, object] | None:
     return None
 
 
-def _pixels(figure: Any) -> np.ndarray[Any, Any]:
+def _pixels(figure: Any) -> NDArray[np.generic]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     # to save it would draw it twice if something lays it out
@@ -111,7 +114,7 @@ def _pixels(figure: Any) -> np.ndarray[Any, Any]:
         figure.set_canvas(canvas)
 
 
-def _array_difference(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any], at: str) -> str:
+def _array_difference(first: NDArray[np.generic], second: NDArray[np.generic], at: str) -> str:
     if first.dtype != second.dtype or first.shape != second.shape:
         return f"{at}: {first.dtype} {first.shape} and {second.dtype} {second.shape}"
     differs = first != second

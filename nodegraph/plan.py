@@ -104,7 +104,7 @@ class Step:
     method: Method
     labels: Mapping[str, Label]
     settings: Mapping[str, Any]
-    shown: Mapping[str, Any]
+    shown: Mapping[str, object]
     inputs: Mapping[str, StepInput]
     needed: tuple[int, ...]
 

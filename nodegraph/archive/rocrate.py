@@ -68,7 +68,7 @@ class _Entities:
             ) from error
         self.crate = ROCrate(version=_VERSION)
 
-    def add(self, identifier: str, kind: str, **properties: object) -> Any:
+    def add(self, identifier: str, kind: str, **properties: object) -> object:
         """Return the entity with an identifier, which is added unless it exists."""
         from rocrate.model import ContextEntity
 
@@ -88,7 +88,7 @@ class _Entities:
         return self.crate.get(quote(name))
 
 
-def _add_reference(entity: Any, name: str, value: Any) -> None:
+def _add_reference(entity: Any, name: str, value: object) -> None:
     """Add a reference to a property, unless it has it."""
     references = entity.get(name, [])
     references = references if isinstance(references, list) else [references]
@@ -103,7 +103,7 @@ class _Parameters:
         self._contents = contents
         self._entities = entities
 
-    def inputs(self) -> Iterator[tuple[Any, Any]]:
+    def inputs(self) -> Iterator[tuple[object, object]]:
         """Yield a parameter with its value, for each input and each axis of the graph."""
         record = self._contents.record
         for name, value in record.inputs.items():
@@ -120,7 +120,7 @@ class _Parameters:
             entity["exampleOfWork"] = parameter
             yield parameter, entity
 
-    def outputs(self) -> Iterator[Any]:
+    def outputs(self) -> Iterator[object]:
         """Yield a parameter for each reported output, which its files refer to."""
         for section in self._contents.study.sections:
             entities = (self._entities.file(f"{RUN}/{link.path}") for link in section.files)
@@ -133,7 +133,7 @@ class _Parameters:
                     _add_reference(file, "exampleOfWork", parameter)
                 yield parameter
 
-    def further_files(self, inputs: list[Any]) -> Iterator[Any]:
+    def further_files(self, inputs: list[Any]) -> Iterator[object]:
         """Yield the files that the run read except those among its inputs."""
         known = {entity.id for entity in inputs}
         for file in self._contents.inputs:
@@ -142,7 +142,7 @@ class _Parameters:
                     known.add(entity.id)
                     yield entity
 
-    def _file_of(self, value: object) -> Any:
+    def _file_of(self, value: object) -> object:
         files = list(self._files_of(value)) if isinstance(value, str) else []
         return files[0] if len(files) == 1 and files[0].type != "PropertyValue" else None
 
@@ -163,7 +163,7 @@ class _Parameters:
                         sha256=file.digest[:64],
                     )
 
-    def _parameter(self, identifier: str, name: str, kind: str) -> Any:
+    def _parameter(self, identifier: str, name: str, kind: str) -> object:
         profile = self._entities.add(
             _PARAMETER, "CreativeWork", name="Bioschemas FormalParameter", version="1.0"
         )

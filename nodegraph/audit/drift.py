@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
 from nodegraph.plugin.hook_types import Comparison
@@ -51,7 +50,7 @@ class CallResult:
         None where a store does not return the value itself.
     """
 
-    values: tuple[Any, ...]
+    values: tuple[object, ...]
     digests: tuple[str, ...]
     packed: tuple[Packed | None, ...]
 

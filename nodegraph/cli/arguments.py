@@ -6,7 +6,6 @@ import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from nodegraph.errors import NodegraphError
 
@@ -108,7 +107,7 @@ def pairs(arguments: Namespace, option: str) -> dict[str, str]:
     return _split(option, getattr(arguments, option))
 
 
-def input_values(arguments: Namespace) -> dict[str, Any]:
+def input_values(arguments: Namespace) -> dict[str, object]:
     """Return the values of ``--set``."""
     from nodegraph.runs.settings import read_value
 

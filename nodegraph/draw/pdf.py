@@ -12,7 +12,9 @@ from nodegraph.draw.picture import Picture
 from nodegraph.draw.svg import svg
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.figure import Figure
+    from matplotlib.path import Path as MplPath
 
 _SVG = "{http://www.w3.org/2000/svg}"
 _PIXELS = 96.0
@@ -129,12 +131,12 @@ class _Drawing:
             self._axis.add_patch(FancyBboxPatch(corner, *size, boxstyle=rounding, **style))
 
 
-def _path(text: str, x: float, y: float) -> Any:
+def _path(text: str, x: float, y: float) -> MplPath:
     from matplotlib.path import Path
 
     codes = {"M": Path.MOVETO, "L": Path.LINETO, "Q": Path.CURVE3, "C": Path.CURVE4}
     points: list[tuple[float, float]] = []
-    kinds: list[Any] = []
+    kinds: list[np.uint8] = []
     for command, numbers in _COMMAND.findall(text):
         values = [float(value) for value in numbers.split()]
         pairs = [(x + a, y + b) for a, b in zip(values[0::2], values[1::2], strict=True)]

@@ -58,8 +58,8 @@ class Call:
     step: int
     node: Node
     plugin: str
-    inputs: Mapping[str, Any]
-    settings: Mapping[str, Any]
+    inputs: Mapping[str, object]
+    settings: Mapping[str, object]
     key: str = ""
     registry: Registry | None = None
     timeout: float | None = None

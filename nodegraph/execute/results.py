@@ -257,7 +257,7 @@ class Values:
         column = next((name for name in names if name not in axes), names[-1])
         return value_table(self.node, column, axes, values, absent)
 
-    def shown(self) -> Iterator[tuple[dict[str, Label], Any]]:
+    def shown(self) -> Iterator[tuple[dict[str, Label], object]]:
         """Yield labels and values, or stand-ins that are stored of values to be shown."""
         return ((labels, self.shown_at(labels)) for labels in self.labels())
 
@@ -275,7 +275,7 @@ class Values:
             if self.run.outcomes[index].state.has_value:
                 yield dict(zip(self.axes, combination, strict=True)), index
 
-    def _value(self, index: int) -> Any:
+    def _value(self, index: int) -> object:
         return self.run.values_of(index)[self._position(index)]
 
     def _position(self, index: int) -> int:

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph.execute.call import Outcome, skipped
 from nodegraph.fingerprint import Code
@@ -128,7 +128,7 @@ class StepCache:
         entry = self._entries.get(index)
         return entry is not None and all(entry.faithful[position] for position in positions)
 
-    def load(self, index: int) -> tuple[Any, ...] | None:
+    def load(self, index: int) -> tuple[object, ...] | None:
         """Return the stored values of a step, or None if there are none or they are damaged."""
         if index not in self._entries:
             return None
@@ -143,7 +143,7 @@ class StepCache:
         outputs = len(step.method.node.outputs)
         return self.store.find(key, outputs=outputs) if key else None
 
-    def values(self, step: Step, entry: Entry) -> tuple[Any, ...]:
+    def values(self, step: Step, entry: Entry) -> tuple[object, ...]:
         """Return the values of an entry of a step.
 
         Raises

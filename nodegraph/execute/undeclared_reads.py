@@ -11,7 +11,6 @@ from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 from nodegraph.node.decorator import Node
 
@@ -109,7 +108,7 @@ def _installed() -> tuple[str, ...]:
 class _Environment(type(os.environ)):  # type: ignore[misc]
     """``os.environ``, whose reads are noted."""
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> object:
         if reads := reads_of_call.get():
             reads.variable(name)
         return super().__getitem__(name)

@@ -196,7 +196,7 @@ def _is_generated(kind: type, name: str, member: object) -> bool:
     return generated and name in _OF_DATACLASS and dataclasses.is_dataclass(kind)
 
 
-def captured(function: FunctionType) -> Iterator[tuple[str, Any]]:
+def captured(function: FunctionType) -> Iterator[tuple[str, object]]:
     """Yield by name what a function holds besides its code: cells, defaults, what it wraps."""
     code = function.__code__
     for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):

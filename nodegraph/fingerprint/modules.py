@@ -9,9 +9,10 @@ import sysconfig
 from collections.abc import Iterable, Mapping
 from functools import cached_property, lru_cache
 from importlib import metadata
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 _NAME = re.compile(r"^Name:[ \t]*(.+?)[ \t]*$", re.MULTILINE)
 _VERSION = re.compile(r"^Version:[ \t]*(.+?)[ \t]*$", re.MULTILINE)
@@ -226,14 +227,14 @@ def _of_module(module: object) -> Place | None:
     return Place(file or "", tuple(getattr(module, "__path__", ())))
 
 
-def _of_spec(spec: Any) -> Place | None:
+def _of_spec(spec: ModuleSpec | None) -> Place | None:
     if spec is None:
         return None
     file = spec.origin if spec.has_location else ""
     return Place(file or "", tuple(spec.submodule_search_locations or ()))
 
 
-def _search(name: str, folders: list[str] | None) -> object:
+def _search(name: str, folders: list[str] | None) -> ModuleSpec | None:
     for finder in sys.meta_path:
         try:
             spec = finder.find_spec(name, folders)

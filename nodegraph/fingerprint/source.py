@@ -113,7 +113,9 @@ def from_plain(plain: Any) -> Summary:
     )
 
 
-def _part(digest: Any, references: Any, first: Any, last: Any, defines: Any) -> Part:
+def _part(
+    digest: object, references: Iterable[object], first: object, last: object, defines: object
+) -> Part:
     if not (isinstance(digest, str) and type(first) is type(last) is int):
         raise TypeError("not a part")
     return Part(digest, _texts(references), first, last, bool(defines))

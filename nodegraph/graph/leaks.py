@@ -275,7 +275,7 @@ class _Truth:
         feed = f"feed it from {_any_of(self._hiding, plain)}, or " if plain else ""
         return f"{feed}declare under 'known' what a method may know"
 
-    def _length(self, source: str, target: str, edges: Mapping[Any, Any]) -> float | None:
+    def _length(self, source: str, target: str, edges: dict[str, Any]) -> float | None:
         """Return None for edges that do not carry the truth: networkx ignores them."""
         if target == self._hiding:
             return None

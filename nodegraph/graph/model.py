@@ -38,8 +38,8 @@ class Choices:
         Input or axis -> where relative paths in its value start instead.
     """
 
-    inputs: Mapping[str, Any] = field(default_factory=dict)
-    axes: Mapping[str, Any] = field(default_factory=dict)
+    inputs: Mapping[str, object] = field(default_factory=dict)
+    axes: Mapping[str, object] = field(default_factory=dict)
     only: Mapping[str, tuple[Label, ...]] = field(default_factory=dict)
     folder: Path = field(default_factory=Path.cwd)
     folders: Mapping[str, Path] = field(default_factory=dict)
@@ -82,7 +82,7 @@ class Axis:
 
     name: str
     labels: tuple[Label, ...]
-    values: Mapping[Label, Any] = field(default_factory=dict)
+    values: Mapping[Label, object] = field(default_factory=dict)
     removed: frozenset[Label] = frozenset()
 
 
@@ -271,7 +271,7 @@ class Graph:
     registry: Registry
     network: nx.MultiDiGraph[str]
     axes: Mapping[str, Axis]
-    inputs: Mapping[str, Any]
+    inputs: Mapping[str, object]
     choices: Choices
     left_out: tuple[LeftOut, ...] = ()
     notices: tuple[Problem, ...] = ()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis, Choices
@@ -111,7 +110,7 @@ class Namespace:
             for variable in written.variables():
                 self.axis_of(variable)
 
-    def value(self, variable: Variable, labels: Mapping[str, Label]) -> Any:
+    def value(self, variable: Variable, labels: Mapping[str, Label]) -> object:
         """Return the value of a variable at these labels."""
         name, axis = variable.name, self.axes.get(variable.name)
         value = axis.values.get(labels[name]) if axis is not None else self.inputs.get(name)

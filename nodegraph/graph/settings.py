@@ -58,8 +58,8 @@ class _Pending:
     node: Node
     written: Mapping[str, Written]
     axes: tuple[str, ...]
-    values: dict[tuple[Label, ...], Mapping[str, Any]]
-    shown: dict[tuple[Label, ...], Mapping[str, Any]]
+    values: dict[tuple[Label, ...], Mapping[str, object]]
+    shown: dict[tuple[Label, ...], Mapping[str, object]]
 
 
 class SettingsReader:
@@ -147,7 +147,7 @@ class SettingsReader:
 
     def _validated(
         self, pending: _Pending, settings: Mapping[str, object], invalid: set[str]
-    ) -> Mapping[str, Any]:
+    ) -> Mapping[str, object]:
         """Return settings with defaults; if any is not valid, none, and add it to `invalid`."""
         from pydantic import ValidationError
 

@@ -6,7 +6,6 @@ import math
 from glob import iglob
 from itertools import islice
 from pathlib import Path, PurePath
-from typing import Any
 
 from nodegraph.errors import Place, Problems
 from nodegraph.graphfile.keys import AXIS_HINT, MOST_LABELS
@@ -14,7 +13,7 @@ from nodegraph.graphfile.spec import AxisSpec
 from nodegraph.graphfile.yaml_text import Located, located
 from nodegraph.node.ports import Label
 
-_Entries = list[tuple[Label, Any, Place]]
+_Entries = list[tuple[Label, object, Place]]
 """Labels, the value behind each, and where it was written."""
 
 

@@ -219,7 +219,7 @@ class _SpecReader:
     def _input(self, name: str, item: Located) -> InputSpec:
         return InputSpec(name, item.place, item.plain())
 
-    def _axis(self, name: str, item: Located) -> Any:
+    def _axis(self, name: str, item: Located) -> object:
         return read_axis(name, item, self._folder, self._problems)
 
     def _reference(self, item: Located) -> Reference | None:

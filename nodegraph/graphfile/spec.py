@@ -172,7 +172,7 @@ class AxisSpec:
     name: str
     place: Place
     labels: tuple[Label, ...]
-    values: tuple[Any, ...]
+    values: tuple[object, ...]
     folder: Path | None = None
 
 
@@ -182,7 +182,7 @@ class InputSpec:
 
     name: str
     place: Place
-    value: Any
+    value: object
 
 
 @dataclass(frozen=True)

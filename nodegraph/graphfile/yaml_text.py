@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NoReturn
 
 import yaml
 
@@ -36,7 +36,7 @@ _CONSTANTS = {
 _FIRST_OF_NUMBERS = frozenset(".+-0123456789")
 """Characters with which a number begins."""
 
-_NO_KEYS: Mapping[Any, Place] = MappingProxyType({})
+_NO_KEYS: Mapping[object, Place] = MappingProxyType({})
 Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
@@ -55,7 +55,7 @@ class Located:
 
     value: Any
     place: Place
-    keys: Mapping[Any, Place] = field(default_factory=lambda: _NO_KEYS)
+    keys: Mapping[object, Place] = field(default_factory=lambda: _NO_KEYS)
 
     def plain(self) -> Any:
         """Return the value without its places."""
@@ -165,9 +165,9 @@ class _Open:
     """A list or mapping that is being read, with its size and height including aliases."""
 
     item: Located
-    keys: dict[Any, Place]
+    keys: dict[object, Place]
     anchor: str | None
-    key: Any = None
+    key: object = None
     has_key: bool = False
     size: int = 1
     height: int = 1
@@ -199,11 +199,11 @@ class _Parser:
                 handle(event)
         return self._root or Located(None, Place(self._file, 1, 1))
 
-    def _document(self, event: object) -> None:
+    def _document(self, event: yaml.Event) -> None:
         if self._root is not None:
             self._fail(self._place(event), "a second document; a graph file has one")
 
-    def _scalar(self, event: Any) -> None:
+    def _scalar(self, event: yaml.ScalarEvent) -> None:
         place = self._place(event)
         if event.tag is not None:
             self._refuse_tag(event, place)
@@ -213,13 +213,13 @@ class _Parser:
         if event.anchor is not None:
             self._anchors[event.anchor] = (item, 1, 0)
 
-    def _start(self, event: Any) -> None:
+    def _start(self, event: yaml.CollectionStartEvent) -> None:
         place = self._place(event)
         self._refuse_tag(event, place)
         self._refuse_depth(place, len(self._open) + 1)
-        kind: dict[Any, Any] | list[Any] = {} if isinstance(event, yaml.MappingStartEvent) else []
-        keys: dict[Any, Place] = {}
-        self._open.append(_Open(Located(kind, place, keys), keys, event.anchor))
+        empty: object = {} if isinstance(event, yaml.MappingStartEvent) else []
+        keys: dict[object, Place] = {}
+        self._open.append(_Open(Located(empty, place, keys), keys, event.anchor))
 
     def _end(self, event: object) -> None:
         closed = self._open.pop()
@@ -227,11 +227,11 @@ class _Parser:
         if closed.anchor is not None:
             self._anchors[closed.anchor] = (closed.item, closed.size, closed.height)
 
-    def _alias(self, event: Any) -> None:
+    def _alias(self, event: yaml.AliasEvent) -> None:
         place = self._place(event)
-        if event.anchor not in self._anchors:
+        if (target := self._anchors.get(event.anchor or "")) is None:
             self._fail(place, f"alias *{event.anchor} stands before, or inside, its anchor")
-        item, size, height = self._anchors[event.anchor]
+        item, size, height = target
         self._refuse_depth(place, len(self._open) + height)
         self._add(Located(item.value, place, item.keys), size, height)
 
@@ -264,7 +264,9 @@ class _Parser:
                 self._problems.add(item.place, message)
             parent.key, parent.has_key = item.value, True
 
-    def _refuse_tag(self, event: Any, place: Place) -> None:
+    def _refuse_tag(
+        self, event: yaml.ScalarEvent | yaml.CollectionStartEvent, place: Place
+    ) -> None:
         if event.tag not in (None, "!"):
             self._fail(place, f"tag {event.tag!r} has no meaning in a graph file; leave it out")
 
@@ -272,7 +274,7 @@ class _Parser:
         mark = event.start_mark
         return Place(self._file, mark.line + 1, mark.column + 1)
 
-    def _fail(self, place: Place, message: str) -> None:
+    def _fail(self, place: Place, message: str) -> NoReturn:
         raise GraphError([*self._problems.all(), Problem(place, message)])
 
 

@@ -69,10 +69,10 @@ class Engine:
         taps: Iterable[Tap],
         refused: Causes,
     ) -> None:
-        self.headers: dict[Output, Any] = {plan.source: header}
+        self.headers: dict[Output, object] = {plan.source: header}
         self.count = 0
         slots, behind = {plan.source: _SOURCE}, {plan.source: 0}
-        self._payloads: list[Any] = [None, None]
+        self._payloads: list[object] = [None, None]
         parts: list[_Delay | _Runner] = []
         for live in plan.steps:
             state = _state(live, self.headers, values)
@@ -161,7 +161,7 @@ class _Delay:
 
         return step
 
-    def drain(self, rest: Mapping[int, list[object]]) -> dict[int, list[Any]]:
+    def drain(self, rest: Mapping[int, list[object]]) -> dict[int, list[object]]:
         """Return the last payloads."""
         return {self._target: [*self._waiting, *rest[self._source]]}
 
@@ -255,7 +255,7 @@ class _Runner:
 
         return step
 
-    def drain(self, rest: Mapping[int, list[object]]) -> dict[int, list[Any]]:
+    def drain(self, rest: Mapping[int, list[object]]) -> dict[int, list[object]]:
         """Return the last payloads of each output, from those of the inputs."""
         fed = [rest[source] for source in self._sources if source != _OPEN]
         columns = [
@@ -284,7 +284,7 @@ class _Runner:
             target: [row[position] for row in rows] for position, target in enumerate(self._targets)
         }
 
-    def _failed(self, error: Exception, *, due: bool | None = None) -> Any:
+    def _failed(self, error: Exception, *, due: bool | None = None) -> object:
         """Return the payload of a frame that the step refuses, None if none is due yet."""
         if not isinstance(error, Refusal):
             raise self._error(error) from error

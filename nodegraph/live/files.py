@@ -11,7 +11,6 @@ from functools import cached_property
 from itertools import chain, repeat
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 from nodegraph.errors import NodegraphError, listed, message_of
 from nodegraph.live.addresses import source_of
@@ -78,14 +77,14 @@ class _Take:
         self._closed = Event()
 
     @cached_property
-    def _value(self) -> Any:
+    def _value(self) -> object:
         return read_streamable(self._path)
 
     @cached_property
     def _payloads(self) -> Sequence[object]:
         return streamable_of(type(self._value)).split(self._value)
 
-    def open(self) -> Any:
+    def open(self) -> object:
         self._closed.clear()
         return header_of(self._value)
 
@@ -125,7 +124,7 @@ class _Packets:
     def _decoder(self) -> Source:
         return source_of(self._reader.source)
 
-    def open(self) -> Any:
+    def open(self) -> object:
         self._closed.clear()
         return self._reader.header
 

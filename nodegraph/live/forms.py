@@ -44,7 +44,10 @@ def streamable_of(kind: type) -> Streamable:
 
 
 def live_state(
-    node: Node, headers: Mapping[str, Any], values: Mapping[str, Any], settings: Mapping[str, Any]
+    node: Node,
+    headers: Mapping[str, object],
+    values: Mapping[str, object],
+    settings: Mapping[str, object],
 ) -> LiveState:
     """Return the state that computes a node frame by frame.
 
@@ -70,7 +73,7 @@ def live_state(
     return node.live.state(**headers, **values, **settings)
 
 
-def fold(form: WindowForm | StateForm, *streams: Any, **rest: Any) -> Any:
+def fold(form: WindowForm | StateForm, *streams: object, **rest: object) -> Any:
     """Compute a whole take by a live form, so that the two cannot differ.
 
     Parameters
@@ -132,7 +135,7 @@ def rows_of(values: Iterable[object]) -> Iterator[tuple[object, ...]]:
         yield tuple([None if column is None else column[frame] for column in columns])
 
 
-def results(state: LiveState, rows: Iterable[tuple[object, ...]]) -> Iterator[Any]:
+def results(state: LiveState, rows: Iterable[tuple[object, ...]]) -> Iterator[object]:
     """Yield the results of a state for all frames of a stream from its start."""
     for row in rows:
         result = state.push(*row)
@@ -229,7 +232,7 @@ class _WindowState:
         results = map(self.push, repeat(self._missing, self._after))
         return filter(lambda result: result is not None, results)
 
-    def _view(self, start: int) -> Any:
+    def _view(self, start: int) -> object:
         parts = [
             None if ring is None else ring[start : start + self._length] for ring in self._rings
         ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -51,7 +51,7 @@ def _text(value: Parts | LockedResult) -> str:
 _Name = Annotated[str, Field(min_length=1)]
 _Key = Annotated[str, BeforeValidator(str)]
 _Label = str | int | float | bool
-_Plain = Annotated[Any, BeforeValidator(_text_keys)]
+_Plain = Annotated[object, BeforeValidator(_text_keys)]
 _Texts = dict[_Key, str]
 _Size = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 _Recorded = Annotated[LockedResult, _parser(LockedResult), PlainSerializer(_text)]
@@ -65,8 +65,8 @@ class _Model(BaseModel):
 class LockedChoices(_Model):
     """The choices of the command."""
 
-    inputs: dict[str, Any] = Field({}, alias="set")
-    axis: dict[str, Any] = {}
+    inputs: dict[str, object] = Field({}, alias="set")
+    axis: dict[str, object] = {}
     only: dict[str, list[_Label]] = {}
 
 

@@ -6,7 +6,6 @@ import hashlib
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -145,7 +144,7 @@ def _choices(run: Run, names: FileNames) -> LockedChoices:
     )
 
 
-def _axis(value: object, names: FileNames) -> Any:
+def _axis(value: object, names: FileNames) -> object:
     """Return the value of an axis, with the same labels though their files are renamed."""
     renamed = names.portable(value)
     if isinstance(value, list) and renamed != value:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from nodegraph.errors import GraphError, NodegraphError, UnknownNodeError
 from nodegraph.execute.step_cache import AUDITED
@@ -163,6 +162,6 @@ class StoreWithoutResults(Store):
         super().__init__(folder, audits.packer, say)
         self._audits = audits
 
-    def recall(self, name: str) -> dict[str, Any]:
+    def recall(self, name: str) -> dict[str, object]:
         """Return the record of this name; that of an audit from the other store."""
         return self._audits.recall(name) if name.startswith(AUDITED) else super().recall(name)

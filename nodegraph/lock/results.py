@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import median
-from typing import Any
 
 from nodegraph.execute import Run
 from nodegraph.formatting import name_at
@@ -58,7 +57,7 @@ class Cell:
     group: str
     at: str
     node: str
-    labels: Mapping[str, Any]
+    labels: Mapping[str, object]
     index: int
 
     @property
@@ -83,7 +82,7 @@ class StoredValues:
     def __init__(self, store: Store) -> None:
         self._store = store
 
-    def values(self, node: str, digest: str, opaque: Sequence[bool]) -> tuple[Any, ...]:
+    def values(self, node: str, digest: str, opaque: Sequence[bool]) -> tuple[object, ...]:
         """Return the values with a digest; none if they are not stored.
 
         Parameters

@@ -235,7 +235,7 @@ class _FloatExtraction:
         self._buffers = tuple(buffers)
         self._floats = floats
 
-    def rest(self, plain: object, at: str) -> Any:
+    def rest(self, plain: object, at: str) -> object:
         """Return a part of the value without its floats, as data for JSON."""
         if isinstance(plain, float):
             return self._without_numbers(np.array([plain]), at)
@@ -272,12 +272,12 @@ class _FloatExtraction:
         rest = [[key, self.rest(item, f"{at}[{key}]" if few else f"{at}[]")] for key, item in pairs]
         return ["dict", *rest]
 
-    def _number(self, plain: list[Any], at: str) -> Any:
+    def _number(self, plain: list[Any], at: str) -> object:
         kind, content = ("<f8", plain[1]) if plain[0] == "float" else plain[1:]
         array = np.frombuffer(bytes.fromhex(content), kind)
         return self._without_numbers(array, at) if array.dtype.kind in "fc" else plain
 
-    def _array(self, plain: list[Any], at: str) -> Any:
+    def _array(self, plain: list[Any], at: str) -> object:
         array = array_together(self._buffers[plain[1]], *plain[2:])
         if array.dtype.kind in "fc":
             return self._without_numbers(array, at)

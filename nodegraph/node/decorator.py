@@ -150,7 +150,7 @@ class Setting:
     name : str
     annotation : object
         Its type with bounds and choices, as pydantic reads it.
-    default : Any
+    default : object
         `inspect.Parameter.empty` for a setting that is required.
     unit : str
     is_file : bool
@@ -163,7 +163,7 @@ class Setting:
 
     name: str
     annotation: object
-    default: Any
+    default: object
     unit: str
     is_file: bool
     deprecated: str = ""
@@ -332,7 +332,7 @@ class Node:
         return min(self.timeout, timeout)
 
     @property
-    def defaults(self) -> dict[str, Any]:
+    def defaults(self) -> dict[str, object]:
         """The defaults of those settings that have one."""
         return {
             setting.name: setting.default
@@ -417,7 +417,7 @@ class Node:
             return declared
         raise NodeError(f"{self.name}: ends is {declared!r}; it must be True or False")
 
-    def _declared(self, what: str, value: object, settings: Mapping[str, object]) -> Any:
+    def _declared(self, what: str, value: object, settings: Mapping[str, object]) -> object:
         if not callable(value):
             return value
         try:
@@ -450,7 +450,7 @@ class Node:
         return arguments
 
     @cached_property
-    def _hints(self) -> dict[str, Any]:
+    def _hints(self) -> dict[str, object]:
         try:
             hints = get_type_hints(self.function, include_extras=True)
         except (NameError, AttributeError, TypeError) as error:
@@ -534,7 +534,7 @@ def _has_mark(hint: object, kind: type) -> bool:
     return any(_marks(hint, kind))
 
 
-def _without_none(hint: object) -> tuple[Any, bool]:
+def _without_none(hint: object) -> tuple[object, bool]:
     """Return ``T`` and True for ``T | None``, any other annotation and False."""
     if get_origin(hint) not in (Union, UnionType):
         return hint, False

@@ -269,7 +269,7 @@ def _example_settings(node: Node) -> dict[str, object]:
     return {}
 
 
-def _example_value(node: Node, setting: Setting) -> Any:
+def _example_value(node: Node, setting: Setting) -> object:
     """Return a value for a required setting: the example of its `Field`, or one of its type."""
     examples = node.model.model_fields[setting.name].examples
     if examples:
@@ -279,7 +279,7 @@ def _example_value(node: Node, setting: Setting) -> Any:
     return _value_of(_json_schema(node)["properties"].get(setting.name, {}))
 
 
-def _value_of(schema: Mapping[str, Any]) -> Any:
+def _value_of(schema: Mapping[str, Any]) -> object:
     """Return a small value that a JSON Schema allows, as far as its types and bounds decide."""
     options = schema.get("anyOf", [schema])
     schema = next((option for option in options if option.get("type") != "null"), {})

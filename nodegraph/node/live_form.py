@@ -110,7 +110,7 @@ class WindowForm:
     ...     return fold(MEAN, recording, order=order)
     """
 
-    function: Callable[..., Any]
+    function: Callable[..., object]
     before: FrameCount
     after: FrameCount
 
@@ -154,7 +154,7 @@ class StateForm:
 class RunningState(Protocol):
     """Keeps the numbers of a `RunningForm` current; created for one stream, as a `LiveState` is."""
 
-    def push(self, *args: Any, **kwargs: Any) -> Any:
+    def push(self, *args: Any, **kwargs: Any) -> object:
         """Take the next frame and return the numbers of all frames so far.
 
         Parameters

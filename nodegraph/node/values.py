@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from reprlib import Repr
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 _PLAIN = (str, int, float, bytes, type(None))
@@ -62,7 +63,10 @@ class Files(Value):
         object.__setattr__(self, "content", dict(self.content))
 
 
-def read_only(array: NDArray[Any]) -> NDArray[Any]:
+Scalar = TypeVar("Scalar", bound="np.generic")
+
+
+def read_only(array: NDArray[Scalar]) -> NDArray[Scalar]:
     """Return an array with the same content that can no longer be written to.
 
     An array that owns its memory is locked in place, without a copy: code that still writes to it
@@ -121,14 +125,14 @@ class _ShortRepr(Repr):
         )
         return f"{type(value).__qualname__}({', '.join(parts)})"
 
-    def repr_ndarray(self, array: NDArray[Any], _: int) -> str:
+    def repr_ndarray(self, array: NDArray[np.generic], _: int) -> str:
         return f"{array.dtype} array of {' x '.join(map(str, array.shape))}"
 
     def repr_instance(self, value: object, level: int) -> str:
         return repr(value) if isinstance(value, Value) else super().repr_instance(value, level)
 
 
-def _base_is_locked(array: NDArray[Any]) -> bool:
+def _base_is_locked(array: NDArray[np.generic]) -> bool:
     base = array.base
     while base is not None:
         if isinstance(base, (bytes, memoryview)):

@@ -106,7 +106,7 @@ def guard_renderer(renderer: Renderer, source: Source) -> Renderer:
     def render(value: object, title: str) -> object:
         return expect(renderer.render(value, title), Rendered)
 
-    def render_in_run(value: Any, title: str, origin: Any) -> object:
+    def render_in_run(value: object, title: str, origin: Any) -> object:
         assert renderer.render_in_run is not None
         return expect(renderer.render_in_run(value, title, origin), Rendered)
 
@@ -122,10 +122,10 @@ def guard_detail(detail: Detail, source: Source) -> Detail:
     """Return a detail that warns where another fails, and then shows nothing."""
     name = detail.type.__name__
 
-    def pack(block: Any, inputs: Any) -> Any:
+    def pack(block: Any, inputs: Any) -> object:
         return expect(detail.pack(block, inputs), Mapping | None)
 
-    def layout(inputs: Any, column: str) -> Any:
+    def layout(inputs: Any, column: str) -> object:
         return expect(detail.layout(inputs, column), Mapping | None)
 
     def nothing(*arguments: object) -> None:
@@ -142,11 +142,11 @@ def guard_storage(storage: Storage, source: Source) -> Storage:
     """Return a storage that raises `PluginError` where another fails; a failed loan is a copy."""
     name = storage.type.__name__
 
-    def put_together(parts: object) -> Any:
+    def put_together(parts: object) -> object:
         value = storage.put_together(parts)
         return expect(value, storage.type) if storage.faithful else value
 
-    def lend(value: object) -> Any:
+    def lend(value: object) -> object:
         assert storage.lend is not None
         return expect(storage.lend(value), storage.type)
 
@@ -165,7 +165,7 @@ def guard_streamable(streamable: Streamable, source: Source) -> Streamable:
     """
     kind = streamable.type
 
-    def join(header: Any, payloads: Any) -> Any:
+    def join(header: object, payloads: Any) -> object:
         try:
             return expect(streamable.join(header, payloads), kind)
         except (NodegraphError, ValueError):
@@ -189,7 +189,7 @@ def guard_live_view(view: LiveView, source: Source) -> LiveView:
     """Return a view that raises `PluginError` where another fails."""
     what = f"the view of {view.type.__name__} on a stream"
 
-    def pack(payload: object) -> Any:
+    def pack(payload: object) -> object:
         return expect(view.pack(payload), bytes)
 
     return replace(view, begin=source.raising(what, view.begin), pack=source.raising(what, pack))
@@ -225,7 +225,7 @@ def guard_conclusion(conclusion: Conclusion, source: Source) -> Conclusion:
     def conclude(value: object) -> tuple[str, ...]:
         return _sentences(conclusion.conclude(value))
 
-    def numbers(value: object) -> Any:
+    def numbers(value: object) -> object:
         return expect(conclusion.numbers(value), str)
 
     return replace(
@@ -242,7 +242,7 @@ def guard_format(form: Format, source: Source) -> Format:
     """
     what = f"the format {form.name}"
 
-    def read(path: Path, **options: object) -> Any:
+    def read(path: Path, **options: object) -> object:
         try:
             return expect(form.read(path, **options), form.type)
         except (NodegraphError, ValueError, OSError):

@@ -101,12 +101,12 @@ class HookResults:
         return tuple(guard_live_view(*pair) for pair in self._listed("nodegraph_live_views"))
 
     @cached_property
-    def sources(self) -> Mapping[str, Callable[[str], Any]]:
+    def sources(self) -> Mapping[str, Callable[[str], object]]:
         """Functions that open a source of frames at an address, by scheme."""
         return self._named("nodegraph_sources", guard_stream_end)
 
     @cached_property
-    def sinks(self) -> Mapping[str, Callable[[str], Any]]:
+    def sinks(self) -> Mapping[str, Callable[[str], object]]:
         """Functions that open a sink of frames at an address, by scheme."""
         return self._named("nodegraph_sinks", guard_stream_end)
 
@@ -164,7 +164,7 @@ class HookResults:
             if name == family:
                 yield from _of_type(promises, Contract, source)
 
-    def specimens(self) -> Iterator[tuple[type, Callable[[], Mapping[str, Any]]]]:
+    def specimens(self) -> Iterator[tuple[type, Callable[[], Mapping[str, object]]]]:
         """Yield types with functions that make small values by name, the last plugin's first."""
         for kind, make, source in self._items("nodegraph_specimens"):
             yield kind, guard_specimens(kind, make, source)
@@ -183,7 +183,7 @@ class HookResults:
         guard: Callable[[str, Any, Source], object] = lambda name, value, source: value,
     ) -> dict[str, Any]:
         """Return the items of a hook that returns a mapping; of one name, the first plugin's."""
-        named: dict[str, Any] = {}
+        named: dict[str, object] = {}
         owner: dict[str, str] = {}
         for name, value, source in reversed(list(self._items(hook))):
             if name in named:

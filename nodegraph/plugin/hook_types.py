@@ -12,10 +12,12 @@ from html import escape
 from types import UnionType
 from typing import Any, Literal, Protocol, get_args, get_origin, get_type_hints
 
+from nodegraph.node.ports import Label
+
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,15}){1,2}")
 
 
-def expect(value: Any, hint: Any) -> Any:
+def expect(value: object, hint: object) -> Any:
     """Return a value that is of an annotated type; its items are not looked at.
 
     Text and mappings are iterable, but never what an ``Iterable`` in a hook means.
@@ -39,7 +41,7 @@ def expect(value: Any, hint: Any) -> Any:
     return value
 
 
-def check_fields(record: Any) -> None:
+def check_fields(record: object) -> None:
     """Raise TypeError, naming the field, if one is not of its annotated type."""
     kind: type = type(record)
     for name, hint in _hints(kind).items():
@@ -50,7 +52,7 @@ def check_fields(record: Any) -> None:
 
 
 @cache
-def _hints(kind: type) -> Mapping[str, Any]:
+def _hints(kind: type) -> Mapping[str, object]:
     return get_type_hints(kind)
 
 
@@ -152,7 +154,7 @@ class Rendered:
                 raise TypeError(f"Rendered.{name}: expected a tuple of str")
 
 
-def json_script(value: Any, element_id: str) -> str:
+def json_script(value: object, element_id: str) -> str:
     """Return an element that holds data for the scripts of a page.
 
     Parameters
@@ -179,7 +181,7 @@ class Origin(Protocol):
         """The node in the graph."""
 
     @property
-    def labels(self) -> Mapping[str, Any]:
+    def labels(self) -> Mapping[str, object]:
         """The combination that the value stands for."""
 
     @property
@@ -190,10 +192,10 @@ class Origin(Protocol):
     def details(self) -> tuple[Detail, ...]:
         """How plugins show single blocks of a comparison."""
 
-    def seconds(self, axis: str) -> Mapping[Any, float]:
+    def seconds(self, axis: str) -> Mapping[Label, float]:
         """Return the median time of a step by label of an axis; empty if no node has the name."""
 
-    def uses(self, axis: str) -> Mapping[Any, str]:
+    def uses(self, axis: str) -> Mapping[Label, str]:
         """Return the full names of the methods by label of an axis: ``fill.ridge``."""
 
     def unit(self, axis: str) -> str:
@@ -202,10 +204,10 @@ class Origin(Protocol):
     def meaning(self, axis: str) -> str:
         """Return the meaning of the settings that take an axis's values; empty if unknown."""
 
-    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[Any, ...]]:
+    def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[object, ...]]:
         """Return the gathered axes that labels leave open, each with its labels."""
 
-    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, Any] | None:
+    def inputs(self, labels: Mapping[str, Any]) -> Mapping[str, object] | None:
         """Return the inputs of the step behind a gathered value, by port.
 
         Parameters
@@ -280,8 +282,10 @@ class Detail:
     """
 
     type: type
-    pack: Callable[[Mapping[str, Any], Mapping[str, Mapping[str, Any]]], Mapping[str, Any] | None]
-    layout: Callable[[Mapping[str, Any], str], Mapping[str, Any] | None]
+    pack: Callable[
+        [Mapping[str, Any], Mapping[str, Mapping[str, Any]]], Mapping[str, object] | None
+    ]
+    layout: Callable[[Mapping[str, Any], str], Mapping[str, object] | None]
     module: str
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
@@ -318,10 +322,10 @@ class Storage:
     """
 
     type: type
-    take_apart: Callable[[Any], Any]
-    put_together: Callable[[Any], Any]
+    take_apart: Callable[[Any], object]
+    put_together: Callable[[Any], object]
     faithful: bool = True
-    lend: Callable[[Any], Any] | None = None
+    lend: Callable[[Any], object] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

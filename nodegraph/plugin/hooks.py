@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 import pluggy
 
@@ -45,7 +44,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:  # type: ignore[empty-
 
 
 @hookspec
-def nodegraph_node_finders() -> Mapping[str, Callable[[str], Callable[..., Any]]]:  # type: ignore[empty-body]
+def nodegraph_node_finders() -> Mapping[str, Callable[[str], Callable[..., object]]]:  # type: ignore[empty-body]
     """Return, for ``scheme`` in ``use: scheme:name``, a function from the name to a node.
 
     The function returns one decorated with `nodegraph.node`, whose name the graph's then
@@ -204,7 +203,7 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:  # type: ignore[em
 
 
 @hookspec
-def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:  # type: ignore[empty-body]
+def nodegraph_executors() -> Mapping[str, Callable[..., object]]:  # type: ignore[empty-body]
     """Return further ways to compute steps, by name: see `nodegraph.executors.Executor`.
 
     Examples
@@ -271,7 +270,7 @@ def nodegraph_commands() -> Mapping[str, Command]:  # type: ignore[empty-body]
 
 
 @hookspec
-def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:  # type: ignore[empty-body]
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:  # type: ignore[empty-body]
     """Return, for each of the plugin's types, a function that makes small values to test nodes on.
 
     Each value has a name; values of several types that have the same name belong together.

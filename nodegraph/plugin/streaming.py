@@ -61,10 +61,10 @@ class Streamable:
     """
 
     type: type
-    header: Callable[[Any], Any]
-    split: Callable[[Any], Sequence[Any]]
-    join: Callable[[Any, Sequence[Any]], Any]
-    missing: Callable[[Any], Any]
+    header: Callable[[Any], object]
+    split: Callable[[Any], Sequence[object]]
+    join: Callable[[Any, Sequence[Any]], object]
+    missing: Callable[[Any], object]
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -98,7 +98,7 @@ class LiveView:
     """
 
     type: type
-    begin: Callable[[Mapping[str, Any]], Any]
+    begin: Callable[[Mapping[str, Any]], object]
     pack: Callable[[Any], bytes]
     module: str
     scripts: tuple[str, ...] = ()

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from statistics import median
-from typing import Any
 
 from nodegraph.execute import Run
 from nodegraph.node.ports import Label
@@ -40,7 +39,7 @@ class RunOrigin:
     node: str
     labels: Mapping[str, Label]
     caption: str = ""
-    _values: OrderedDict[Output, Any] = field(default_factory=OrderedDict, repr=False)
+    _values: OrderedDict[Output, object] = field(default_factory=OrderedDict, repr=False)
 
     @property
     def details(self) -> tuple[Detail, ...]:
@@ -76,7 +75,7 @@ class RunOrigin:
         axes = self.run.plan.graph.axes
         return {axis: tuple(axes[axis].labels) for axis in gathered if axis not in labels}
 
-    def inputs(self, labels: Mapping[str, Label]) -> dict[str, Any] | None:
+    def inputs(self, labels: Mapping[str, Label]) -> dict[str, object] | None:
         """Return the inputs of the step behind a gathered value, by port."""
         step = self.step(labels)
         if step is None:
@@ -111,7 +110,7 @@ class RunOrigin:
     def _outputs(self) -> dict[tuple[Label, ...], Output]:
         return {} if self._gathered is None else dict(self._gathered.entries)
 
-    def _value(self, output: Output) -> Any:
+    def _value(self, output: Output) -> object:
         if output not in self._values:
             self._values[output] = self.run.values_of(output.step)[output.position]
         self._values.move_to_end(output)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome
@@ -41,7 +41,7 @@ class SavedRun:
         self.folder = folder
         self.record = read_record(folder)
 
-    def value(self, name: str, at: Mapping[str, object], store: Store) -> Any:
+    def value(self, name: str, at: Mapping[str, object], store: Store) -> object:
         """Return a value of a node, or the rows of several tables as one.
 
         Parameters
@@ -68,7 +68,7 @@ class SavedRun:
 
     def _value(
         self, node: str, port: str, labels: Mapping[str, Label], step: RecordedStep, store: Store
-    ) -> Any:
+    ) -> object:
         if not step.has_result:
             raise NodegraphError(f"{name_at(node, labels)} was {step.state}: {step.reason}")
         outputs = self.record.method(step).outputs

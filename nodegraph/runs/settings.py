@@ -52,8 +52,8 @@ class RunSettings:
     """
 
     graph: Annotated[str, Field(min_length=1)]
-    set: dict[str, Any] = field(default_factory=dict)
-    axis: dict[str, Any] = field(default_factory=dict)
+    set: dict[str, object] = field(default_factory=dict)
+    axis: dict[str, object] = field(default_factory=dict)
     only: dict[str, list[Label]] = field(default_factory=dict)
     until: list[str] = field(default_factory=list)
     plugins: list[str] = field(default_factory=list)

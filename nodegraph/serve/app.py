@@ -215,7 +215,7 @@ class _Pages:
             raise NotThere("no such file; the report lists those that it has")
         return _attachment(path.read_bytes(), path.name)
 
-    def detail(self, request: Request) -> Any:
+    def detail(self, request: Request) -> object:
         """Return the data of the view of a block."""
         run, query = self._run(request), _query(request)
         values = self._values(run, query)

@@ -43,7 +43,7 @@ class Progress:
         Number of lines that are not events.
     """
 
-    planned: dict[str, Any] = field(default_factory=dict)
+    planned: dict[str, object] = field(default_factory=dict)
     last: str = ""
     seconds: float = 0.0
     left: int | None = None

@@ -195,7 +195,7 @@ class _Shown:
 
     async def _events(self, names: Sequence[str]) -> AsyncIterator[str]:
         yield "retry: 1000\n\n"
-        sent: dict[str, Any] = {}
+        sent: dict[str, object] = {}
         while True:
             is_over = self._is_over
             event = {
@@ -234,7 +234,7 @@ class _History:
         """Seconds between two moments at least."""
 
     @property
-    def data(self) -> Mapping[str, Any]:
+    def data(self) -> Mapping[str, object]:
         """A copy: the moments, and at each the numbers of each step by their names."""
         steps = {
             step: {name: [*values] for name, values in numbers.items()}

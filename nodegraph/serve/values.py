@@ -162,7 +162,7 @@ class BlockQuery:
         return cls(node, compare, tuple(map(str, methods)), block)
 
 
-def packed(run: ReopenedRun, query: Query) -> Mapping[str, Any]:
+def packed(run: ReopenedRun, query: Query) -> Mapping[str, object]:
     """Return the data of the view of a block; see `nodegraph.Detail`.
 
     Parameters

@@ -157,7 +157,7 @@ def room_for_gaps(size: int) -> int:
     return 2**28 + 16 * size
 
 
-def type_name(kind: np.dtype[Any]) -> str:
+def type_name(kind: np.dtype[np.generic]) -> str:
     """Return a text from which numpy makes the very same type.
 
     Raises
@@ -210,7 +210,7 @@ def _bytes_of(array: NDArray[np.generic]) -> memoryview:
 
 
 @lru_cache(maxsize=256)
-def _type_named(name: str) -> np.dtype[Any]:
+def _type_named(name: str) -> np.dtype[np.generic]:
     """Return the type that `type_name` gives that name."""
     import numpy as np
 
@@ -277,7 +277,7 @@ def numpys_way(kind: type) -> Callable[[Any, Apart], object]:
     """Return the function that takes values of such a type apart."""
     import numpy as np
 
-    def array(value: Any, apart: Apart) -> Any:
+    def array(value: Any, apart: Apart) -> object:
         parts, buffer = array_apart(value)
         if len(parts) > 3:
             apart.gaps += span(value.shape, value.strides, value.itemsize)
@@ -476,11 +476,11 @@ class Apart:
         self.gaps = 0
         self.faithful = True
 
-    def plain(self, value: object) -> Any:
+    def plain(self, value: object) -> object:
         """Return a value as JSON knows it."""
         return self._ways[type(value)](value, self)
 
-    def all(self, values: Iterable[object], outer: str) -> list[Any]:
+    def all(self, values: Iterable[object], outer: str) -> list[object]:
         """Return the plain parts of a value; errors name the place of what cannot be kept."""
         self._depth += 1
         if self._depth > _DEEPEST:
@@ -518,17 +518,17 @@ class Together:
         self._buffers = buffers
         self._next = 0
         self._depth = 0
-        self._known: dict[Any, Any] = {}
+        self._known: dict[object, Any] = {}
         self.stand_ins = stand_ins
 
-    def whole(self, plain: object) -> Any:
+    def whole(self, plain: object) -> object:
         """Return the value that `Apart.plain` made this and all buffers of."""
         value = self.value(plain)
         if self._next != len(self._buffers):
             raise Unreadable(f"{len(self._buffers)} buffers, of which {self._next} have a place")
         return value
 
-    def value(self, plain: object) -> Any:
+    def value(self, plain: object) -> object:
         """Return the value that `Apart.plain` made this of."""
         return self._ways[plain[0]](self, *plain[1:]) if isinstance(plain, list) else plain
 
@@ -562,7 +562,7 @@ class Together:
         content: bytes = self._known[id(buffer)]
         return content
 
-    def array(self, buffer: Buffer, parts: Sequence[Any]) -> NDArray[Any]:
+    def array(self, buffer: Buffer, parts: Sequence[Any]) -> NDArray[np.generic]:
         """Return an array; with gaps, the same one wherever that buffer has a further place."""
         if len(parts) < 4:
             return array_together(buffer, *parts)
@@ -572,7 +572,7 @@ class Together:
             array = array_together(buffer, *parts, room=self._room)
             self._room -= span(shape, strides, array.itemsize)
             self._known[at] = array
-        known: NDArray[Any] = self._known[at]
+        known: NDArray[np.generic] = self._known[at]
         return known
 
     @cached_property
@@ -648,7 +648,7 @@ def _bytes(value: bytes, apart: Apart) -> object:
     return ["bytes", apart.keep(memoryview(value))]
 
 
-def _path(value: Path, apart: Apart) -> Any:
+def _path(value: Path, apart: Apart) -> object:
     return ["path", _str(str(value), apart)]
 
 
@@ -678,7 +678,7 @@ def _record(
     return [word, *apart.all(contents_of(value, names), type(value).__name__)]
 
 
-def _value(name: str, names: tuple[str, ...], value: Value, apart: Apart) -> Any:
+def _value(name: str, names: tuple[str, ...], value: Value, apart: Apart) -> object:
     plain = apart.all(contents(value, names), type(value).__name__)
     return ["value", name, list(names), *plain]
 
@@ -702,7 +702,7 @@ def _dict_again(together: Together, *plain: object) -> dict[object, object]:
     return again
 
 
-def _across_again(together: Together, *plain: object) -> Across[Any]:
+def _across_again(together: Together, *plain: object) -> Across[object]:
     axes, entries, absent, known, sources, unused, methods = together.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
@@ -913,7 +913,7 @@ class Packer:
         lender = self._lenders[type(value)]
         return value if lender is None else lender(value)
 
-    def copy(self, value: object) -> Any:
+    def copy(self, value: object) -> object:
         """Return a copy that shares no memory with a value, with the same order in memory.
 
         Values that cannot be packed, such as a figure, are lent.

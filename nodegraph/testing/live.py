@@ -136,8 +136,8 @@ class _Stream:
         Another instance takes the same frames from the last to the first at the same time.
         """
         state, other = self._state(), self._state()
-        results: list[Any] = []
-        copies: list[Any] = []
+        results: list[object] = []
+        copies: list[object] = []
         for number, (row, backward) in enumerate(zip(rows, rows[::-1], strict=True)):
             result = state.push(*row)
             other.push(*backward)
@@ -184,7 +184,7 @@ class _Stream:
         return live_state(self._trial.node, self._headers, self._rest, self._settings)
 
 
-def _difference(form: LiveForm | None, streamed: Any, whole: Any, name: str) -> str:
+def _difference(form: LiveForm | None, streamed: Any, whole: object, name: str) -> str:
     """Return where a stream's result is not that of the whole take, beyond what a form declares."""
     if isinstance(form, RunningForm):
         streamed = streamed.values[-1:]  # nothing of a stream without frames
@@ -203,7 +203,7 @@ def _departing(streamed: object, whole: object, form: StateForm) -> object:
     kind = streamable_of(type(whole))
     header = kind.header(whole)
     missing = kind.missing(header)
-    left: dict[int, Any] = {}
+    left: dict[int, object] = {}
     payloads = [
         _departing_payload(*both, missing, form, left)
         for both in zip_longest(kind.split(streamed), kind.split(whole), fillvalue=missing)
@@ -212,7 +212,7 @@ def _departing(streamed: object, whole: object, form: StateForm) -> object:
 
 
 def _departing_payload(
-    streamed: Any, whole: Any, missing: Any, form: StateForm, left: dict[int, Any], at: int = 0
+    streamed: Any, whole: Any, missing: Any, form: StateForm, left: dict[int, object], at: int = 0
 ) -> Any:
     """Return one frame of it; `left` says per part where the stream has given nothing so far."""
     if isinstance(missing, tuple):

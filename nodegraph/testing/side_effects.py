@@ -42,7 +42,7 @@ class _Shared:
     """State that all nodes of the process share: the fault of changing it, and access to it."""
 
     fault: str
-    read: Callable[[], Any]
+    read: Callable[[], object]
     restore: Callable[[Any], object]
 
 

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
@@ -58,15 +57,15 @@ class Trial:
 
     node: Node
     specimen: str
-    inputs: Mapping[str, Any]
-    settings: Mapping[str, Any]
+    inputs: Mapping[str, object]
+    settings: Mapping[str, object]
     faults: Faults
 
     def add_fault(self, fault: str, detail: str = "") -> None:
         """Note a fault that this specimen shows."""
         self.faults.add(fault, specimen=self.specimen, detail=detail)
 
-    def outputs(self) -> Mapping[str, Any] | str | None:
+    def outputs(self) -> Mapping[str, object] | str | None:
         """Call the node twice and note its faults.
 
         Returns
@@ -95,7 +94,7 @@ class Trial:
 
     def again(
         self, settings: Mapping[str, object] | None = None, /, **inputs: object
-    ) -> Mapping[str, Any] | None:
+    ) -> Mapping[str, object] | None:
         """Call the node with some settings and inputs replaced; None if it declines."""
         try:
             with warnings.catch_warnings():

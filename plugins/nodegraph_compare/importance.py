@@ -6,7 +6,7 @@ import math
 import warnings
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -327,7 +327,7 @@ def _table(grid: _Grid, question: Question) -> Table:
 
 def _row(
     sources: Sources, variances: Mapping[Sources, float], grid: _Grid, question: Question
-) -> dict[str, Any]:
+) -> dict[str, object]:
     names = _factors(question)
     # of two factors, what is left is their interaction
     rest: Sources = (0, 1) if len(names) == 2 else ()

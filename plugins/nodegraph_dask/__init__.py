@@ -9,12 +9,12 @@ from nodegraph import NodegraphError, hookimpl
 
 
 @hookimpl
-def nodegraph_executors() -> Mapping[str, Callable[..., Any]]:
+def nodegraph_executors() -> Mapping[str, Callable[..., object]]:
     """Return the executor ``dask``."""
     return {"dask": dask}
 
 
-def dask(schedule: Any, how: Any) -> Iterator[Any]:
+def dask(schedule: Any, how: Any) -> Iterator[object]:
     """Make calls on a Dask cluster; the packages for it are imported when it is used."""
     try:
         from nodegraph_dask import executor

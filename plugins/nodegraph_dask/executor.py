@@ -282,7 +282,7 @@ class Scattered:
         self._client = client
         self._futures: dict[tuple[int, int], tuple[Any, weakref.ref[Any]]] = {}
 
-    def arguments(self, buffers: Sequence[Frame]) -> list[Any]:
+    def arguments(self, buffers: Sequence[Frame]) -> list[object]:
         """Return each buffer as an argument of a call: as an array, or as a future of it."""
         arrays = [as_array(buffer) for buffer in buffers]
         if sum(array.nbytes for array in arrays) < _LARGE_REQUEST:

@@ -17,6 +17,7 @@ from typing import Any
 import dask
 import numpy as np
 from distributed import Security, Worker, get_worker
+from numpy.typing import NDArray
 
 from nodegraph.executors import Frame, Request, respond
 
@@ -34,7 +35,7 @@ def work(timeout: float | None, *frames: object) -> Sent:
     return get_worker().address, text, head, *map(as_array, buffers)
 
 
-def as_array(buffer: Frame) -> np.ndarray[Any, np.dtype[np.uint8]]:
+def as_array(buffer: Frame) -> NDArray[np.uint8]:
     """Return a buffer as an array of bytes, which Dask sends without a copy."""
     return np.frombuffer(buffer, np.uint8) if len(buffer) else np.empty(0, np.uint8)
 

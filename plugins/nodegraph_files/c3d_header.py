@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -51,7 +51,7 @@ class Processor:
         """Return 16-bit signed integers."""
         return np.frombuffer(data, f"{self.order}i2")
 
-    def floats(self, data: bytes | memoryview) -> NDArray[np.floating[Any]]:
+    def floats(self, data: bytes | memoryview) -> NDArray[np.floating]:
         """Return 32-bit floating-point numbers.
 
         DEC stores the two halves of a number the other way round, and an exponent that is

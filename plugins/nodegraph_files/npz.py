@@ -76,7 +76,7 @@ def _check_names(members: Mapping[str, ZipInfo], required: Sequence[str]) -> Non
         raise ValueError(f"no array {', '.join(lacking)}; there is {there}")
 
 
-def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[Any]:
+def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[np.generic]:
     with archive.open(member) as stream:
         shape, fortran, kind = _described(stream)
         size = stream.tell() + math.prod(shape) * kind.itemsize
@@ -92,7 +92,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[
     return array
 
 
-def _described(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+def _described(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[np.generic]]:
     """Return shape, whether the first axis is the fastest, and type; the bytes come next."""
     version = np.lib.format.read_magic(stream)
     if version == (1, 0):
@@ -100,7 +100,7 @@ def _described(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]
     return np.lib.format.read_array_header_2_0(stream)
 
 
-def _filled(array: NDArray[np.generic], stream: IO[bytes]) -> NDArray[Any]:
+def _filled(array: NDArray[np.generic], stream: IO[bytes]) -> NDArray[np.generic]:
     """Fill the array from the file: memory of its own, which nobody needs to copy later."""
     in_order = array if array.flags.c_contiguous else array.T
     memory = in_order.reshape(-1).view(np.uint8)

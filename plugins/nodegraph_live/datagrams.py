@@ -140,7 +140,7 @@ class DatagramSource(DatagramReceiver):
         self._what = what
         self._first: list[bytes] = []
 
-    def describe(self, packet: bytes) -> Any:
+    def describe(self, packet: bytes) -> object:
         """Return the header, or None while more packets are needed for it.
 
         The packets so far are ``self._first``; it may remove those that `frames` is not to see.

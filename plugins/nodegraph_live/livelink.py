@@ -16,7 +16,7 @@ import math
 import struct
 from collections.abc import Iterable
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -174,7 +174,7 @@ class LiveLinkSink:
         self._datagrams = DatagramSink(settings, PORT)
         self._address = settings.address
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Find the place of each weight in the packet."""
         header = weights_only(self._address, header)
         shape_of = matched(header.names, SHAPES)

@@ -12,12 +12,12 @@ import struct
 from collections.abc import Iterable, Iterator
 from threading import Event
 from time import monotonic
-from typing import Any
 from urllib.parse import unquote
 from xml.etree import ElementTree
 
 import numpy as np
 import pylsl
+from numpy.typing import NDArray
 from pylsl.util import LostError
 
 from nodegraph import Frame, NodegraphError
@@ -181,7 +181,7 @@ def _name(settings: Settings) -> str:
     return unquote(settings.before)
 
 
-def _channels(xml: str) -> tuple[Trajectories | Weights, list[int], np.ndarray[Any, Any]]:
+def _channels(xml: str) -> tuple[Trajectories | Weights, list[int], NDArray[np.float64]]:
     """Return the header, which channels it takes in its order, and their factors to millimetres.
 
     Raises

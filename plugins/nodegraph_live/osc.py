@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
 
 from nodegraph_live.packet_reader import PacketReader
 
@@ -70,7 +69,7 @@ def decode(element: bytes) -> Message:
     return address, tuple([_argument(reader, tag) for tag in tags[1:]])
 
 
-def _argument(reader: PacketReader, tag: str) -> Any:
+def _argument(reader: PacketReader, tag: str) -> object:
     if tag in _NUMBERS:
         return reader.numbers(_NUMBERS[tag])[0]
     if tag in "sS":

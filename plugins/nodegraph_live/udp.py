@@ -28,7 +28,7 @@ import time
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,7 +52,7 @@ _MAGIC = b"NGL1"
 _DESCRIPTION, _FRAME, _END = range(3)
 _FRAME_KIND = bytes([_FRAME])
 _LARGEST = 65507  # bytes in a UDP packet
-_FLOATS: dict[int, np.dtype[Any]] = {4: np.dtype("<f4"), 8: np.dtype("<f8")}
+_FLOATS: dict[int, np.dtype[np.generic]] = {4: np.dtype("<f4"), 8: np.dtype("<f8")}
 
 
 class _Packet(NamedTuple):
@@ -190,7 +190,7 @@ class UdpSink:
         self._address = settings.address
         self._description = b""
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Send the description."""
         header = recording_or_weights(self._address, header)
         kind = "markers" if isinstance(header, Trajectories) else "weights"

@@ -12,7 +12,6 @@ from __future__ import annotations
 import struct
 import warnings
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
@@ -111,7 +110,7 @@ class VmcSource(DatagramSource):
             )
 
 
-def _weight(arguments: tuple[Any, ...]) -> tuple[str, float]:
+def _weight(arguments: tuple[object, ...]) -> tuple[str, float]:
     match arguments:
         case (str(name), float() | int() as value):
             return name, _finite(float(value))
@@ -142,7 +141,7 @@ class VmcSink:
         self._datagrams = DatagramSink(settings, PORT)
         self._address = settings.address
 
-    def open(self, header: Any) -> None:
+    def open(self, header: object) -> None:
         """Prepare the messages."""
         header = weights_only(self._address, header)
         longest = max(map(len, header.names))

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from nodegraph import Comparison, Detail, Files, LiveView, Renderer, Streamable, hookimpl
 from nodegraph_mocap.animation import Animation
@@ -83,7 +82,7 @@ def nodegraph_live_views() -> Iterable[LiveView]:
 
 
 @hookimpl
-def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:
     """Return small values of this package's types, on which nodes are tested."""
     from nodegraph_mocap.specimens import specimens
 

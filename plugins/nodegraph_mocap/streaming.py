@@ -126,7 +126,7 @@ def streamables() -> tuple[Streamable, ...]:
     )
 
 
-def _joined(frames: Sequence[Any], header: NDArray[Any]) -> NDArray[Any]:
+def _joined(frames: Sequence[Any], header: NDArray[np.generic]) -> NDArray[Any]:
     return np.stack(frames) if len(frames) else header
 
 

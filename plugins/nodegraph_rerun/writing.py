@@ -113,7 +113,7 @@ def _entities(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
     return dict(zip(names, recordings.values(), strict=True))
 
 
-def _chunks(label: str, recording: Trajectories, *, grey: bool) -> Iterator[Any]:
+def _chunks(label: str, recording: Trajectories, *, grey: bool) -> Iterator[object]:
     """Return the names and edges of the markers, and their samples."""
     import rerun
     from rerun.chunk import Chunk

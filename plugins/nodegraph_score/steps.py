@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -165,7 +165,7 @@ def _first_row(stage: _Stage, truth: Trajectories) -> dict[str, object]:
     return _row(before, stage, truth) | {"verdict": "begins"}
 
 
-def _row(before: _Stage, after: _Stage, truth: Trajectories) -> dict[str, Any]:
+def _row(before: _Stage, after: _Stage, truth: Trajectories) -> dict[str, object]:
     had, has = before.has, after.has
     changed = had & has & np.any(before.positions != after.positions, axis=2)
     added, removed = has & ~had, had & ~has

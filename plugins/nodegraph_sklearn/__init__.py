@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import hookimpl
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @hookimpl
-def nodegraph_node_finders() -> Mapping[str, Callable[[str], Callable[..., Any]]]:
+def nodegraph_node_finders() -> Mapping[str, Callable[[str], Callable[..., object]]]:
     """Return how an estimator's name becomes a node."""
     from nodegraph_sklearn.estimators import node_of_estimator
 

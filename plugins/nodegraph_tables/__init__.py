@@ -1,7 +1,6 @@
 """Tables and figures: their types, storage, appearance, and the conclusions that they hold."""
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
 
 from nodegraph import Comparison, Conclusion, Renderer, Storage, hookimpl
 from nodegraph_tables.comparisons import comparisons, differences, name_differences
@@ -62,7 +61,7 @@ def nodegraph_storages() -> Iterable[Storage]:
 
 
 @hookimpl
-def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
+def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:
     """Return small tables and figures, on which nodes are tested."""
     from nodegraph_tables.specimens import figure_specimens, table_specimens
 

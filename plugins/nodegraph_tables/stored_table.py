@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from nodegraph_tables.frame import TableFrame
 from nodegraph_tables.info import TableInfo, info_of, with_info
@@ -101,7 +102,7 @@ def _bounded(index: pd.RangeIndex) -> pd.RangeIndex:
     return index
 
 
-def _multi_index(levels: Any, codes: list[Any], names: list[Any]) -> pd.MultiIndex:
+def _multi_index(levels: Any, codes: list[Any], names: list[object]) -> pd.MultiIndex:
     # pandas uses codes without any check of its own
     for level, code in zip(levels, codes, strict=True):
         if code.dtype.kind != "i" or code.shape != (len(codes[0]),):
@@ -113,7 +114,7 @@ def _multi_index(levels: Any, codes: list[Any], names: list[Any]) -> pd.MultiInd
     return pd.MultiIndex(levels=levels, codes=codes, names=names, verify_integrity=False)
 
 
-def _array_parts(values: pd.Series[Any] | pd.Index[Any], name: Any) -> tuple[object, ...]:
+def _array_parts(values: pd.Series[Any] | pd.Index[Any], name: object) -> tuple[object, ...]:
     """Return what a column, or an index, is made of."""
     dtype: Any = values.dtype
     array: Any = values.array
@@ -153,7 +154,7 @@ def _array(parts: tuple[Any, ...]) -> Any:
     raise ValueError("these are not the parts of a column")
 
 
-def _objects(values: Iterable[object]) -> np.ndarray[Any, np.dtype[np.object_]]:
+def _objects(values: Iterable[object]) -> NDArray[np.object_]:
     objects = list(values)
     array = np.empty(len(objects), dtype=object)
     for place, value in enumerate(objects):  # an assignment at once would look into tuples

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nodegraph import Format, hookimpl
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 __all__ = ["from_xarray", "to_xarray"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     # a command that exchanges no recording imports nothing of this
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -23,7 +23,7 @@ def __getattr__(name: str) -> Any:
 
 
 @hookimpl
-def nodegraph_nodes() -> Iterable[Callable[..., Any]]:
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the nodes of this package."""
     from nodegraph_xarray import netcdf
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -58,7 +58,7 @@ def to_xarray(recording: Trajectories) -> xarray.Dataset:
     import xarray
 
     samples = ("time", "keypoint", "individual")
-    variables: dict[str, Any] = {
+    variables: dict[str, object] = {
         "position": (
             _DIMENSIONS,
             recording.positions.transpose(0, 2, 1)[..., np.newaxis].copy(),
@@ -69,7 +69,7 @@ def to_xarray(recording: Trajectories) -> xarray.Dataset:
     }
     if recording.sigma is not None:
         variables["sigma"] = (samples, recording.sigma[..., np.newaxis].copy(), {"units": "mm"})
-    attributes: dict[str, Any] = {
+    attributes: dict[str, object] = {
         "source_software": "nodegraph",
         "ds_type": "poses",
         "fps": recording.rate,

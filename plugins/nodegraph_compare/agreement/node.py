@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -136,7 +136,7 @@ def _table(pairs: Sequence[Pair], question: Question, unit: str, notes: tuple[st
     return with_info(frame, info)
 
 
-def _row(pair: Pair, question: Question) -> dict[str, Any]:
+def _row(pair: Pair, question: Question) -> dict[str, object]:
     limits = pair.limits
     row: dict[str, object] = dict(zip(question.within, pair.group.labels, strict=True))
     row |= {"first": pair.first, "second": pair.second, "blocks": len(limits.difference)}

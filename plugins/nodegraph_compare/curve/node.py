@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -326,7 +326,7 @@ def _frame(curves: Curves) -> Table:
     return frame.astype({curves.axes.x: np.int64}) if whole else frame
 
 
-def _columns(curves: Curves, curve_points: Points) -> dict[str, Any]:
+def _columns(curves: Curves, curve_points: Points) -> dict[str, object]:
     axes, marked = curves.axes, curves.marked
     place = np.arange(len(curve_points.x))
     columns: dict[str, object] = {

@@ -48,7 +48,7 @@ class Details:
         Of the views.
     """
 
-    data: Mapping[str, Any]
+    data: Mapping[str, object]
     html: str = ""
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
@@ -209,7 +209,7 @@ class _Takes:
             (detail for detail in self._origin.details if isinstance(first, detail.type)), None
         )
 
-    def read(self, at: int, block: int) -> dict[str, Mapping[str, Any]] | None:
+    def read(self, at: int, block: int) -> dict[str, Mapping[str, object]] | None:
         """Return what the score of each method had read; None where that is not available."""
         labels = self.labels(at, block)
         methods = self._overview.methods
@@ -226,7 +226,7 @@ class _Takes:
             self._inputs[key] = read or None
         return self._inputs[key]
 
-    def command(self) -> dict[str, Any] | None:
+    def command(self) -> dict[str, object] | None:
         """Return the command for the step behind a block, each label in it as ``{axis}``."""
         groups = self._overview.groups
         first = next((at for at, group in enumerate(groups) if len(group.unit)), None)

@@ -359,7 +359,7 @@ def _columns(
     question: Question,
     name: str,
     marks: Mapping[str, Mapping[Label, str]],
-) -> Mapping[str, Sequence[Any]]:
+) -> Mapping[str, Sequence[object]]:
     group, paired = summary.group, summary.paired
     labels = zip_longest(question.within, group.labels)
     columns: dict[str, Any] = {name: [label] * len(group.methods) for name, label in labels}

@@ -144,8 +144,13 @@ class Accessors:
         return filled
 
     def _view(
-        self, index: int, offset: int, component: np.dtype[Any], shape: tuple[int, int], at: str
-    ) -> NDArray[Any]:
+        self,
+        index: int,
+        offset: int,
+        component: np.dtype[np.generic],
+        shape: tuple[int, int],
+        at: str,
+    ) -> NDArray[np.generic]:
         """Return values of a buffer view, without a copy."""
         view = entry_at(self._document.buffer_views, index, "buffer view", at)
         count, width = shape

@@ -104,7 +104,7 @@ class _Place:
 
 def pack(
     block: Mapping[str, object], inputs: Mapping[str, Mapping[str, object]]
-) -> dict[str, Any] | None:
+) -> dict[str, object] | None:
     """Return what the view of a block shows, as data for JSON.
 
     The frames are those of the gap with as many again on each side, at least 10; of a block that
@@ -135,7 +135,7 @@ def pack(
     return _packed(place, estimates, scored) if estimates else None
 
 
-def integers(values: NDArray[np.float64], kind: DTypeLike = np.int16) -> dict[str, Any]:
+def integers(values: NDArray[np.float64], kind: DTypeLike = np.int16) -> dict[str, object]:
     """Return numbers as whole steps in base64, little-endian; NaN is the least integer."""
     limits = np.iinfo(np.dtype(kind))
     missing = np.isnan(values)
@@ -221,7 +221,7 @@ def _largest_error(block: Mapping[str, object], scored: _Scored) -> _Place | Non
 
 def _packed(
     place: _Place, estimates: dict[str, NDArray[np.float64]], scored: _Scored
-) -> dict[str, Any]:
+) -> dict[str, object]:
     base, frames = scored.base, place.frames
     positions = base.positions[:, base.markers.index(place.marker)]
     truth = place.of(positions) if scored.truth else None
@@ -297,7 +297,7 @@ def _axes(view: View) -> list[str]:
     return words
 
 
-def _face(place: _Place, base: Trajectories, view: View) -> dict[str, Any]:
+def _face(place: _Place, base: Trajectories, view: View) -> dict[str, object]:
     """Return the positions of all markers in the picture from the front, in some frames."""
     every = -(-len(place.frames) // MOST_POSES)
     points = view.project(place.of(base.positions)[::every])

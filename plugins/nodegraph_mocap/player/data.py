@@ -12,7 +12,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -45,7 +45,7 @@ class Blob:
 
     def steps(
         self, values: NDArray[np.float64], step: float, like: NDArray[np.int32] | None = None
-    ) -> tuple[dict[str, Any], NDArray[np.int32]]:
+    ) -> tuple[dict[str, object], NDArray[np.int32]]:
         """Add numbers, rounded to whole steps, each row as differences along itself.
 
         What is NaN repeats the number before it: where it is must be kept elsewhere. The four
@@ -200,7 +200,7 @@ class _Packing:
         }
         return self.blob.packed(head)
 
-    def _panel(self, place: int, panel: Panel) -> dict[str, Any]:
+    def _panel(self, place: int, panel: Panel) -> dict[str, object]:
         shown = panel.shown
         entry = {
             "label": panel.label,
