@@ -120,12 +120,12 @@ ROUNDS: tuple[Callable[[int, Path], Counter[str]], ...] = (readers, stores, kill
 
 def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, Node, bytes]]:
     """Yield files of every format, with a node that reads them and the name of the file."""
-    made = {kind: next(iter(make().values())) for kind, make in registry.hooks.specimens()}
+    specimens = {kind: next(iter(make().values())) for kind, make in registry.hooks.specimens()}
     files = {name: text.encode() for name, text in TEXTS.items()}
     for writer in (each.node for each in registry if each.node.name.startswith("write.")):
         ports = [port for port in writer.inputs if not port.optional] or writer.inputs[:1]
         if not any(port.across for port in ports):
-            files |= writer.function(*(made[port.type] for port in ports)).content
+            files |= writer.function(*(specimens[port.type] for port in ports)).content
     known = set()
     for reader in map(registry.find, READERS):
         for name, content in files.items():

@@ -243,7 +243,7 @@ def test_axe_finds_nothing_and_all_can_be_done_by_keys(tab: Page, tmp_path: Path
         tab.focus(".stage")
         tab.keyboard.press("Shift+ArrowLeft")
         turned = tab.evaluate(PICTURES)
-        assert all(one != other for one, other in zip(front, turned, strict=True))
+        assert all(before != after for before, after in zip(front, turned, strict=True))
         drag(tab, ".stage canvas", 40, 0)
         assert tab.evaluate(PICTURES) != turned
         for scheme, width in (("light", 1280), ("dark", 390)):

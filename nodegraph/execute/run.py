@@ -48,6 +48,11 @@ def execute(
         Each is called with every `Event`, in this thread.
     about
         Further data of the first event, which says what is planned.
+
+    Raises
+    ------
+    NodegraphError
+        If there is no such executor, or it ends before it has given every outcome.
     """
     how = how or HowToRun()
     executor = executor_of(how, plan.graph.registry)

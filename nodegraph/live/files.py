@@ -175,7 +175,13 @@ class FileSink:
         self._expected = 0
 
     def open(self, header: object) -> None:
-        """Check that the value can be written in that format."""
+        """Begin a value.
+
+        Raises
+        ------
+        NodegraphError
+            If a value of that type cannot be written in the format that the path names.
+        """
         formats = exporters_of(header, current_registry())
         if self._path.suffix.lower() not in formats:
             instead = (

@@ -56,7 +56,7 @@ class PacketFileWriter:
         self._is_reopened = False
 
     def close(self) -> None:
-        """Finish the file, if there is one."""
+        """Finish the file, if there is one; a disk that takes no more is a NodegraphError."""
         if self._file is not None:
             try:
                 self._file.close()

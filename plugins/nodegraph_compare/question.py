@@ -300,7 +300,14 @@ def check_clusters(
     taken: tuple[str, ...],
     sources: tuple[str, ...],
 ) -> None:
-    """Check that clusters hold different data, each recording being in one of them."""
+    """Check that clusters hold different data, each recording being in one of them.
+
+    Raises
+    ------
+    ValueError
+        If a name stands twice or is of no axis, if a cluster has one label alone, or if two labels
+        come from the same source.
+    """
     repeated = sorted({name for name in clusters if name in taken or clusters.count(name) > 1})
     if repeated:
         raise ValueError(f"compare, within and clusters share a name: {', '.join(repeated)}")

@@ -80,6 +80,11 @@ def decode_model(reader: PacketReader, protocol: Version) -> MarkerSets:
 
     Before protocol 4.1 other descriptions have no size, so that only marker sets before the first
     of them are read: Motive sends these first.
+
+    Raises
+    ------
+    ValueError
+        If a description is of an unknown kind, or the packet ends within it.
     """
     marker_sets: MarkerSets = {}
     (count,) = reader.numbers("I")
@@ -99,7 +104,13 @@ def decode_model(reader: PacketReader, protocol: Version) -> MarkerSets:
 
 
 def decode_frame(reader: PacketReader, protocol: Version) -> MarkerFrameData:
-    """Return the marker sets of a frame; whatever else is in it is passed over."""
+    """Return the marker sets of a frame, in metres; whatever else is in it is passed over.
+
+    Raises
+    ------
+    ValueError
+        If the packet ends too early, or its time is negative or beyond 1e9 s.
+    """
     has_sizes = protocol >= (4, 1)
     (number,) = reader.numbers("i")
     count = reader.numbers("II")[0] if has_sizes else reader.numbers("I")[0]

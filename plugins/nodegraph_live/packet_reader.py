@@ -61,7 +61,13 @@ class PacketReader:
         return self._packet[start : start + count]
 
     def text(self, longest: int = 256) -> str:
-        """Return UTF-8 text that ends with a zero byte."""
+        """Return UTF-8 text that ends with a zero byte.
+
+        Raises
+        ------
+        ValueError
+            If no such byte is among the next `longest`, or the text is not UTF-8.
+        """
         end = self._packet.find(b"\0", self._place, self._place + longest + 1)
         if end < 0:
             raise ValueError(f"text that begins at byte {self._place} does not end")

@@ -72,7 +72,13 @@ def decode_markers(
 
 
 def decode_parameters(xml: bytes) -> Trajectories:
-    """Return the header that the parameters ``general`` and ``3d`` give."""
+    """Return the header that the parameters ``general`` and ``3d`` give.
+
+    Raises
+    ------
+    ValueError
+        If they are not XML, or state no rate or no markers.
+    """
     try:
         root = ElementTree.fromstring(xml.rstrip(b"\0"))
         rate = float(root.findtext("./General/Frequency") or "nan")

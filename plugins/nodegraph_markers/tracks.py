@@ -113,8 +113,8 @@ class Tracks:
 
         Parameters
         ----------
-        found
-            What is expected.
+        expectation
+            Where the markers are expected.
         frame, track
             (N,), the samples, which are present in frames that have a pose.
         """

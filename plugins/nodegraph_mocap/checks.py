@@ -58,7 +58,7 @@ def finite(what: str, array: ArrayLike, shape: Sequence[int | str]) -> NDArray[n
 def indices(
     what: str, array: ArrayLike, shape: Sequence[int | str], *, count: int
 ) -> NDArray[np.int64]:
-    """Return the array as whole numbers from 0 to `count` - 1."""
+    """Return the array as whole numbers from 0 to `count` - 1; any other is a ValueError."""
     values = np.asarray(array)
     _check_shape(what, values.shape, shape)
     if values.size and not np.issubdtype(values.dtype, np.integer):
@@ -71,7 +71,7 @@ def indices(
 
 
 def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names as a tuple in which each occurs once."""
+    """Return the names as a tuple; one that stands twice is a ValueError."""
     listed = tuple(str(name) for name in names)
     if len(set(listed)) < len(listed):
         repeated = sorted({name for name in listed if listed.count(name) > 1})
@@ -80,7 +80,7 @@ def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def positive_rate(rate: float) -> float:
-    """Return the rate in frames per second, which is positive."""
+    """Return the rate in frames per second; one that is not positive is a ValueError."""
     if not (np.isfinite(rate) and rate > 0):
         raise ValueError(f"rate must be a positive number of frames per second, got {rate}")
     return float(rate)

@@ -34,7 +34,13 @@ _MARKUP = re.compile(r"^ +\.\. [^\n]*\n(?:(?: {8,}[^\n]*)?\n)*|:(?:class|func|re
 
 
 def impute(recording: Trajectories, imputer: Any) -> Trajectories:
-    """Return a recording whose gaps an imputer has filled."""
+    """Return a recording whose gaps an imputer has filled.
+
+    Raises
+    ------
+    Refusal
+        If the imputer drops a column, as some do with one that has no number.
+    """
     seen = recording.present.any(axis=0)
     positions = recording.positions.copy()
     if recording.present.all() or not seen.any():
@@ -71,7 +77,13 @@ def regress(recording: Trajectories, regressor: object) -> Trajectories:
 
 
 def project(recording: Trajectories, transformer: Any) -> Trajectories:
-    """Return a recording with what a transformer keeps of each complete frame."""
+    """Return a recording with what a transformer keeps of each complete frame.
+
+    Raises
+    ------
+    Refusal
+        If no frame is complete.
+    """
     seen = np.asarray(recording.present.any(axis=0))
     whole = np.asarray(recording.present[:, seen].all(axis=1) & seen.any())
     if not whole.any():

@@ -53,7 +53,7 @@ def scores(captured: object, truth: object, count: int, seed: int) -> DataFrame:
     return DataFrame({"start": tables[0]["start"], **errors}).dropna()
 
 
-def made(count: int = 20) -> Mapping[str, float]:
+def synthetic(count: int = 20) -> Mapping[str, float]:
     """Return how often the mean log ratio of ten made actors lies in the interval from ten others.
 
     A 95 % interval is for the mean over all actors; the mean over ten others varies as much as
@@ -164,7 +164,7 @@ def _saved(seed: int, folder: Path) -> Path:
 
 
 COMMANDS: Final[Mapping[str, Callable[[list[str]], bool]]] = {
-    "made": lambda _: _print("ten made actors by ten others", made()),
+    "made": lambda _: _print("ten made actors by ten others", synthetic()),
     "recordings": lambda paths: _print("forty gaps of a recording", recordings(paths)),
     "studies": lambda _: studies(),
 }

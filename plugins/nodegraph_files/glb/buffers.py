@@ -95,7 +95,10 @@ class Accessors:
     def integers(
         self, index: int, where: str, *, kind: str = "SCALAR", count: int | None = None
     ) -> NDArray[np.int64]:
-        """Return (count, width) whole numbers; the parameters are those of `numbers`."""
+        """Return (count, width) whole numbers; parameters and errors are those of `numbers`.
+
+        Fractions are a ValueError too.
+        """
         accessor, at = self._accessor(index, where, kind, count)
         stored = self._stored(accessor, at, known=count is not None)
         if stored.dtype.kind == "f":

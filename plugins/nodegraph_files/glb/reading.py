@@ -151,7 +151,13 @@ def placed_meshes(document: Document, accessors: Accessors) -> list[Placed]:
 def vertex_matrices(
     placed: Placed, primitive: Primitive, accessors: Accessors, where: str, count: int
 ) -> NDArray[np.float64]:
-    """Return what takes a primitive's vertices to the scene: (4, 4), or (V, 4, 4) by its skin."""
+    """Return what takes a primitive's vertices to the scene: (4, 4), or (V, 4, 4) by its skin.
+
+    Raises
+    ------
+    ValueError
+        If joints have no weights or are not there, or a vertex is bound to none.
+    """
     if not placed.skinned:
         return placed.matrices
     held, total = np.zeros((count, 4, 4)), np.zeros(count)

@@ -220,6 +220,11 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     any order; or, if there are none of these, the columns ``x0, y0, z0, x1, ...``, also written
     ``x_0``, which are ``landmark_0``, ``landmark_1``, ... A warning says where there are as many
     as MediaPipe's landmarks of a face, which are no lengths unless they were made such.
+
+    Raises
+    ------
+    ValueError
+        If there are neither such columns, or a marker lacks one of its three.
     """
     header = table.opening[0]
     columns = Columns(table, header, header.cells)

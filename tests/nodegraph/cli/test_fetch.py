@@ -31,7 +31,7 @@ class Host:
     files : dict of path to bytes
     moved : dict of path to address
     sized : dict of path to the size that it claims, without a body
-    asked : list of paths
+    paths : list of paths
         Those that were requested.
     """
 
@@ -39,7 +39,7 @@ class Host:
     files: dict[str, bytes] = field(default_factory=dict)
     moved: dict[str, str] = field(default_factory=dict)
     sized: dict[str, int] = field(default_factory=dict)
-    asked: list[str] = field(default_factory=list)
+    paths: list[str] = field(default_factory=list)
 
     def address(self, path: str, digest: str = "") -> str:
         content = self.files.get(path, b"")
@@ -58,7 +58,7 @@ def host(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Host]:
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
-            here.asked.append(self.path)
+            here.paths.append(self.path)
             content = here.files.get(self.path, b"")
             if self.path in here.moved:
                 self.send_response(302)
@@ -97,11 +97,11 @@ def test_nothing_is_fetched_but_by_the_command_for_it(host: Host, study: Command
         assert status == 2
         assert "study.yaml:6:" in err
         assert "numbers.txt has not been fetched; `nodegraph fetch` with the name" in err
-    assert not host.asked
+    assert not host.paths
     status, out, _ = study("fetch", "study.yaml")
     assert (status, out) == (0, f"here: {host.address('/data/numbers.txt')}\n")
     assert study("fetch", "study.yaml")[0] == 0
-    assert host.asked == ["/data/numbers.txt"]
+    assert host.paths == ["/data/numbers.txt"]
 
 
 def test_a_fetched_file_counts_as_the_same_file_elsewhere(host: Host, study: Command) -> None:
@@ -145,7 +145,7 @@ def test_only_what_the_command_chooses_is_fetched(host: Host, study: Command) ->
     addresses = f'a: "{host.address("/data/numbers.txt")}", b: "{host.address("/other.txt")}"'
     axis = ("--axis", f"file={{{addresses}}}")
     assert study("fetch", "study.yaml", *axis, "--only", "file=b")[0] == 0
-    assert host.asked == ["/other.txt"]
+    assert host.paths == ["/other.txt"]
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_what_cannot_be_fetched_says_why_and_leaves_nothing(
     assert out.startswith("not fetched: ")
     assert "study.yaml:6:" in err
     assert expected in err
-    assert host.asked == [path]
+    assert host.paths == [path]
     assert not [file for file in Path("cache").rglob("*") if file.is_file()]
 
 

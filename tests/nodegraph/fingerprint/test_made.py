@@ -296,10 +296,10 @@ def test_a_function_of_a_cell() -> None:
         "def fill(x: int) -> int:\n    '''{}'''\n    return near(x) + LIMIT + Shape().area()\n"
     )
 
-    def made(*parts: object) -> Reached:
+    def cell_with(*parts: object) -> Reached:
         return of(in_cell(text.format(*parts), "<cell 1>")["fill"])
 
-    reached = made(1, "a", "Doc.")
+    reached = cell_with(1, "a", "Doc.")
     assert set(reached.units) == {
         "__main__:LIMIT",
         "__main__:Shape",
@@ -309,8 +309,8 @@ def test_a_function_of_a_cell() -> None:
     }
     assert set(reached.versions) == {"python", "numpy"}
     assert not reached.unstable
-    assert made(1, "b", "Other.").digest == reached.digest
-    assert made(2, "a", "Doc.").digest != reached.digest
+    assert cell_with(1, "b", "Other.").digest == reached.digest
+    assert cell_with(2, "a", "Doc.").digest != reached.digest
 
 
 def test_a_class_of_a_cell() -> None:
@@ -321,14 +321,14 @@ def test_a_class_of_a_cell() -> None:
         "def fill(x: int) -> int: return Shape().area()\n"
     )
 
-    def made(*parts: int) -> Reached:
+    def cell_with(*parts: int) -> Reached:
         return of(in_cell(text.format(*parts), "<cell 1>")["fill"])
 
-    first = made(1, 1, 1)
+    first = cell_with(1, 1, 1)
     assert not first.unstable
-    assert made(1, 1, 1).digest == first.digest
+    assert cell_with(1, 1, 1).digest == first.digest
     for other in ((2, 1, 1), (1, 2, 1), (1, 1, 2)):
-        assert made(*other).digest != first.digest
+        assert cell_with(*other).digest != first.digest
 
 
 @pytest.mark.parametrize(
@@ -343,13 +343,13 @@ def test_a_class_of_a_cell() -> None:
     ],
 )
 def test_kinds_of_classes_of_a_cell(text: str) -> None:
-    def made(number: int) -> Reached:
+    def cell_with(number: int) -> Reached:
         whole = text.format(number) + "\ndef fill(x: int) -> Shape: return Shape(x)"
         return of(in_cell(whole, "<cell 1>")["fill"])
 
-    assert not made(1).unstable
-    assert made(1).digest == made(1).digest
-    assert made(1).digest != made(2).digest
+    assert not cell_with(1).unstable
+    assert cell_with(1).digest == cell_with(1).digest
+    assert cell_with(1).digest != cell_with(2).digest
 
 
 def test_one_function_is_looked_at_once() -> None:

@@ -10,7 +10,7 @@ import pytest
 from nodegraph.fingerprint.source import references
 
 
-def found(text: str) -> set[str]:
+def references_in(text: str) -> set[str]:
     (statement,) = ast.parse(textwrap.dedent(text)).body
     return set(references(statement, lambda name: name == "node"))
 
@@ -63,9 +63,9 @@ def found(text: str) -> set[str]:
     ],
 )  # fmt: skip
 def test_references(text: str, expected: set[str]) -> None:
-    assert found(text) == expected
+    assert references_in(text) == expected
 
 
 def test_a_long_sum_is_read_without_recursion() -> None:
     text = "f = " + " + ".join(f"a{number}" for number in range(600))
-    assert len(found(text)) == 600
+    assert len(references_in(text)) == 600

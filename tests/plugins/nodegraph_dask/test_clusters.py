@@ -32,11 +32,13 @@ def test_the_operator_gets_the_cluster_that_it_makes_itself() -> None:
     operator = pytest.importorskip("dask_kubernetes.operator")
     (text,) = blocks(PAGE, "yaml")
     ours = yaml.safe_load(text)
-    made = operator.make_cluster_spec("nodegraph", image="nodegraph:latest", n_workers=10)
-    assert (ours["apiVersion"], ours["kind"]) == (made["apiVersion"], made["kind"])
-    assert ours["metadata"] == made["metadata"]
-    assert ours["spec"]["scheduler"]["service"] == made["spec"]["scheduler"]["service"]
+    theirs = operator.make_cluster_spec("nodegraph", image="nodegraph:latest", n_workers=10)
+    assert (ours["apiVersion"], ours["kind"]) == (theirs["apiVersion"], theirs["kind"])
+    assert ours["metadata"] == theirs["metadata"]
+    assert ours["spec"]["scheduler"]["service"] == theirs["spec"]["scheduler"]["service"]
     for part in ("worker", "scheduler"):
-        (container,), (same,) = (spec["spec"][part]["spec"]["containers"] for spec in (ours, made))
+        (container,), (same,) = (
+            spec["spec"][part]["spec"]["containers"] for spec in (ours, theirs)
+        )
         assert container["name"] == same["name"]
         assert "-".join(container["args"]).startswith(same["args"][0])

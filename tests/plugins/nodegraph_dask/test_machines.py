@@ -152,16 +152,16 @@ def machines(tmp_path: Path) -> Iterator[Machines]:
         pytest.skip("ip and unshare make the machines")
     (tmp_path / "far.py").write_text(NODES)
     (tmp_path / "far.yaml").write_text(GRAPH)
-    made = Machines(tmp_path)
+    machines = Machines(tmp_path)
     try:
-        made.connect()
+        machines.connect()
     except subprocess.CalledProcessError as error:
-        made.close()
+        machines.close()
         pytest.skip(f"network namespaces need CAP_NET_ADMIN: {error.stderr.strip()}")
     try:
-        yield made
+        yield machines
     finally:
-        made.close()
+        machines.close()
 
 
 def test_a_study_is_complete_though_machines_are_lost_and_come_back(machines: Machines) -> None:

@@ -149,14 +149,14 @@ def damaged() -> Callable[[bytes, random.Random], bytes]:
         else:
             del content[chance.randrange(1, len(content)) :]
 
-    def made(good: bytes, chance: random.Random) -> bytes:
+    def damaged(good: bytes, chance: random.Random) -> bytes:
         content = bytearray(good)
         for _ in range(chance.choice([1, 2, 5])):
             if len(content) > 1:
                 change(content, chance)
         return bytes(content)
 
-    return made
+    return damaged
 
 
 @pytest.fixture

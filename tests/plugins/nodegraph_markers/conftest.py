@@ -104,8 +104,8 @@ def turned() -> Callable[[Trajectories], Trajectories]:
 def right() -> Callable[[Trajectories, Trajectories], NDArray[np.bool_]]:
     """Tell which samples of the truth are in a recording under the right name, (T, M)."""
 
-    def found(result: Trajectories, truth: Trajectories) -> NDArray[np.bool_]:
+    def correct(result: Trajectories, truth: Trajectories) -> NDArray[np.bool_]:
         same = result.keep(truth.markers).positions == truth.positions
         return np.asarray(same.all(axis=2))
 
-    return found
+    return correct

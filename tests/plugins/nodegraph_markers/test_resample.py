@@ -20,7 +20,7 @@ def polynomial(seconds: np.ndarray) -> np.ndarray:
     return np.stack([curve, 3 * curve[..., ::-1] + 1], axis=1)
 
 
-def made(frames: int, missing: tuple[tuple[int, int], ...] = ()) -> Trajectories:
+def recording_of(frames: int, missing: tuple[tuple[int, int], ...] = ()) -> Trajectories:
     positions = polynomial(np.arange(frames) / RATE)
     for frame, marker in missing:
         positions[frame, marker] = np.nan
@@ -38,7 +38,7 @@ def test_the_same_rate_changes_nothing(name: str) -> None:
 
 @pytest.mark.parametrize("rate", [75.0, 120.0, 100.0, 240.0])
 def test_a_cubic_is_followed_exactly(rate: float) -> None:
-    again = resample(made(31), rate=rate)
+    again = resample(recording_of(31), rate=rate)
     assert again.frames == int(30 * rate / RATE) + 1
     assert again.rate == rate
     np.testing.assert_allclose(
@@ -49,7 +49,7 @@ def test_a_cubic_is_followed_exactly(rate: float) -> None:
 
 def test_a_lower_rate_is_followed_and_told_to_fold() -> None:
     with pytest.warns(UserWarning, match="from 60 to 25 Hz .* faster than 12.5 Hz"):
-        again = resample(made(31), rate=25.0)
+        again = resample(recording_of(31), rate=25.0)
     np.testing.assert_allclose(
         again.positions, polynomial(np.arange(again.frames) / 25.0), atol=1e-12
     )
@@ -74,15 +74,15 @@ def test_there_and_back_is_the_same() -> None:
 
 
 def test_a_sample_beside_a_missing_one_is_missing() -> None:
-    again = resample(made(12, missing=((4, 0), (6, 0))), rate=2 * RATE)
+    again = resample(recording_of(12, missing=((4, 0), (6, 0))), rate=2 * RATE)
     missing = np.flatnonzero(~again.present[:, 0])
     assert missing.tolist() == [7, 8, 9, 11, 12, 13]  # frame 5, alone between them, is 10
     assert again.present[:, 1].all()
 
 
 def test_runs_are_splines_of_their_own() -> None:
-    whole = made(24)
-    gappy = made(24, missing=((10, 0),))
+    whole = recording_of(24)
+    gappy = recording_of(24, missing=((10, 0),))
     moved = whole.positions.copy()
     moved[10] = np.nan
     moved[11:] += 1000.0
@@ -95,15 +95,15 @@ def test_runs_are_splines_of_their_own() -> None:
 
 
 def test_short_runs_are_parabolas_and_lines() -> None:
-    three = resample(made(3), rate=2 * RATE).positions[:, 0, 1]
+    three = resample(recording_of(3), rate=2 * RATE).positions[:, 0, 1]
     seconds = np.arange(5) / (2 * RATE)
     np.testing.assert_allclose(three, 2 * seconds**2 - seconds, atol=1e-12)
-    two = resample(made(2), rate=2 * RATE).positions[1]
-    np.testing.assert_allclose(two, made(2).positions.mean(axis=0), atol=1e-12)
+    two = resample(recording_of(2), rate=2 * RATE).positions[1]
+    np.testing.assert_allclose(two, recording_of(2).positions.mean(axis=0), atol=1e-12)
 
 
 def test_a_made_sample_is_as_trusted_as_the_less_trusted_beside_it() -> None:
-    given = made(6)
+    given = recording_of(6)
     origin = given.origin.copy()
     origin[2, 0], origin[3, 0] = Origin.FILLED, Origin.REPAIRED
     sigma = np.tile(np.arange(6.0)[:, None], (1, 2))

@@ -14,7 +14,7 @@ from nodegraph_mocap.specimens import recordings
 NAN = float("nan")
 
 
-def made(**changed: object) -> Trajectories:
+def recording_of(**changed: object) -> Trajectories:
     positions = np.arange(24.0).reshape(4, 2, 3)
     positions[1, 0] = NAN
     given: dict[str, Any] = {"positions": positions, "markers": ("a", "b"), "rate": 60}
@@ -22,7 +22,7 @@ def made(**changed: object) -> Trajectories:
 
 
 def test_origin_is_made_from_what_is_missing() -> None:
-    recording = made()
+    recording = recording_of()
     assert recording.origin.dtype == np.uint8
     assert recording.origin.tolist() == [[1, 1], [0, 1], [1, 1], [1, 1]]
     np.testing.assert_array_equal(recording.present, ~np.isnan(recording.positions[..., 0]))
@@ -30,7 +30,7 @@ def test_origin_is_made_from_what_is_missing() -> None:
 
 
 def test_what_is_measured_was_not_filled() -> None:
-    recording = made(origin=np.array([[1, 2], [0, 3], [2, 2], [3, 1]]))
+    recording = recording_of(origin=np.array([[1, 2], [0, 3], [2, 2], [3, 1]]))
     assert recording.measured.tolist() == [
         [True, False], [False, True], [False, False], [True, True],
     ]  # fmt: skip
@@ -39,7 +39,7 @@ def test_what_is_measured_was_not_filled() -> None:
 
 def test_arrays_are_read_only_and_the_callers_own_stay_as_they_are() -> None:
     mine = np.ones((4, 3, 3))
-    recording = made(positions=mine[:, :2], sigma=np.ones((4, 2)))
+    recording = recording_of(positions=mine[:, :2], sigma=np.ones((4, 2)))
     mine[0, 0] = 7
     assert (recording.positions == 1).all()
     for array in (recording.positions, recording.origin, recording.sigma):
@@ -49,7 +49,7 @@ def test_arrays_are_read_only_and_the_callers_own_stay_as_they_are() -> None:
 
 
 def test_integers_and_lists_become_what_they_stand_for() -> None:
-    recording = made(positions=np.ones((4, 2, 3), dtype=int), markers=["a", "b"])
+    recording = recording_of(positions=np.ones((4, 2, 3), dtype=int), markers=["a", "b"])
     assert recording.positions.dtype == np.float64
     assert recording.markers == ("a", "b")
     assert isinstance(recording.rate, float)
@@ -74,7 +74,7 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
 )
 def test_what_disagrees_is_refused(changed: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        made(**changed)
+        recording_of(**changed)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_sample_that_is_neither_there_nor_missing_is_refused(sample: tuple[flo
     positions = np.ones((4, 2, 3))
     positions[2, 1] = sample
     with pytest.raises(ValueError, match=r"frame 2, marker 'b': .*1 such samples"):
-        made(positions=positions)
+        recording_of(positions=positions)
 
 
 @given(arrays.arrays(np.float64, (3, 2, 3), elements=st.sampled_from([0.0, 1.0, NAN, np.inf])))
@@ -92,14 +92,14 @@ def test_exactly_whole_samples_are_accepted(positions: np.ndarray[Any, Any]) -> 
     finite = np.isfinite(positions).all(axis=2)
     whole = finite | np.isnan(positions).all(axis=2)
     if whole.all():
-        np.testing.assert_array_equal(made(positions=positions).present, finite)
+        np.testing.assert_array_equal(recording_of(positions=positions).present, finite)
     else:
         with pytest.raises(ValueError, match=f"{np.count_nonzero(~whole)} such samples"):
-            made(positions=positions)
+            recording_of(positions=positions)
 
 
 def test_written_samples_get_their_origin_and_others_keep_theirs() -> None:
-    recording = made(sigma=np.zeros((4, 2)))
+    recording = recording_of(sigma=np.zeros((4, 2)))
     positions = recording.positions.copy()
     positions[1, 0] = 5
     positions[3, 1] = NAN
@@ -119,7 +119,7 @@ def test_written_samples_get_their_origin_and_others_keep_theirs() -> None:
 
 def test_kept_markers_come_with_all_that_is_theirs() -> None:
     marker_set = MarkerSet(markers=("a", "b"), pairs=(("a", "b"),), stable=("b",))
-    recording = made(marker_set=marker_set, sigma=np.arange(8.0).reshape(4, 2))
+    recording = recording_of(marker_set=marker_set, sigma=np.arange(8.0).reshape(4, 2))
     kept = recording.keep(["b"])
     np.testing.assert_array_equal(kept.positions[:, 0], recording.positions[:, 1])
     assert kept.origin.tolist() == [[1]] * 4
@@ -131,7 +131,7 @@ def test_kept_markers_come_with_all_that_is_theirs() -> None:
 
 def test_keeping_what_is_not_there_is_refused_with_what_is() -> None:
     with pytest.raises(ValueError, match="the recording has no marker 'x'; 'y'; it has a, b"):
-        made().keep(["x", "a", "y"])
+        recording_of().keep(["x", "a", "y"])
 
 
 def test_a_mask_is_locked_and_has_a_column_per_marker() -> None:

@@ -37,12 +37,12 @@ def test_each_alternative_is_an_entity_without_what_is_missing(tmp_path: Path) -
     write = get_node("write.rrd")
     fills = Across.of({"as it was": GAPPY, "muscle": PROCESSED}, axis="fill")
     content = write(fills, SPECIMENS["complete"]).content["recording.rrd"]
-    found = batches(content, tmp_path)
-    assert {path for path, _ in found} == {r"/as\ it\ was", "/muscle", "/truth"}
+    written = batches(content, tmp_path)
+    assert {path for path, _ in written} == {r"/as\ it\ was", "/muscle", "/truth"}
     shown: dict[str, Trajectories] = {r"/as\ it\ was": GAPPY, "/muscle": PROCESSED}
     colours: dict[int, set[int]] = {}
     for path, recording in shown.items():
-        points = found[path, False]
+        points = written[path, False]
         positions, ids, colour = (
             column(points, f"Points3D:{name}") for name in ("positions", "keypoint_ids", "colors")
         )
@@ -54,7 +54,7 @@ def test_each_alternative_is_an_entity_without_what_is_missing(tmp_path: Path) -
                 colours.setdefault(int(origin), set()).add(int(each))
         seconds = [time.total_seconds() for time in points.column("time").to_pylist()]
         np.testing.assert_allclose(seconds, np.arange(recording.frames) / recording.rate, atol=1e-6)
-        context = found[path, True].column("AnnotationContext:context").to_pylist()[0][0][0]
+        context = written[path, True].column("AnnotationContext:context").to_pylist()[0][0][0]
         names = [each["label"] for each in context["class_description"]["keypoint_annotations"]]
         assert tuple(names) == recording.markers
     assert {origin: len(each) for origin, each in colours.items()} == dict.fromkeys(

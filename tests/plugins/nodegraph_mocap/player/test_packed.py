@@ -48,12 +48,12 @@ def test_several_arrays_lie_where_the_head_says() -> None:
 
 
 def test_equal_things_make_equal_bytes() -> None:
-    def made() -> bytes:
+    def packed() -> bytes:
         blob = Blob()
         blob.steps(np.linspace(0, 1, 50).reshape(5, 10), 0.01)
         return blob.packed({"one": 1})
 
-    assert made() == made()
+    assert packed() == packed()
 
 
 def test_rows_like_others_cost_next_to_nothing() -> None:

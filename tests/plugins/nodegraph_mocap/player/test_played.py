@@ -123,18 +123,18 @@ def test_it_opens_where_most_samples_were_made() -> None:
 
 def test_gaps_are_what_methods_made_for_a_while() -> None:
     truth = recordings()["complete"]
-    filled = made(made(made(truth, 2, 5, 25), 1, 3, 12), 4, 20, 31)
+    filled = with_filled(with_filled(with_filled(truth, 2, 5, 25), 1, 3, 12), 4, 20, 31)
     read = Read.of(playback(truth, filled, filled))
     assert read.head["gaps"] == [
         [5 / 60, 25 / 60, truth.markers[2]],
         [20 / 60, 31 / 60, truth.markers[4]],
     ]
-    assert Read.of(playback(made(truth, 2, 0, 40))).head["gaps"] == []
+    assert Read.of(playback(with_filled(truth, 2, 0, 40))).head["gaps"] == []
 
 
 def test_each_panel_has_the_mean_error_of_what_was_made() -> None:
     truth = recordings()["complete"]
-    filled = made(truth, 2, 5, 25)
+    filled = with_filled(truth, 2, 5, 25)
     shifted = replace(filled, positions=filled.positions + np.array([0.0, 3.0, 4.0]))
     read = Read.of(playback(shifted, replace(truth, positions=truth.positions + 0.6), truth=truth))
     errors = [panel["error"] for panel in read.head["panels"]]
@@ -142,7 +142,7 @@ def test_each_panel_has_the_mean_error_of_what_was_made() -> None:
     assert Read.of(playback(shifted)).head["panels"][0]["error"] is None
 
 
-def made(recording: Trajectories, marker: int, first: int, stop: int) -> Trajectories:
+def with_filled(recording: Trajectories, marker: int, first: int, stop: int) -> Trajectories:
     """Return a recording some of whose samples are filled, where they were."""
     changed = np.zeros(recording.origin.shape, bool)
     changed[first:stop, marker] = True
