@@ -180,7 +180,7 @@ def _table(principal: _Principal, count: int) -> Table:
             "kept": numbers <= count,
         }
     )
-    note = f"The model's {count} shapes explain {shares[:count].sum():.2%} of the variance."
+    note = f"The model's {count} shapes explain {100 * shares[:count].sum():.2f} % of the variance."
     return with_info(
         table, TableInfo(title="Principal components", notes=(note,), units={"movement": "mm"})
     )

@@ -152,13 +152,13 @@ def answers(table: Table, question: Question) -> list[str]:
         return [f"{question.metric} is the same in all combinations; nothing is to be explained."]
     ordered = table.sort_values("eta squared", ascending=False, kind="stable").head(_MOST)
     shares = [
-        f"{source} {share:.0%}"
+        f"{source} {100 * share:.0f} %"
         for source, share in zip(ordered["source"], ordered["eta squared"], strict=True)
         if share >= _LEAST
     ]
     sentences = [f"Share of the variance of {question.metric}: {', '.join(shares)}."]
     changes = [
-        f"{share:.0%} of the time with {source}"
+        f"{100 * share:.0f} % of the time with {source}"
         for source, share in zip(table["source"], table["winner changes"], strict=True)
         if np.isfinite(share)
     ]
@@ -382,13 +382,13 @@ def _draw(table: Table, question: Question) -> Figure:
     axis.barh(places, ordered["eta squared"], color=colours, height=0.7)
     for place, share in zip(places, ordered["eta squared"], strict=True):
         axis.annotate(
-            f"{share:.1%}", (share, place), xytext=(3, 0), textcoords="offset points",
+            f"{100 * share:.1f} %", (share, place), xytext=(3, 0), textcoords="offset points",
             va="center", fontsize=9,
         )  # fmt: skip
     axis.set_yticks(places, [figure_text(source) for source in ordered["source"]])
     axis.invert_yaxis()
     axis.set_xlim(0, min(1.0, 1.15 * ordered["eta squared"].max()) + 0.05)
-    axis.xaxis.set_major_formatter(lambda share, _: f"{share:.0%}")
+    axis.xaxis.set_major_formatter(lambda share, _: f"{100 * share:.0f} %")
     axis.set_xlabel(figure_text(f"share of the variance of {question.metric}"))
     plain(axis, grid="x")
     axis.tick_params(axis="y", labelcolor=BLACK)

@@ -45,8 +45,8 @@ def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
     moved = np.sqrt(np.einsum("tmc,tmc->tm", apart, apart)[changed])
     share = count / np.count_nonzero(recording.present)
     warnings.warn(
-        f"{count} samples repaired ({share:.2%} of those present), moved by {moved.mean():.3g} mm "
-        f"on average, by {moved.max():.3g} mm at most",
+        f"{count} samples repaired ({100 * share:.2f} % of those present), moved by "
+        f"{moved.mean():.3g} mm on average, by {moved.max():.3g} mm at most",
         stacklevel=3,
     )
     sigma = None if recording.sigma is None else np.where(changed, np.nan, recording.sigma)

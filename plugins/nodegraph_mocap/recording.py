@@ -285,7 +285,7 @@ def _share(recording: Trajectories, origin: Origin) -> str:
     count = int(np.count_nonzero(recording.origin == origin))
     share = count / max(recording.origin.size, 1)
     samples = "sample" if count == 1 else "samples"
-    return f"{count} {samples} ({share:.1%})" if count else "no samples"
+    return f"{count} {samples} ({100 * share:.1f} %)" if count else "no samples"
 
 
 def _strips(recording: Trajectories) -> str:

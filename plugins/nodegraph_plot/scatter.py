@@ -11,7 +11,7 @@ from nodegraph import Across, Label, listed, node
 from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import info_of
 from nodegraph_tables.axes import plain
-from nodegraph_tables.style import looks
+from nodegraph_tables.style import looks, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -69,7 +69,10 @@ def scatter(
     points = {name: _points(scores, by, name, x, upwards) for name in _labels(scores, by)}
     _warn(points)
     units = {x: "", upwards: "", **info_of(across).units}
-    finite = {name: values[np.isfinite(values).all(axis=1)] for name, values in points.items()}
+    scale = np.array([scale_of(units[x]), scale_of(units[upwards])])
+    finite = {
+        name: scale * values[np.isfinite(values).all(axis=1)] for name, values in points.items()
+    }
     known = scores.labels(by) if by else ()
     return _draw(finite, looks([*finite, *known]), _named(x, units), _named(upwards, units))
 
@@ -111,7 +114,7 @@ def _warn(points: dict[str, NDArray[np.float64]]) -> None:
 
 
 def _named(name: str, units: dict[str, str]) -> str:
-    return f"{name} ({units[name]})" if units.get(name) else name
+    return f"{name} ({unit_text(units[name])})" if units.get(name) else name
 
 
 def _first_float(table: Table) -> str:

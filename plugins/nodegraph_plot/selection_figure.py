@@ -50,7 +50,7 @@ class Panel:
     def title(self) -> str:
         """The name, and how many of the recording's markers are chosen."""
         chosen, markers = len(self.selection.chosen), len(self.recording.markers)
-        share = f"{chosen} of {markers} markers ({chosen / markers:.0%})"
+        share = f"{chosen} of {markers} markers ({100 * chosen / markers:.0f} %)"
         name = figure_text(self.name, across=_LETTERS, lines=2)
         return f"{name}\n{share}" if name else share
 

@@ -47,7 +47,7 @@ def named(part: Table, axes: tuple[str, ...]) -> str:
 def _percents(shares: Sequence[float]) -> str:
     # Adding 0 takes the sign from a zero.
     least, most = (round(100 * share) + 0 for share in (min(shares), max(shares)))
-    return f"{least}%" if least == most else f"{least} to {most}%"
+    return f"{least} %" if least == most else f"{least} to {most} %"
 
 
 def left_out(recording: Trajectories, pca: Components, moved: Movement) -> Iterator[str]:
@@ -135,7 +135,8 @@ def _picture(part: Table) -> str:
                 f'height="{tall:.1f}"/>'
             )
         bars.append(
-            f'<text class="middle" x="{x + wide / 2 - 3:g}" y="{_TALL + 14:g}">{share:.0%}</text>'
+            f'<text class="middle" x="{x + wide / 2 - 3:g}" y="{_TALL + 14:g}">'
+            f"{100 * share:.0f} %</text>"
         )
     return svg("shares of the variance of the principal components", _TALL + 18.0, bars)
 

@@ -61,9 +61,9 @@ def _panel(axis: Axes, part: Table) -> None:
     for place, whole, part in zip(component, share, head, strict=True):
         if part > _LEAST * whole:
             axis.annotate(
-                f"{part / whole:.0%} head", (place, whole), xytext=(0, 3),
+                f"{100 * part / whole:.0f} % head", (place, whole), xytext=(0, 3),
                 textcoords="offset points", ha="center", fontsize=SMALL - 1, color=STANDS_OUT,
             )  # fmt: skip
     axis.margins(y=0.15)
     axis.set_xticks(component)
-    axis.yaxis.set_major_formatter(lambda share, _: f"{share:.0%}")
+    axis.yaxis.set_major_formatter(lambda share, _: f"{100 * share:.0f} %")

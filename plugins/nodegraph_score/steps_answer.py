@@ -133,7 +133,7 @@ def _card(row: Row, line: Line) -> Card:
     left = f"{row['missing']:,} missing"
     facts = []
     if row["changed"]:
-        facts.append(f"changes {row['changed']:,} samples; {row['nearer']:.0%} come nearer")
+        facts.append(f"changes {row['changed']:,} samples; {100 * row['nearer']:.0f} % come nearer")
     begins = row["verdict"] == "begins"
     if row["added"] and not begins:
         facts.append(f"adds {row['added']:,} at {number_text(row['added rmse'], 'mm')}")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph_tables.info import info_of
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.style import scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -91,21 +91,28 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str]) -> Column:
     numeric = column.dtype.kind in "iuf"
     label = at == 0 and not numeric if info.labels is None else name in info.labels
     best, tied = set(info.best.get(name, ())), set(info.tied.get(name, ()))
-    values = column.tolist()
+    unit = info.units.get(name, "")
+    scale = scale_of(unit) if numeric else 1.0
+    values = _scaled(column, scale)
     decimals = None if label or not numeric else _decimals(values)
     texts = [_labelled(value) if label else shown(value, decimals) for value in values]
     if label:
         texts = [
             ALL if not text and row in info.overall else text for row, text in enumerate(texts)
         ]
-    rows = zip(texts, _beside(table, parts, decimals, texts), strict=True)
+    rows = zip(texts, _beside(table, parts, decimals, texts, scale), strict=True)
     cells = [
         Cell(text, beside, row in best, row in tied) for row, (text, beside) in enumerate(rows)
     ]
     constant = numeric and not label and len(set(cells)) == 1 and len(cells) > 1
     constant = constant and column.nunique(dropna=False) == 1
-    unit = unit_text(info.units.get(name, ""))
-    return Column(str(name), unit, at, numeric, label, constant, cells)
+    return Column(str(name), unit_text(unit), at, numeric, label, constant, cells)
+
+
+def _scaled(column: pd.Series, scale: float) -> list[Any]:
+    """Return multiples without what rounding adds: 100 x 0.07 is 7."""
+    values: list[Any] = column.tolist()
+    return values if scale == 1.0 else [round(scale * float(value), 12) for value in values]
 
 
 def _decimals(values: Iterable[object]) -> int | None:
@@ -153,7 +160,11 @@ def shown(value: object, decimals: int | None = None) -> str:
 
 
 def _beside(
-    table: pd.DataFrame, parts: Mapping[Part, str], decimals: int | None, means: Sequence[str]
+    table: pd.DataFrame,
+    parts: Mapping[Part, str],
+    decimals: int | None,
+    means: Sequence[str],
+    scale: float,
 ) -> list[str]:
     """Return what belongs to the numbers of a column: ``[low, high]`` and the dagger.
 
@@ -161,8 +172,10 @@ def _beside(
     """
     texts = [""] * len(table)
     if "low" in parts and "high" in parts:
-        ends = zip(table[parts["low"]], table[parts["high"]], strict=True)
-        both = [(shown(float(low), decimals), shown(float(high), decimals)) for low, high in ends]
+        ends = (_scaled(table[parts[end]], scale) for end in ("low", "high"))
+        both = [
+            (shown(low, decimals), shown(high, decimals)) for low, high in zip(*ends, strict=True)
+        ]
         texts = [
             f"[{low}, {high}]" if low and high and not low == high == mean else ""
             for (low, high), mean in zip(both, means, strict=True)

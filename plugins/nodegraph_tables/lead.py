@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 
 from nodegraph import Value
 from nodegraph_tables.numbers import LARGEST, MINUS, SMALLEST, number_text
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.style import scale_of, unit_text
 
 MOST_CARDS = 8
 """Cards that a reader sees at once."""
@@ -217,10 +217,10 @@ class Line:
 
 
 def _tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
-    shown = 100 * value if unit == "share" else value
+    shown = scale_of(unit) * value
     is_plain = not shown or SMALLEST <= abs(shown) < LARGEST
     text = f"{shown:.3g}".replace("-", MINUS) if is_plain else number_text(shown)
-    return f"{text} {'%' if unit == 'share' else unit_text(unit)}".rstrip() if with_unit else text
+    return f"{text} {unit_text(unit)}".rstrip() if with_unit else text
 
 
 def line_of(values: Sequence[float]) -> Line:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.style import scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,9 +31,7 @@ def number_text(value: float, unit: str = "") -> str:
 
 def span_text(values: Sequence[float], unit: str = "") -> str:
     """Return numbers from first to last with their unit; equal ones once, shares in percent."""
-    if unit == "share":
-        values, unit = [100 * value for value in values], "%"
-    texts = dict.fromkeys(map(_digits, values))
+    texts = dict.fromkeys(_digits(scale_of(unit) * value) for value in values)
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 

@@ -11,6 +11,7 @@ from nodegraph_tables.cells import Cell, Column, columns_of
 from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.lead import lead_html, lead_style
+from nodegraph_tables.style import SHARE
 from nodegraph_tables.types import Table
 
 if TYPE_CHECKING:
@@ -163,6 +164,8 @@ def _html(
     stacked = sum(column.has_intervals for column in columns) > _MOST_BESIDE
     kinds = ["table", *(["stacked"] if stacked else []), *(["folded"] if folded else [])]
     cut = [f"The first {_MOST_ROWS} of {len(rows)} rows; the CSV file has all."]
+    if any(unit == SHARE for unit in info.units.values()):
+        notes = [*notes, "Percentages are shares in the CSV file: 0.49 for 49 %."]
     return (
         f'<figure{_class(kinds)}><div class="scroll"><table class="sortable">'
         f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -46,6 +46,9 @@ COLOURS = (BLUE, VERMILLION, "#009E73", "#CC79A7", ORANGE, "#56B4E9", "#B8A800")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 LINES: tuple[Line, ...] = ("-", "--", ":", "-.")
 
+SHARE = "share"
+"""The unit of a number from 0 to 1 that people read in percent."""
+
 _HIDDEN = "_"
 """The legends of matplotlib leave out labels that begin with it."""
 
@@ -87,8 +90,17 @@ def looks(labels: Iterable[object]) -> dict[str, Look]:
 
 
 def unit_text(unit: str) -> str:
-    """Return a unit as it is printed: ``mm²`` for ``mm^2``."""
-    return unit.replace("^2", "\N{SUPERSCRIPT TWO}").replace("^3", "\N{SUPERSCRIPT THREE}")
+    """Return a unit as it is printed: ``mm²`` for ``mm^2``, ``%`` for a share."""
+    return (
+        "%"
+        if unit == SHARE
+        else unit.replace("^2", "\N{SUPERSCRIPT TWO}").replace("^3", "\N{SUPERSCRIPT THREE}")
+    )
+
+
+def scale_of(unit: str) -> float:
+    """Return by what a number is multiplied where it is printed with `unit_text`."""
+    return 100.0 if unit == SHARE else 1.0
 
 
 def _look(place: int) -> Look:

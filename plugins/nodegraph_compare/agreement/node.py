@@ -23,7 +23,7 @@ from nodegraph_compare.question import (
 from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.axes import plain
-from nodegraph_tables.style import BEST, BLACK, REST, STANDS_OUT
+from nodegraph_tables.style import BEST, BLACK, REST, SHARE, STANDS_OUT, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -115,7 +115,7 @@ def agreement(
     notes = (
         block_text(question),
         f"Differences are first minus second. lower, upper: limits of agreement, bias -+ 1.96 sd. "
-        f"low, high: {CONFIDENCE:.0%} intervals, exact for normal differences.",
+        f"low, high: {100 * CONFIDENCE:.0f} % intervals, exact for normal differences.",
         *left_out(scores, question, gathered, pairwise=True),
     )
     return Agreed(_table(pairs, question, unit, notes), _draw(question, pairs, unit))
@@ -165,16 +165,20 @@ def _answer(pair: Pair, question: Question, unit: str) -> str:
         )
     low, high = limits.of_bias
     side = "above" if low > 0 else "below" if high < 0 else "not clearly above or below"
-    in_unit = f" {unit}" if unit else ""
+    in_unit = f" {unit_text(unit)}" if unit else ""
+    scale = scale_of(unit)
+    bias, lower, upper, first, last = (
+        f"{scale * value:.3g}" for value in (limits.bias, limits.lower, limits.upper, low, high)
+    )
     slope = (
         "; the difference changes with the value"
         if limits.of_slope[0] > 0 or limits.of_slope[1] < 0
         else ""
     )
     return (
-        f"{start}{pair.first} is {side} {pair.second} on average (bias {limits.bias:.3g}{in_unit}, "
-        f"interval {low:.3g} to {high:.3g}); 95 % of differences are expected between "
-        f"{limits.lower:.3g} and {limits.upper:.3g}{in_unit} ({count} blocks){slope}."
+        f"{start}{pair.first} is {side} {pair.second} on average (bias {bias}{in_unit}, "
+        f"interval {first} to {last}); 95 % of differences are expected between "
+        f"{lower} and {upper}{in_unit} ({count} blocks){slope}."
     )
 
 
@@ -205,10 +209,12 @@ def _draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
         axis.remove()
     for axis, pair in zip(axes, drawn, strict=False):
         _panel(axis, pair)
+        for part in (axis.xaxis, axis.yaxis) if unit == SHARE else ():
+            part.set_major_formatter(lambda value, _: f"{scale_of(unit) * value:g}")
         place = group_text(pair.group, question)
         name = f"{figure_text(pair.first)} \N{MINUS SIGN} {figure_text(pair.second)}"
         axis.set_title(f"{figure_text(place)}\n{name}" if place else name, fontsize=9)
-    in_unit = f" ({unit})" if unit else ""
+    in_unit = f" ({unit_text(unit)})" if unit else ""
     figure.supxlabel(figure_text(f"mean {question.metric} of the two{in_unit}"), fontsize=10)
     figure.supylabel(figure_text(f"difference{in_unit}"), fontsize=10)
     if len(known) > len(drawn):

@@ -60,7 +60,9 @@ def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
         )
         if units:
             further = "" if units == axes.clusters else " of the same recording"
-            text += f"its {CONFIDENCE:.0%} interval for further {' and '.join(units)}{further}."
+            text += (
+                f"its {100 * CONFIDENCE:.0f} % interval for further {' and '.join(units)}{further}."
+            )
         else:
             text += "none, as all blocks are of one recording."
     else:

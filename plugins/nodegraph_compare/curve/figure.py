@@ -13,7 +13,7 @@ from nodegraph_compare.curve.answer import verdict
 from nodegraph_compare.pictures import reach
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain
-from nodegraph_tables.style import BEST, BLACK, LINE, QUIET, REST
+from nodegraph_tables.style import BEST, BLACK, LINE, QUIET, REST, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,7 +59,7 @@ def draw(curves: Curves) -> Figure:
     title, axes = verdict(curves), curves.axes
     if title:
         figure.suptitle(figure_text(title, across=90, lines=3), x=0.01, ha="left", fontsize=10)
-    in_unit = f" ({curves.unit})" if curves.unit else ""
+    in_unit = f" ({unit_text(curves.unit)})" if curves.unit else ""
     notes = [f"{axes.metric}{in_unit} over {axes.x}", *_notes(drawn, curves)]
     figure.supxlabel(
         figure_text(". ".join(notes), across=110, lines=4), x=0.01, ha="left", fontsize=SMALL,
@@ -147,14 +147,15 @@ def _notes(drawn: Sequence[Points], curves: Curves) -> list[str]:
 
 
 def _set_scale(panel: Panel, curves: Curves) -> None:
-    scale = curves.scale
+    scale, times = curves.scale, scale_of(curves.unit)
     if scale.logarithmic:
         panel.set_yscale("log")
         panel.yaxis.set_major_locator(LogLocator(numticks=6))
-        panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         panel.yaxis.set_minor_formatter(NullFormatter())
     else:
         panel.yaxis.set_major_locator(MaxNLocator(5))
+    if scale.logarithmic or times != 1.0:
+        panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{times * value:g}"))
     if np.isfinite(scale.highest):
         panel.set_ylim(scale.lowest, scale.highest if scale.logarithmic else _top(curves))
     panel.xaxis.set_major_locator(MaxNLocator(5))

@@ -163,7 +163,7 @@ def ranks(
             f"{block_text(question)} {end_text(question)} {rules(question)}",
             f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "
             "blocks in which every method with any number has all its numbers count. Level "
-            f"{LEVEL:.0%}.",
+            f"{100 * LEVEL:.0f} %.",
             *left_out(scores, question, gathered),
         ),
         labels=(*question.within, question.compare or "method"),

@@ -32,7 +32,7 @@ from nodegraph_compare.table.sensitivity import (
 )
 from nodegraph_compare.table.verdict import verdict_on
 from nodegraph_compare.unused_axes import unused_axes
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.style import scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -127,7 +127,7 @@ def notes(
     sentences = [
         f"{block_text(question)} {end_text(question)} {rules(question)}",
         f"{_MISSING if fallback is None else _FILLED.format(fallback)} [low, high] beside a "
-        f"mean: its {CONFIDENCE:.0%} interval over units, not adjusted for the number of "
+        f"mean: its {100 * CONFIDENCE:.0f} % interval over units, not adjusted for the number of "
         "intervals; median: over blocks.",
     ]
     if any(summary.paired is not None for summary in summaries):
@@ -138,9 +138,10 @@ def notes(
         )
         sentences.append(
             f"{'ratio' if ratio else 'difference'}: {what} to {of}, paired by units, with "
-            f"{CONFIDENCE:.0%} intervals and p (at most {LEVEL:g}: clearly apart) by Tukey's range "
-            "with the larger of a pair's own and the pooled standard error, over all pairs of a "
-            f"group.{also} g: the mean difference over its standard deviation, above 0 where worse "
+            f"{100 * CONFIDENCE:.0f} % intervals and p (at most {LEVEL:g}: clearly apart) by "
+            "Tukey's range with the larger of a pair's own and the pooled standard error, over "
+            f"all pairs of a group.{also} g: the mean difference over its standard deviation, "
+            "above 0 where worse "
             f"than {of}; wins: units in which it is better; margin: the smallest within which it "
             "is shown to be equal (two one-sided tests at 5 %)."
         )
@@ -194,7 +195,7 @@ def _typical(summary: Summary, comparison: Comparison) -> str:
         return ""
     return (
         f"{_name(summary, first)} is better than {_best_names(summary)} in most "
-        f"{comparison.blocks} ({share:.0%}), so that few large errors decide the mean"
+        f"{comparison.blocks} ({100 * share:.0f} %), so that few large errors decide the mean"
     )
 
 
@@ -407,9 +408,7 @@ def _start(same: Sequence[Summary], question: Question) -> str:
 
 def _valued(values: Sequence[float], unit: str) -> str:
     """Return numbers from first to last with their unit; shares in percent."""
-    if unit == "share":
-        values, unit = [100 * value for value in values], "%"
-    texts = dict.fromkeys(f"{value:.3g}" for value in values)
+    texts = dict.fromkeys(f"{scale_of(unit) * value:.3g}" for value in values)
     return f"{' to '.join(texts)} {unit_text(unit)}".rstrip()
 
 

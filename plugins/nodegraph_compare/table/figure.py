@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from nodegraph_compare.pictures import Span, set_span, span_of, without_drawing
 from nodegraph_compare.scope import unit_text as units_text
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain
-from nodegraph_tables.style import BEST, BLACK, QUIET, REST, unit_text
+from nodegraph_tables.style import BEST, BLACK, QUIET, REST, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -64,7 +65,7 @@ def draw(
     """
     if not summaries:
         return without_drawing("nothing to compare")
-    drawn = summaries[:_MOST_PANELS]
+    drawn = [_printed(summary, scale_of(unit)) for summary in summaries[:_MOST_PANELS]]
     methods = _ordered(summaries, order)
     across = _across(drawn)
     down = math.ceil(len(drawn) / across)
@@ -99,6 +100,12 @@ def draw(
         0, (_BELOW - 0.34) / height, "\n".join(notes), fontsize=SMALL, color=QUIET, va="top"
     )
     return figure
+
+
+def _printed(summary: Summary, scale: float) -> Summary:
+    """Return a summary whose numbers are those that are printed."""
+    mean, low, high = (scale * each for each in (summary.mean, summary.low, summary.high))
+    return replace(summary, mean=mean, low=low, high=high)
 
 
 def _across(summaries: Sequence[Summary]) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph_compare.table.sensitivity import COMMON, WORST, behind_by_all_rules, tied_with_best
 from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables.style import SHARE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -47,6 +48,7 @@ def wide_table(
     layout: Layout,
     order: Sequence[Label],
     parts: Sequence[Part],
+    unit: str,
 ) -> Table:
     """Return the means in rows and columns.
 
@@ -64,6 +66,8 @@ def wide_table(
     parts
         Further numbers about the mean: ``low``, ``high`` and ``p``, against the baseline, or the
         best.
+    unit
+        Of the means.
     """
     from pandas import DataFrame
 
@@ -83,6 +87,8 @@ def wide_table(
     for head, column in under.items():
         columns |= _beneath(head, column, parts)
     info = TableInfo(
+        # a share is printed in percent, which a head must say; other units stand in the title
+        units=dict.fromkeys(under, unit) if unit == SHARE else {},
         labels=layout.rows,
         compared=question.compare if question.compare in layout.rows else "",
         cells={head: {part: f"{head} {part}" for part in parts} for head in under},

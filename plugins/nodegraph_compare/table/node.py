@@ -43,7 +43,7 @@ from nodegraph_compare.table.summary import Summary, by_ratio, summarise
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import info_of, with_info
 from nodegraph_tables.info import Part
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
@@ -284,7 +284,7 @@ def _laid_out(
     references: Collection[Label],
 ) -> Table:
     question, unit = comparison.question, comparison.unit
-    in_unit = f" ({unit_text(unit)})" if unit and layout.columns else ""
+    in_unit = f" ({unit_text(unit)})" if unit not in ("", SHARE) and layout.columns else ""
     title = f"Mean {question.metric}{in_unit}{question.by}"
     if not layout.columns:
         means = long_table(summaries, overall, question, unit, declared, references)
@@ -293,7 +293,7 @@ def _laid_out(
             note = (_SHARES,)
     else:
         parts = [part for part in _PARTS if part != "p" or any(s.judged for s in summaries)]
-        means = wide_table(summaries, question, layout, comparison.methods, parts)
+        means = wide_table(summaries, question, layout, comparison.methods, parts, unit)
         note = (f"{_cell_text(question, parts)} {blocks_text(summaries)}",)
     return with_info(means, replace(info_of(means), title=title, notes=note))
 

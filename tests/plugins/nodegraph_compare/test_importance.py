@@ -66,7 +66,7 @@ def test_winners_change_with_what_turns_them() -> None:
     assert sources.loc["trial", "winner changes"] == 0.0
     assert np.isnan(sources.loc["fill", "winner changes"])
     assert info_of(result.table).answer[1] == (
-        "From one label to another, the best fill changes 0% of the time with trial, 100% of the "
+        "From one label to another, the best fill changes 0 % of the time with trial, 100 % of the "
         "time with length."
     )
     higher = by_source(importance(study(rmse), better="higher"))

@@ -24,10 +24,10 @@ def test_counts_and_strips_say_where_samples_come_from() -> None:
     result = shown(take)
     text = " ".join("".join(result.itertext()).split())
     assert "10 frames, 2 markers, 5 Hz, 2 s" in text
-    assert "17 samples (85.0%) measured" in text
-    assert "1 sample (5.0%) filled" in text
+    assert "17 samples (85.0 %) measured" in text
+    assert "1 sample (5.0 %) filled" in text
     assert "no samples repaired" in text
-    assert "2 samples (10.0%) missing" in text
+    assert "2 samples (10.0 %) missing" in text
     measured, filled, _ = (path.get("d") or "" for path in result.iter("path"))
     runs = re.findall(r"M(\d+) (\d+)\.1h(\d+)", measured)
     assert runs == [("0", "0", "7"), ("8", "0", "2"), ("0", "1", "4"), ("6", "1", "4")]

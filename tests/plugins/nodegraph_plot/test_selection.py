@@ -67,7 +67,7 @@ def test_chosen_markers_are_filled_and_others_hollow_at_their_mean_places() -> N
     assert np.asarray(drawn["not chosen"].get_offsets()) == pytest.approx(places[~full])
     assert len(np.asarray(drawn["chosen"].get_facecolor())) == 3
     assert not len(np.asarray(drawn["not chosen"].get_facecolor()))
-    assert axis.get_title() == "3 of 9 markers (33%)"
+    assert axis.get_title() == "3 of 9 markers (33 %)"
 
 
 def test_the_colour_is_the_share_of_the_pair_and_grey_where_it_is_not_known() -> None:
@@ -107,10 +107,10 @@ def test_edges_are_those_of_the_marker_set() -> None:
 def test_every_selection_has_a_face_on_the_recording_of_its_actor() -> None:
     figure = selection(swept(), recordings("ME", "JZ"))
     assert titles(figure) == [
-        "ME, k 1\n1 of 9 markers (11%)",
-        "ME, k 2\n3 of 9 markers (33%)",
-        "JZ, k 1\n1 of 9 markers (11%)",
-        "JZ, k 2\n3 of 9 markers (33%)",
+        "ME, k 1\n1 of 9 markers (11 %)",
+        "ME, k 2\n3 of 9 markers (33 %)",
+        "JZ, k 1\n1 of 9 markers (11 %)",
+        "JZ, k 2\n3 of 9 markers (33 %)",
     ]
     sizes = {
         tuple(np.ptp(panel.get_xlim() + panel.get_ylim()) for _ in "1") for panel in figure.axes[:4]
@@ -121,8 +121,8 @@ def test_every_selection_has_a_face_on_the_recording_of_its_actor() -> None:
 def test_the_best_rows_say_which_are_drawn_in_their_order() -> None:
     best = pd.DataFrame({"actor": ["JZ", "ME", "JZ"], "k": [2, 1, 2], "markers": [3, 1, 3]})
     assert titles(selection(swept(), recordings("ME", "JZ"), best)) == [
-        "JZ, k 2\n3 of 9 markers (33%)",
-        "ME, k 1\n1 of 9 markers (11%)",
+        "JZ, k 2\n3 of 9 markers (33 %)",
+        "ME, k 1\n1 of 9 markers (11 %)",
     ]
     of_an_actor = selection(swept(), recordings("ME", "JZ"), best[["actor"]].iloc[:1])
     assert [text.partition("\n")[0] for text in titles(of_an_actor)] == ["JZ, k 1", "JZ, k 2"]

@@ -78,8 +78,8 @@ def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
     assert set(table["finds"]) == {"head motion"}
     assert (table["R"] > 0.99).all()
     assert list(info_of(table).answer) == [
-        "PCA finds head motion, head motion, in this order; head motion makes 100% of the first "
-        "component and 100% of all variance.",
+        "PCA finds head motion, head motion, in this order; head motion makes 100 % of the first "
+        "component and 100 % of all variance.",
     ]
 
 
@@ -131,8 +131,8 @@ def test_each_recording_has_its_rows_and_is_in_the_answer() -> None:
     moving, steady = info_of(actual.table).answer
     assert moving.startswith("no: PCA finds head motion, head motion, head motion, in this order;")
     assert steady == (
-        "yes: PCA finds face, face, face, in this order; head motion makes 0% of the first "
-        "component and 0% of all variance."
+        "yes: PCA finds face, face, face, in this order; head motion makes 0 % of the first "
+        "component and 0 % of all variance."
     )
 
 
@@ -144,7 +144,7 @@ def test_recordings_of_which_the_same_is_said_are_reported_together() -> None:
     assert [text.partition(":")[0] for text in answer] == ["one, other", "still"]
     shares = table[(table["component"] == 1) & (table["align"] != "still")]["head motion"]
     least, most = sorted(round(100 * share) for share in shares)
-    assert f"head motion makes {least} to {most}% of the first component" in answer[0]
+    assert f"head motion makes {least} to {most} % of the first component" in answer[0]
 
 
 def test_the_order_of_what_was_removed_does_not_matter() -> None:

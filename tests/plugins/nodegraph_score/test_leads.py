@@ -38,7 +38,7 @@ def test_a_step_has_a_card_with_before_and_after() -> None:
     assert [card.title for card in answer.cards] == ["captured", "fill", "despike", "smooth"]
     assert [card.best for card in answer.cards] == [False, False, True, True]
     despike = answer.cards[2]
-    assert dict(despike.facts)["Step"] == "changes 5 samples; 100% come nearer"
+    assert dict(despike.facts)["Step"] == "changes 5 samples; 100 % come nearer"
     assert "before 4.00\N{NO-BREAK SPACE}mm" in despike.picture
     assert "after 1.00\N{NO-BREAK SPACE}mm" in despike.picture
     assert "adds 1 at" in dict(answer.cards[1].facts)["Step"]

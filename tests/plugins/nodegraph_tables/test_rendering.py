@@ -54,6 +54,27 @@ class Page(HTMLParser):
             self.rows[-1][-1] += data
 
 
+def test_shares_are_read_in_percent_and_exported_as_they_are() -> None:
+    errors = table(
+        share=[0.02, 0.1], fill=["a", "b"], missed=[0.07, 0.005], low=[0.06, 0.001], high=[0.5, 0.2]
+    )
+    info = TableInfo(
+        labels=("share", "fill"),
+        units={"share": "share", "missed": "share"},
+        cells={"missed": {"low": "low", "high": "high"}},
+    )
+    rendered = render_table(with_info(errors, info), "Shares")
+    lines = [line.split() for line in rendered.text.splitlines()]
+    assert lines == [
+        ["share", "[%]", "fill", "missed", "[%]"],
+        ["2", "a", "7.000", "[6.000,", "50.000]"],
+        ["10", "b", "0.500", "[0.100,", "20.000]"],
+    ]
+    assert ["2", "a", "7.000 [6.000, 50.000]"] in Page(rendered.html).rows
+    assert "Percentages are shares in the CSV file" in rendered.html
+    assert "0.02,a,0.07,0.06,0.5" in rendered.files[".csv"].decode()
+
+
 @pytest.mark.parametrize(
     ("value", "text"),
     [

@@ -187,7 +187,7 @@ def test_few_large_errors_that_decide_the_mean_are_in_the_notes() -> None:
     (sentence,) = info_of(frame).answer
     assert sentence.startswith("even has the lowest mean rmse (1 mm, ")
     notes = " ".join(info_of(frame).notes)
-    assert "wild is better than even in most gaps (90%), so that few large errors decide" in notes
+    assert "wild is better than even in most gaps (90 %), so that few large errors decide" in notes
 
 
 def test_the_best_by_ratio_is_not_said_to_have_the_lowest_mean() -> None:
@@ -257,6 +257,8 @@ def test_shares_are_told_in_percent_and_powers_as_they_are_printed() -> None:
         result = table(Across.of(tables, axis="fill"))
         assert text in info_of(result.table).answer[0]
         assert "mm^2" not in result.figure.axes[0].get_ylabel()
+        drawn = [text.get_text() for text in result.figure.axes[0].texts]
+        assert ("20.0" if unit == "share" else "0.200") in drawn
 
 
 def test_incomplete_blocks_are_dropped_for_all_and_told() -> None:
