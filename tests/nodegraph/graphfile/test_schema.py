@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -19,6 +19,7 @@ from nodegraph import Across, InputFile, Unit, node
 from nodegraph.graphfile.schema import graph_schema
 from nodegraph.graphfile.yaml_text import read_yaml
 from nodegraph.plugin.registry import Registry
+from tests.nodegraph.graphfile.conftest import Judge
 
 ROOT = Path(__file__).parents[3]
 Count = Annotated[int, Field(ge=1), Unit("frames")]
@@ -200,12 +201,12 @@ GOOD: dict[str, dict[str, Any]] = {
 
 
 @pytest.fixture(scope="session")
-def judge(judge_of: Any) -> Any:
+def judge(judge_of: Callable[..., Judge]) -> Judge:
     return judge_of(NODES)
 
 
 @pytest.mark.parametrize("name", GOOD)
-def test_both_take_good_nodes(name: str, judge: Any) -> None:
+def test_both_take_good_nodes(name: str, judge: Judge) -> None:
     data = graph(one=GOOD[name])
     assert not judge.mistakes(data)
     assert not judge.refusals(data)
@@ -237,7 +238,7 @@ TOP: dict[str, dict[str, object]] = {
 
 
 @pytest.mark.parametrize("name", TOP)
-def test_both_refuse_what_cannot_stand_at_the_top(name: str, judge: Any) -> None:
+def test_both_refuse_what_cannot_stand_at_the_top(name: str, judge: Judge) -> None:
     data = {**graph(), **TOP[name]}
     assert judge.mistakes(data)
     assert judge.refusals(data)
@@ -246,7 +247,7 @@ def test_both_refuse_what_cannot_stand_at_the_top(name: str, judge: Any) -> None
 @pytest.mark.parametrize(
     "axis", [{"count": "a", "range": "b"}, {"range": [1, 3, 1]}, {1: "a"}, [True, 1.5, "a"]]
 )
-def test_both_take_good_axes(axis: Any, judge: Any) -> None:
+def test_both_take_good_axes(axis: Any, judge: Judge) -> None:
     data = json.loads(json.dumps({**graph(), "axes": {**graph()["axes"], "k": axis}}))
     assert not judge.mistakes(data)
     assert not judge.refusals(data)
@@ -336,7 +337,7 @@ NODES_BAD: dict[str, object] = {
 
 
 @pytest.mark.parametrize("name", NODES_BAD)
-def test_both_refuse_a_node_that_cannot_be(name: str, judge: Any) -> None:
+def test_both_refuse_a_node_that_cannot_be(name: str, judge: Judge) -> None:
     data = graph(one=NODES_BAD[name])
     assert judge.mistakes(data)
     assert judge.refusals(data)
@@ -345,7 +346,7 @@ def test_both_refuse_a_node_that_cannot_be(name: str, judge: Any) -> None:
 @pytest.mark.parametrize(
     "use", ["./clean.yaml", "clean.yml", "../a b/c.yaml"], ids=["here", "yml", "elsewhere"]
 )
-def test_a_graph_file_takes_any_setting_and_port(use: str, judge: Any) -> None:
+def test_a_graph_file_takes_any_setting_and_port(use: str, judge: Judge) -> None:
     node = {"use": use, "in": {"x": "n0"}, "with": {"factor": 1.5}}
     forms: list[Any] = [{"a": node, "b": "fill.hold"}, ["fill.hold", use], {"a": use, "fill.*": {}}]
     assert not judge.refusals(graph(one=node))
@@ -408,7 +409,7 @@ def _change(draw: st.DrawFn, data: Any, path: tuple[Any, ...]) -> None:
 
 
 @given(data=damaged())
-def test_no_graph_that_the_loader_takes_is_refused(data: dict[str, Any], judge: Any) -> None:
+def test_no_graph_that_the_loader_takes_is_refused(data: dict[str, Any], judge: Judge) -> None:
     refusals = judge.refusals(data)
     if refusals:
         assert judge.mistakes(data), refusals
@@ -423,26 +424,30 @@ def _graphs() -> Iterator[tuple[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def installed() -> object:
+def installed() -> dict[str, object]:
     return graph_schema(Registry.installed())
 
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize(("name", "text"), list(_graphs()), ids=lambda text: text[:20])
-def test_every_graph_of_the_repository_is_good(name: str, text: str, installed: Any) -> None:
+def test_every_graph_of_the_repository_is_good(
+    name: str, text: str, installed: dict[str, object]
+) -> None:
     data = json.loads(json.dumps(read_yaml(text, name).plain()))
     errors = [problem.message for problem in Draft202012Validator(installed).iter_errors(data)]
     assert errors == []
 
 
-def test_the_schema_of_what_is_installed_is_valid_and_the_same_each_time(installed: Any) -> None:
+def test_the_schema_of_what_is_installed_is_valid_and_the_same_each_time(
+    installed: dict[str, object],
+) -> None:
     Draft202012Validator.check_schema(installed)
     again = graph_schema(Registry.installed())
     assert json.dumps(again) == json.dumps(installed)
     assert len(json.dumps(installed, separators=(",", ":"))) < 500_000
 
 
-def test_a_node_has_its_summary_ports_and_citation(judge: Any) -> None:
+def test_a_node_has_its_summary_ports_and_citation(judge: Judge) -> None:
     names = judge.schema["$defs"]["node name"]["oneOf"]
     (constant,) = [each for each in names if each.get("const") == "fill.hold"]
     assert constant["title"] == "fill.hold"
@@ -453,7 +458,7 @@ def test_a_node_has_its_summary_ports_and_citation(judge: Any) -> None:
     assert (port["title"], port["description"]) == ("recording: float", "What has gaps.")
 
 
-def test_a_name_that_two_plugins_claim_needs_its_plugin(judge_of: Any) -> None:
+def test_a_name_that_two_plugins_claim_needs_its_plugin(judge_of: Callable[..., Judge]) -> None:
     judge = judge_of([read_number, hold])
     judge.registry._add_nodes("my-own", "", [hold])
     for use, good in (("fill.hold", False), ("toys:fill.hold", True), ("my-own:fill.hold", True)):

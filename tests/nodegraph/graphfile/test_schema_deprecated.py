@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import pytest
 
 from nodegraph import Deprecated, node
+from tests.nodegraph.graphfile.conftest import Judge
 
 
 @node("read.number")
@@ -34,7 +36,7 @@ def gone(x: float) -> float:
 
 
 @pytest.fixture(scope="session")
-def judge(judge_of: Any) -> Any:
+def judge(judge_of: Callable[..., Judge]) -> Judge:
     return judge_of([number, new, old, gone])
 
 
@@ -42,7 +44,7 @@ def graph(**b: object) -> dict[str, Any]:
     return {"nodegraph": 1, "nodes": {"a": {"use": "read.number"}, "b": {"in": "a", **b}}}
 
 
-def test_nodes_and_settings_are_marked(judge: Any) -> None:
+def test_nodes_and_settings_are_marked(judge: Judge) -> None:
     names = {
         constant.get("const"): constant for constant in judge.schema["$defs"]["node name"]["oneOf"]
     }
@@ -71,12 +73,12 @@ BAD: dict[str, dict[str, object]] = {
 
 
 @pytest.mark.parametrize("name", GOOD)
-def test_both_take_it(name: str, judge: Any) -> None:
+def test_both_take_it(name: str, judge: Judge) -> None:
     assert judge.mistakes(graph(**GOOD[name])) == []
     assert judge.refusals(graph(**GOOD[name])) == []
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_both_refuse_it(name: str, judge: Any) -> None:
+def test_both_refuse_it(name: str, judge: Judge) -> None:
     assert judge.mistakes(graph(**BAD[name]))
     assert judge.refusals(graph(**BAD[name]))

@@ -18,6 +18,7 @@ from pydantic import BaseModel, BeforeValidator, Field, Strict
 
 from nodegraph import InputFile, Unit, node
 from nodegraph.graphfile.settings_schema import or_variable
+from tests.nodegraph.graphfile.conftest import Judge
 
 
 class Colour(enum.Enum):
@@ -140,12 +141,14 @@ def graph(value: object, start: object = 1) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="session")
-def judge(judge_of: Any) -> Any:
+def judge(judge_of: Callable[..., Judge]) -> Callable[[str], Judge]:
     return lru_cache(maxsize=None)(lambda name: judge_of([anything, setting_of(TYPES[name])]))
 
 
 @pytest.mark.parametrize("name", TYPES)
-def test_no_plain_value_that_the_loader_takes_is_refused(name: str, judge: Any) -> None:
+def test_no_plain_value_that_the_loader_takes_is_refused(
+    name: str, judge: Callable[[str], Judge]
+) -> None:
     for scalar in SCALARS:
         for value in (scalar, [scalar, scalar], {"p": scalar}):
             data = graph(value)
@@ -157,7 +160,7 @@ def test_no_plain_value_that_the_loader_takes_is_refused(name: str, judge: Any) 
 @settings(max_examples=15)
 @given(value=VALUES, held=VALUES)
 def test_no_value_that_the_loader_takes_is_refused(
-    name: str, judge: Any, value: Any, held: Any
+    name: str, judge: Callable[[str], Judge], value: Any, held: Any
 ) -> None:
     data = graph(value, held)
     if judge(name).refusals(data):
@@ -176,7 +179,9 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "value"), REFUSED)
-def test_both_refuse_a_value_that_does_not_fit(name: str, value: Any, judge: Any) -> None:
+def test_both_refuse_a_value_that_does_not_fit(
+    name: str, value: Any, judge: Callable[[str], Judge]
+) -> None:
     assert judge(name).refusals(graph(value))
     assert judge(name).mistakes(graph(value))
 
@@ -189,7 +194,7 @@ GOOD = [
 
 
 @pytest.mark.parametrize(("name", "value"), GOOD)
-def test_both_take_a_value_that_fits(name: str, value: Any, judge: Any) -> None:
+def test_both_take_a_value_that_fits(name: str, value: Any, judge: Callable[[str], Judge]) -> None:
     assert not judge(name).refusals(graph(value))
     assert not judge(name).mistakes(graph(value))
 
@@ -204,7 +209,7 @@ VARIABLES = [
 
 @pytest.mark.parametrize(("name", "value", "held"), VARIABLES)
 def test_a_variable_may_stand_for_a_value_and_for_any_part_of_it(
-    name: str, value: Any, held: Any, judge: Any
+    name: str, value: Any, held: Any, judge: Callable[[str], Judge]
 ) -> None:
     assert not judge(name).refusals(graph(value, held))
     assert not judge(name).mistakes(graph(value, held))
@@ -225,7 +230,7 @@ def test_only_patterns_that_every_dialect_reads_alike_are_kept(
     assert (pattern in str(schema).replace("\\\\", "\\")) is is_portable
 
 
-def test_infinity_is_a_number(judge: Any) -> None:
+def test_infinity_is_a_number(judge: Callable[[str], Judge]) -> None:
     assert not judge("number").refusals(graph(float("inf")))
 
 
@@ -247,7 +252,7 @@ def documented(
     raise AssertionError
 
 
-def test_each_setting_has_its_unit_meaning_kind_and_default(judge_of: Any) -> None:
+def test_each_setting_has_its_unit_meaning_kind_and_default(judge_of: Callable[..., Judge]) -> None:
     schema = judge_of([documented]).schema["$defs"]["toy.documented"]["properties"]["with"][
         "properties"
     ]
@@ -261,13 +266,15 @@ def test_each_setting_has_its_unit_meaning_kind_and_default(judge_of: Any) -> No
     assert schema["bound"]["description"] == "Number. Default: inf."
 
 
-def test_a_setting_that_no_file_can_hold_is_left_to_the_loader(judge_of: Any) -> None:
+def test_a_setting_that_no_file_can_hold_is_left_to_the_loader(
+    judge_of: Callable[..., Judge],
+) -> None:
     judge = judge_of([anything, setting_of(range | None, None)])
     schema = judge.schema["$defs"]["toy.set"]["properties"]["with"]["properties"]["value"]
     assert schema == {"description": "Value or null. Default: null.", "default": None}
 
 
-def test_an_error_names_the_one_thing_that_is_wrong(judge: Any) -> None:
+def test_an_error_names_the_one_thing_that_is_wrong(judge: Callable[[str], Judge]) -> None:
     assert judge("bounded").refusals(graph(0)) == [
         "$.nodes.a.with.value: 0 is less than the minimum of 1"
     ]

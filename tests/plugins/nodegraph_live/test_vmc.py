@@ -89,9 +89,9 @@ def test_python_osc_reads_what_is_sent_in_packets_that_networks_do_not_split() -
     half = len(messages) // 2
     assert [each.params for each in messages if each.address == "/VMC/Ext/T"] == [[0.0], [2.0]]
     assert messages[half - 1].address == "/VMC/Ext/Blend/Apply"
-    weights = dict(each.params for each in messages[1 : half - 1])
+    levels = dict(each.params for each in messages[1 : half - 1])
     expected = zip(NAMES, sent.astype(np.float32), strict=True)
-    assert weights == {name: value for name, value in expected if name != NAMES[3]}
+    assert levels == {name: value for name, value in expected if name != NAMES[3]}
 
 
 def test_lost_and_unknown_weights() -> None:
