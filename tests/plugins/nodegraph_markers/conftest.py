@@ -1,74 +1,12 @@
-"""Takes whose names are taken away, and which of them are found again."""
+"""A take of a body."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
-from functools import cache
-from pathlib import Path
-from typing import Any
-
-import numpy as np
 import pytest
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from nodegraph_files import read_c3d, read_marker_set_yaml
-from nodegraph_mocap import MarkerSet, Trajectories
-from nodegraph_synthesize.face import SyntheticFace, synthesize_face
-
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
-TAKES = {
-    "jaw": ("animface/jaw.c3d", "animface/markers.yaml"),
-    "cheeks": ("animface/cheeks.c3d", "animface/markers.yaml"),
-    "take001": ("facecap/take001.c3d", "facecap/markers.yaml"),
-}
-
-Unnamed = Callable[..., Trajectories]
-Take = Callable[[str], tuple[Trajectories, MarkerSet]]
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        yield
-
-
-@cache
-def _face(**settings: Any) -> SyntheticFace:
-    return synthesize_face(**settings)
-
-
-@cache
-def _take(name: str) -> tuple[Trajectories, MarkerSet]:
-    if not FOLDER.exists():
-        pytest.skip("the recordings are not part of the package")
-    recording, marker_set = TAKES[name]
-    with _quiet():
-        return read_c3d(FOLDER / recording), read_marker_set_yaml(FOLDER / marker_set)
-
-
-def _unnamed(recording: Trajectories, seed: int = 0) -> Trajectories:
-    """Return a recording in random order, under names that say nothing, without a marker set."""
-    order = np.random.default_rng(seed).permutation(len(recording.markers))
-    mixed = recording.keep([recording.markers[index] for index in order])
-    names = tuple(f"t{number:03d}" for number in range(len(order)))
-    return replace(mixed, markers=names, marker_set=None)
-
-
-@pytest.fixture
-def face() -> Callable[..., SyntheticFace]:
-    """Make a synthetic face, once for all tests."""
-    return _face
-
-
-@pytest.fixture
-def take() -> Take:
-    """Read one of the takes of real faces, with its marker set."""
-    return _take
+from nodegraph_files import read_c3d
+from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_markers.takes import FOLDER, quiet
 
 
 @pytest.fixture
@@ -76,36 +14,5 @@ def shoulder() -> Trajectories:
     """Read a take of a body."""
     if not FOLDER.exists():
         pytest.skip("the recordings are not part of the package")
-    with _quiet():
+    with quiet():
         return read_c3d(FOLDER / "vicon" / "shoulder.c3d")
-
-
-@pytest.fixture
-def quiet() -> Callable[[], object]:
-    """Give a context in which warnings are of no interest."""
-    return _quiet
-
-
-@pytest.fixture
-def unnamed() -> Unnamed:
-    """Take the names off a recording, and shuffle it."""
-    return _unnamed
-
-
-@pytest.fixture
-def turned() -> Callable[[Trajectories], Trajectories]:
-    """Turn a take by 40 degrees, and shift it by more than 500 mm."""
-    turn = Rotation.from_rotvec(np.radians(40) * np.array([0.6, 0.64, 0.48])).as_matrix()
-    shift = np.array([500.0, -300.0, 200.0])
-    return lambda recording: replace(recording, positions=recording.positions @ turn.T + shift)
-
-
-@pytest.fixture
-def right() -> Callable[[Trajectories, Trajectories], NDArray[np.bool_]]:
-    """Tell which samples of the truth are in a recording under the right name, (T, M)."""
-
-    def correct(result: Trajectories, truth: Trajectories) -> NDArray[np.bool_]:
-        same = result.keep(truth.markers).positions == truth.positions
-        return np.asarray(same.all(axis=2))
-
-    return correct

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,19 +14,14 @@ from nodegraph_files import marker_set_text, sample_folder
 from nodegraph_files.readers import read_recording
 from nodegraph_markers.infer import infer
 from nodegraph_mocap import MarkerSet, Trajectories
-from nodegraph_synthesize.face import SyntheticFace
+from tests.plugins.nodegraph_markers.takes import face, quiet, read_take, turned, without_names
 
-Face = Callable[..., SyntheticFace]
-Unnamed = Callable[..., Trajectories]
-Take = Callable[[str], tuple[Trajectories, MarkerSet]]
 GUESSED = "names do not distinguish left and right"
 
 
-def found_again(
-    recording: Trajectories, unnamed: Unnamed, quiet: Callable[[], Any], seed: int = 0
-) -> MarkerSet:
+def inferred(recording: Trajectories, seed: int = 0) -> MarkerSet:
     """Return what is inferred from a recording without names, in its own names."""
-    bare = unnamed(recording, seed)
+    bare = without_names(recording, seed)
     with quiet():
         result = infer(bare).marker_set
     order = np.random.default_rng(seed).permutation(len(recording.markers))
@@ -48,21 +42,17 @@ def found_again(
 @pytest.mark.parametrize("markers", [10, 17, 30, 60, 150])
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("what", ["neutral", "captured"])
-def test_pairs_sides_and_midline_of_made_faces(
-    face: Face, unnamed: Unnamed, quiet: Callable[[], object], markers: int, seed: int, what: str
-) -> None:
+def test_pairs_sides_and_midline_of_made_faces(markers: int, seed: int, what: str) -> None:
     synthetic = face(seed=seed, seconds=3.0, markers=markers)
-    result = found_again(getattr(synthetic, what), unnamed, quiet)
+    result = inferred(getattr(synthetic, what))
     assert set(result.pairs) == set(synthetic.marker_set.pairs)
     assert set(result.midline) == set(synthetic.marker_set.midline)
 
 
 @pytest.mark.parametrize("name", ["jaw", "cheeks", "take001"])
-def test_pairs_sides_and_midline_of_real_and_animated_faces(
-    take: Take, unnamed: Unnamed, quiet: Callable[[], object], name: str
-) -> None:
-    recording, truth = take(name)
-    result = found_again(recording, unnamed, quiet)
+def test_pairs_sides_and_midline_of_real_and_animated_faces(name: str) -> None:
+    recording, truth = read_take(name)
+    result = inferred(recording)
     assert set(result.pairs) == set(truth.pairs)
     assert set(result.midline) == set(truth.midline)
 
@@ -80,7 +70,7 @@ def test_the_sample_face() -> None:
     assert result.recording.positions is given.positions
 
 
-def test_landmarks_hardly_move(face: Face) -> None:
+def test_landmarks_hardly_move() -> None:
     for seed in range(3):
         synthetic = face(seed=seed)
         stable = infer(synthetic.captured).marker_set.stable
@@ -92,7 +82,7 @@ def test_landmarks_hardly_move(face: Face) -> None:
         assert chosen.max() < np.median(motion)
 
 
-def test_edges_join_every_marker_to_its_neighbours(face: Face) -> None:
+def test_edges_join_every_marker_to_its_neighbours() -> None:
     synthetic = face(seed=1)
     shape = dict(zip(synthetic.neutral.markers, synthetic.neutral.positions[0], strict=True))
     edges = infer(synthetic.neutral).marker_set.edges
@@ -104,19 +94,10 @@ def test_edges_join_every_marker_to_its_neighbours(face: Face) -> None:
 
 
 @pytest.mark.parametrize("scale", [0.1, 1.0, 25.0])
-def test_pose_size_and_order_do_not_matter(
-    face: Face,
-    unnamed: Unnamed,
-    quiet: Callable[[], object],
-    turned: Callable[[Trajectories], Trajectories],
-    scale: float,
-) -> None:
+def test_pose_size_and_order_do_not_matter(scale: float) -> None:
     given = face(seed=2, seconds=3.0).captured
     moved = turned(replace(given, positions=scale * given.positions))
-    plain, other = (
-        found_again(recording, unnamed, quiet, seed)
-        for seed, recording in enumerate((given, moved), 1)
-    )
+    plain, other = (inferred(recording, seed) for seed, recording in enumerate((given, moved), 1))
     assert set(plain.pairs) == set(other.pairs)
     assert set(plain.midline) == set(other.midline)
     assert set(plain.stable) == set(other.stable)
@@ -124,22 +105,22 @@ def test_pose_size_and_order_do_not_matter(
     assert len(edges[0] ^ edges[1]) <= 2  # of two equally good diagonals, rounding takes one
 
 
-def test_the_same_recording_gives_the_same_text(face: Face) -> None:
+def test_the_same_recording_gives_the_same_text() -> None:
     given = face(seed=0, seconds=3.0).captured
     assert marker_set_text(infer(given).marker_set) == marker_set_text(infer(given).marker_set)
 
 
-def test_a_guess_of_sides_is_told_and_names_are_believed(face: Face, unnamed: Unnamed) -> None:
+def test_a_guess_of_sides_is_told_and_names_are_believed() -> None:
     given = face(seed=0, seconds=3.0).captured
     with pytest.warns(UserWarning, match=GUESSED):
-        infer(unnamed(given))
+        infer(without_names(given))
     mirrored = replace(given, positions=given.positions * [-1.0, 1.0, 1.0])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert set(infer(mirrored).marker_set.pairs) == set(infer(given).marker_set.pairs)
 
 
-def test_a_pair_that_lies_the_other_way_round_than_it_is_named(face: Face) -> None:
+def test_a_pair_that_lies_the_other_way_round_than_it_is_named() -> None:
     given = face(seed=0, seconds=3.0).captured
     crossed = {"L_brow2": "R_brow2", "R_brow2": "L_brow2"}
     wrong = replace(given, markers=tuple(crossed.get(name, name) for name in given.markers))
@@ -148,7 +129,7 @@ def test_a_pair_that_lies_the_other_way_round_than_it_is_named(face: Face) -> No
     assert ("L_brow2", "R_brow2") in markers.pairs
 
 
-def test_what_has_no_partner_is_told(face: Face) -> None:
+def test_what_has_no_partner_is_told() -> None:
     given = face(seed=0, seconds=3.0).captured
     lacking = given.keep([name for name in given.markers if name != "R_cheek2"])
     with pytest.warns(UserWarning, match="1 of 59 markers have no .* L_cheek2; in the best plane"):
@@ -156,7 +137,7 @@ def test_what_has_no_partner_is_told(face: Face) -> None:
     assert len(markers.pairs) == 25
 
 
-def test_a_marker_that_is_never_there_is_in_the_set_alone(face: Face) -> None:
+def test_a_marker_that_is_never_there_is_in_the_set_alone() -> None:
     given = face(seed=0, seconds=3.0).neutral
     positions = given.positions.copy()
     positions[:, given.markers.index("M_nose1")] = np.nan
@@ -166,18 +147,18 @@ def test_a_marker_that_is_never_there_is_in_the_set_alone(face: Face) -> None:
     assert "M_nose1" not in result.marker_set.midline
 
 
-def test_a_narrow_tolerance_leaves_more_alone(take: Take, quiet: Callable[[], Any]) -> None:
-    recording, truth = take("jaw")
+def test_a_narrow_tolerance_leaves_more_alone() -> None:
+    recording, truth = read_take("jaw")
     with quiet():
         assert len(infer(recording, tolerance=3.0).marker_set.pairs) < len(truth.pairs) / 2
         assert len(infer(recording, tolerance=14.0).marker_set.pairs) == len(truth.pairs)
 
 
-def test_one_frame_has_no_landmarks(face: Face) -> None:
+def test_one_frame_has_no_landmarks() -> None:
     assert infer(face(seed=0, seconds=3.0).neutral).marker_set.stable == ()
 
 
-def test_what_the_recording_knows_is_kept_and_only_the_rest_is_proposed(face: Face) -> None:
+def test_what_the_recording_knows_is_kept_and_only_the_rest_is_proposed() -> None:
     synthetic = face()
     whole, known = synthetic.captured, synthetic.marker_set
     assert infer(whole, keep=True).recording is whole

@@ -3,36 +3,34 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from nodegraph import Refusal
 from nodegraph_markers.label import label
-from nodegraph_mocap import MarkerSet, Origin, Trajectories
+from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.specimens import recordings
-from nodegraph_synthesize.face import SyntheticFace
 from nodegraph_track.assignment import assignment
-
-Face = Callable[..., SyntheticFace]
-Unnamed = Callable[..., Trajectories]
-Right = Callable[[Trajectories, Trajectories], NDArray[np.bool_]]
-Turned = Callable[[Trajectories], Trajectories]
+from tests.plugins.nodegraph_markers.takes import (
+    correct,
+    face,
+    quiet,
+    read_take,
+    turned,
+    without_names,
+)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_shuffled_take_gets_all_its_names_back_wherever_it_is(
-    face: Face, unnamed: Unnamed, turned: Turned, seed: int
-) -> None:
+def test_a_shuffled_take_gets_all_its_names_back_wherever_it_is(seed: int) -> None:
     synthetic = face(seed=seed)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing is left over
-        here = label(unnamed(synthetic.captured, seed), synthetic.neutral)
-        there = label(turned(unnamed(synthetic.captured, seed)), synthetic.neutral)
+        here = label(without_names(synthetic.captured, seed), synthetic.neutral)
+        there = label(turned(without_names(synthetic.captured, seed)), synthetic.neutral)
     assert here.markers == there.markers == synthetic.captured.markers
     assert np.array_equal(here.positions, synthetic.captured.positions, equal_nan=True)
     assert np.array_equal(here.origin, synthetic.captured.origin)
@@ -42,29 +40,21 @@ def test_a_shuffled_take_gets_all_its_names_back_wherever_it_is(
 
 
 @pytest.mark.parametrize("name", ["jaw", "cheeks", "take001"])
-def test_takes_of_real_and_animated_faces_by_their_own_first_frame(
-    take: Callable[[str], tuple[Trajectories, MarkerSet]],
-    unnamed: Unnamed,
-    turned: Turned,
-    right: Right,
-    name: str,
-) -> None:
-    recording, marker_set = take(name)
+def test_takes_of_real_and_animated_faces_by_their_own_first_frame(name: str) -> None:
+    recording, marker_set = read_take(name)
     first = Trajectories(
         positions=recording.positions[:1],
         markers=recording.markers,
         rate=recording.rate,
         marker_set=marker_set,
     )
-    result = label(turned(unnamed(recording)), first)
-    assert right(result, turned(recording)).all()
+    result = label(turned(without_names(recording)), first)
+    assert correct(result, turned(recording)).all()
     assert result.marker_set is marker_set
 
 
 @pytest.mark.parametrize(("seed", "swapped"), [(0, 0), (1, 400), (2, 0), (3, 0)])
-def test_tracked_points_get_the_names_of_their_markers(
-    face: Face, right: Right, quiet: Callable[[], Any], seed: int, swapped: int
-) -> None:
+def test_tracked_points_get_the_names_of_their_markers(seed: int, swapped: int) -> None:
     """But for two of seed 1 that are hidden together, and are taken for each other from there.
 
     They are a corner of the mouth and its neighbour, 9 mm apart, for 34 frames in which the
@@ -74,7 +64,7 @@ def test_tracked_points_get_the_names_of_their_markers(
     with quiet():
         tracks = assignment(synthetic.detections)
         named = label(tracks, synthetic.neutral)
-    good = right(named, synthetic.captured)
+    good = correct(named, synthetic.captured)
     assert good.sum() > 0.998 * tracks.present.sum() - swapped
     wrong = named.keep(synthetic.captured.markers).present & ~good
     assert wrong.sum() <= 1e-4 * tracks.present.sum() + swapped
@@ -91,30 +81,26 @@ def test_tracked_points_get_the_names_of_their_markers(
     ],
     ids=str,
 )
-def test_few_markers_many_gaps_and_low_rates(
-    face: Face, right: Right, quiet: Callable[[], Any], settings: dict[str, Any]
-) -> None:
+def test_few_markers_many_gaps_and_low_rates(settings: dict[str, Any]) -> None:
     synthetic = face(**settings)
     with quiet():
         tracks = assignment(synthetic.detections)
         named = label(tracks, synthetic.neutral)
-    assert right(named, synthetic.captured).sum() > 0.99 * tracks.present.sum()
+    assert correct(named, synthetic.captured).sum() > 0.99 * tracks.present.sum()
 
 
-def test_a_neutral_of_another_actor_will_do(face: Face, unnamed: Unnamed, right: Right) -> None:
-    synthetic = label(unnamed(face(seed=1).captured), face(seed=2).neutral)
-    assert right(synthetic, face(seed=1).captured)[face(seed=1).captured.present].all()
+def test_a_neutral_of_another_actor_will_do() -> None:
+    synthetic = label(without_names(face(seed=1).captured), face(seed=2).neutral)
+    assert correct(synthetic, face(seed=1).captured)[face(seed=1).captured.present].all()
 
 
-def test_what_is_no_marker_is_left_behind_the_names_and_told(
-    face: Face, unnamed: Unnamed, right: Right
-) -> None:
+def test_what_is_no_marker_is_left_behind_the_names_and_told() -> None:
     synthetic = face(seed=0, seconds=3.0)
     known = [name for name in synthetic.neutral.markers if name not in ("M_jaw1", "L_cheek2")]
     with pytest.warns(UserWarning, match=r"samples are no marker .* 2 tracks as a whole and 0"):
-        named = label(unnamed(synthetic.captured), synthetic.neutral.keep(known))
+        named = label(without_names(synthetic.captured), synthetic.neutral.keep(known))
     assert named.markers == (*known, "t000", "t001")
-    assert right(named, synthetic.captured.keep(known))[
+    assert correct(named, synthetic.captured.keep(known))[
         synthetic.captured.keep(known).present
     ].all()
     left = np.sort(named.present.sum(axis=0)[-2:])
@@ -122,31 +108,27 @@ def test_what_is_no_marker_is_left_behind_the_names_and_told(
     assert np.array_equal(left, np.sort(counts))
 
 
-def test_a_marker_in_no_track_is_there_and_missing(
-    face: Face, unnamed: Unnamed, right: Right
-) -> None:
+def test_a_marker_in_no_track_is_there_and_missing() -> None:
     synthetic = face(seed=0, seconds=3.0)
     seen = synthetic.captured.keep(
         [name for name in synthetic.captured.markers if name != "R_jaw2"]
     )
     with pytest.warns(UserWarning, match="1 markers of the reference are in no track: R_jaw2$"):
-        named = label(unnamed(seen), synthetic.neutral)
+        named = label(without_names(seen), synthetic.neutral)
     assert named.markers == synthetic.neutral.markers
     assert not named.keep(["R_jaw2"]).present.any()
-    assert right(named, seen)[seen.present].all()
+    assert correct(named, seen)[seen.present].all()
 
 
-def test_one_side_of_a_face_is_not_taken_for_the_other(
-    face: Face, unnamed: Unnamed, quiet: Callable[[], Any], right: Right
-) -> None:
+def test_one_side_of_a_face_is_not_taken_for_the_other() -> None:
     synthetic = face(seed=3, seconds=3.0)
     side = synthetic.captured.keep([name for name in synthetic.captured.markers if name[0] == "R"])
     with quiet():
-        named = label(unnamed(side), synthetic.neutral)
-    assert right(named, side)[side.present].all()
+        named = label(without_names(side), synthetic.neutral)
+    assert correct(named, side)[side.present].all()
 
 
-def test_fragments_and_ghosts(face: Face, quiet: Callable[[], Any], right: Right) -> None:
+def test_fragments_and_ghosts() -> None:
     synthetic = face(seed=4, seconds=5.0)
     whole = synthetic.captured.positions
     early, late = whole.copy(), whole.copy()
@@ -163,7 +145,7 @@ def test_fragments_and_ghosts(face: Face, quiet: Callable[[], Any], right: Right
     )
     with quiet():
         named = label(tracks, synthetic.neutral)
-    assert right(named, synthetic.captured)[synthetic.captured.present].all()
+    assert correct(named, synthetic.captured)[synthetic.captured.present].all()
     assert named.markers[60:] == ("t000", "t001")
     assert np.array_equal(named.positions[:, 60:], positions[:, [0, 61]], equal_nan=True)
     assert (named.origin[named.present] == Origin.FILLED).all()
@@ -171,30 +153,26 @@ def test_fragments_and_ghosts(face: Face, quiet: Callable[[], Any], right: Right
     assert np.array_equal(named.sigma, named.positions[..., 0] ** 2, equal_nan=True)
 
 
-def test_a_name_of_the_reference_is_not_given_to_what_is_left(
-    face: Face, unnamed: Unnamed, quiet: Callable[[], Any]
-) -> None:
+def test_a_name_of_the_reference_is_not_given_to_what_is_left() -> None:
     synthetic = face(seed=0, seconds=1.0)
     names = ("t001", *synthetic.neutral.markers[1:])
     reference = replace(synthetic.neutral, markers=names, marker_set=None).keep(names[:57])
     with quiet():
-        named = label(unnamed(synthetic.captured), reference)
+        named = label(without_names(synthetic.captured), reference)
     assert named.markers == (*names[:57], "t000", "t002", "t003")
     assert named.marker_set is None
 
 
-def test_a_reference_of_several_frames_is_its_most_complete_one(
-    face: Face, unnamed: Unnamed, right: Right
-) -> None:
+def test_a_reference_of_several_frames_is_its_most_complete_one() -> None:
     synthetic = face(seed=1, seconds=3.0)
     gappy = np.stack([synthetic.neutral.positions[0]] * 3)
     gappy[0, :20] = gappy[2, 5] = np.nan
     reference = Trajectories(positions=gappy, markers=synthetic.neutral.markers, rate=60.0)
-    named = label(unnamed(synthetic.captured), reference)
-    assert right(named, synthetic.captured)[synthetic.captured.present].all()
+    named = label(without_names(synthetic.captured), reference)
+    assert correct(named, synthetic.captured)[synthetic.captured.present].all()
 
 
-def test_the_same_tracks_get_the_same_names(face: Face, quiet: Callable[[], Any]) -> None:
+def test_the_same_tracks_get_the_same_names() -> None:
     synthetic = face(seed=2, seconds=3.0)
     with quiet():
         tracks = assignment(synthetic.detections)
@@ -203,31 +181,27 @@ def test_the_same_tracks_get_the_same_names(face: Face, quiet: Callable[[], Any]
     assert np.array_equal(first.positions, other.positions, equal_nan=True)
 
 
-def test_a_take_of_something_else_is_doubtful(
-    face: Face, unnamed: Unnamed, shoulder: Trajectories, quiet: Callable[[], Any]
-) -> None:
+def test_a_take_of_something_else_is_doubtful(shoulder: Trajectories) -> None:
     synthetic = face(seed=0, seconds=1.0)
     with quiet(), pytest.raises(Refusal, match="no frame fits the reference: in none do 15 points"):
-        label(unnamed(shoulder), synthetic.neutral)
+        label(without_names(shoulder), synthetic.neutral)
 
 
-def test_a_face_unlike_the_reference_is_told(
-    face: Face, unnamed: Unnamed, take: Callable[[str], tuple[Trajectories, MarkerSet]]
-) -> None:
-    recording, _ = take("jaw")
+def test_a_face_unlike_the_reference_is_told() -> None:
+    recording, _ = read_take("jaw")
     with pytest.warns(UserWarning, match=r"the names are doubtful: half .* more than \d\.\d mm"):
-        label(unnamed(recording), face(seed=1).neutral)
+        label(without_names(recording), face(seed=1).neutral)
 
 
-def test_a_narrow_gate_leaves_more(face: Face, unnamed: Unnamed, quiet: Callable[[], Any]) -> None:
+def test_a_narrow_gate_leaves_more() -> None:
     synthetic = face(seed=0, seconds=3.0)
     with quiet():
-        narrow = label(unnamed(synthetic.captured), synthetic.neutral, gate=0.8)
+        narrow = label(without_names(synthetic.captured), synthetic.neutral, gate=0.8)
     assert len(narrow.markers) > len(synthetic.neutral.markers)
     assert narrow.present.sum() == synthetic.captured.present.sum()
 
 
-def test_what_cannot_be_named(face: Face) -> None:
+def test_what_cannot_be_named() -> None:
     synthetic = face(seed=0, seconds=1.0)
     with pytest.raises(Refusal, match=r"of 3 markers that are ever present .*; 2 are"):
         label(synthetic.captured, synthetic.neutral.keep(["M_nose1", "M_jaw1"]))

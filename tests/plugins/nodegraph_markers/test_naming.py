@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,10 +9,9 @@ from nodegraph_markers.naming import assign, names, track_distances
 from nodegraph_markers.rigid import spacing
 from nodegraph_markers.tracks import UNNAMED, Tracks
 from nodegraph_mocap import Trajectories
-from nodegraph_synthesize.face import SyntheticFace
+from tests.plugins.nodegraph_markers.takes import face
 
 GATE = 10.0
-Face = Callable[..., SyntheticFace]
 
 
 def of(positions: NDArray[np.float64], reference: Trajectories) -> Tracks:
@@ -22,7 +19,7 @@ def of(positions: NDArray[np.float64], reference: Trajectories) -> Tracks:
     return Tracks(positions, ~np.isnan(positions[..., 0]), shape, spacing(shape))
 
 
-def test_every_track_of_a_take_that_moves(face: Face) -> None:
+def test_every_track_of_a_take_that_moves() -> None:
     synthetic = face(seed=5, seconds=4.0)
     order = np.random.default_rng(0).permutation(60)
     tracks = of(synthetic.captured.positions[:, order], synthetic.neutral)
@@ -30,7 +27,7 @@ def test_every_track_of_a_take_that_moves(face: Face) -> None:
     assert track_distances(tracks, order)[np.arange(60), order].max() < 0.5 * tracks.gate
 
 
-def test_fragments_are_reached_from_frame_to_frame(face: Face) -> None:
+def test_fragments_are_reached_from_frame_to_frame() -> None:
     synthetic = face(seed=6, seconds=6.0)
     whole = synthetic.captured.positions
     pieces = []
@@ -44,7 +41,7 @@ def test_fragments_are_reached_from_frame_to_frame(face: Face) -> None:
     assert np.mean(given_names == [marker for marker, _ in pieces]) > 0.99
 
 
-def test_a_take_in_which_nothing_is_seen_for_a_while_is_begun_again(face: Face) -> None:
+def test_a_take_in_which_nothing_is_seen_for_a_while_is_begun_again() -> None:
     synthetic = face(seed=7, seconds=4.0)
     positions = np.full((240, 120, 3), np.nan)
     positions[:100, :60] = synthetic.captured.positions[:100]
@@ -53,7 +50,7 @@ def test_a_take_in_which_nothing_is_seen_for_a_while_is_begun_again(face: Face) 
     assert np.array_equal(given_names, np.tile(np.arange(60), 2))
 
 
-def test_frames_of_too_few_points_are_no_start(face: Face) -> None:
+def test_frames_of_too_few_points_are_no_start() -> None:
     synthetic = face(seed=7, seconds=1.0)
     positions = np.full_like(synthetic.captured.positions, np.nan)
     positions[:, :14] = synthetic.truth.positions[:, :14]

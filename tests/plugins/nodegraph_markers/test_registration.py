@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_markers.registration import Match, closest, register
-from nodegraph_synthesize.face import SyntheticFace
-
-Face = Callable[..., SyntheticFace]
+from tests.plugins.nodegraph_markers.takes import face
 
 
 def posed(
@@ -33,7 +29,7 @@ def share_right(match: Match | None, place: NDArray[np.intp]) -> float:
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("markers", [10, 60])
-def test_any_pose(face: Face, seed: int, markers: int) -> None:
+def test_any_pose(seed: int, markers: int) -> None:
     shape = face(seed=seed % 3, seconds=1.0, markers=markers).neutral.positions[0]
     points, place = posed(shape, seed)
     match = register(points, shape, 12.0)
@@ -46,7 +42,7 @@ def test_any_pose(face: Face, seed: int, markers: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_points_that_are_no_place_and_places_without_a_point(face: Face, seed: int) -> None:
+def test_points_that_are_no_place_and_places_without_a_point(seed: int) -> None:
     shape = face(seed=seed, seconds=1.0).neutral.positions[0]
     points, place = posed(shape, seed)
     half = points[place >= 30], place[place >= 30]  # one half of the pairs
@@ -62,7 +58,7 @@ def test_points_that_are_no_place_and_places_without_a_point(face: Face, seed: i
     assert np.mean(place[fit.point[own]] == fit.place[own]) == 1.0
 
 
-def test_the_other_half_of_a_face_is_told_by_its_depth(face: Face) -> None:
+def test_the_other_half_of_a_face_is_told_by_its_depth() -> None:
     synthetic = face(seed=1, seconds=1.0)
     shape, names = synthetic.neutral.positions[0], list(synthetic.neutral.markers)
     mirrored, _ = posed(shape * [-1.0, 1.0, 1.0], 4)

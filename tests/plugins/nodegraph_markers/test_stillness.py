@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from nodegraph_markers.stillness import head_frame
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.specimens import recordings
-from nodegraph_synthesize.face import SyntheticFace
+from tests.plugins.nodegraph_markers.takes import face, turned
 
 
 def rigid(frames: int = 50) -> Trajectories:
@@ -35,9 +34,7 @@ def test_the_markers_that_stay_where_they_are_do_not_move() -> None:
     assert np.delete(motion, [0, 3, 6, 9]).max() < 1e-3
 
 
-def test_pose_does_not_matter(
-    face: Callable[..., SyntheticFace], turned: Callable[[Trajectories], Trajectories]
-) -> None:
+def test_pose_does_not_matter() -> None:
     given = face(seed=2, seconds=3.0).captured
     first, other = head_frame(given), head_frame(turned(given))
     assert first.motion is not None
@@ -56,7 +53,7 @@ def test_missing_samples_leave_the_shape_as_it_is() -> None:
     np.testing.assert_allclose(apart[0], apart[1], atol=1e-3)
 
 
-def test_a_face_moves_as_it_does_without_its_head(face: Callable[..., SyntheticFace]) -> None:
+def test_a_face_moves_as_it_does_without_its_head() -> None:
     synthetic = face(seed=0, seconds=5.0)
     motion = head_frame(synthetic.captured).motion
     turns, shifts = synthetic.head_motion.rotations, synthetic.head_motion.translations

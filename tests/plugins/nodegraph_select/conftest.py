@@ -1,88 +1,13 @@
-"""Faces whose markers move together in groups, with pairs and a midline."""
+"""A face of which markers are selected."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
-
-import numpy as np
 import pytest
 
-from nodegraph_mocap import MarkerSet, Selection, Trajectories
-
-MARKERS = (
-    "lip_left", "lip_right", "chin", "brow_left", "brow_right", "cheek_left", "cheek_right",
-    "nose", "jaw_left", "jaw_right", "forehead",
-)  # fmt: skip
-"""In no order, so that the order of names is another one."""
-
-
-def make_set(markers: tuple[str, ...] = MARKERS) -> MarkerSet:
-    sides = [name.removesuffix("_left") for name in markers if name.endswith("_left")]
-    return MarkerSet(
-        markers=markers,
-        pairs=tuple((f"{side}_left", f"{side}_right") for side in sides),
-        midline=tuple(name for name in markers if "_" not in name),
-    )
-
-
-def make_face(
-    seed: int = 0, *, frames: int = 90, movements: int = 5, noise: float = 0.05
-) -> Trajectories:
-    """A face that a few movements drive, each moving all markers, some more than others."""
-    random = np.random.default_rng(seed)
-    time = np.cumsum(random.normal(0, 1, (frames, movements)), axis=0)
-    reach = random.gamma(0.4, 1.0, (movements, len(MARKERS), 1))
-    direction = random.normal(0, 1, (movements, len(MARKERS), 3))
-    positions = random.normal(0, 40, (len(MARKERS), 3)) + np.einsum(
-        "tk,kmc->tmc", time, reach * direction
-    )
-    positions += random.normal(0, noise, positions.shape)
-    return Trajectories(positions=positions, markers=MARKERS, rate=60.0, marker_set=make_set())
-
-
-def make_rigid(face: Trajectories, seed: int = 0) -> Trajectories:
-    """The face's first frame in all, as an alignment leaves it: but for rounding, it is still."""
-    random = np.random.default_rng(seed)
-    rounding = random.normal(0, 1e-12, face.positions.shape)
-    return replace(face, positions=face.positions[0] + rounding)
-
-
-def run_quietly(select: Callable[..., Selection], *inputs: object, **settings: object) -> Selection:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return select(*inputs, **settings)
-
-
-def columns_of(selection: Selection) -> dict[str, object]:
-    assert selection.history is not None
-    return dict(zip(selection.columns, selection.history.T, strict=True))
+from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_select.faces import make_face
 
 
 @pytest.fixture
 def face() -> Trajectories:
     return make_face()
-
-
-@pytest.fixture
-def faces() -> Callable[..., Trajectories]:
-    return make_face
-
-
-@pytest.fixture
-def rigid() -> Callable[..., Trajectories]:
-    """A face that moves by no more than rounding."""
-    return make_rigid
-
-
-@pytest.fixture
-def quietly() -> Callable[..., Selection]:
-    return run_quietly
-
-
-@pytest.fixture
-def history() -> Callable[[Selection], dict[str, Any]]:
-    """The columns of a selection's history by name."""
-    return columns_of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +11,7 @@ from numpy.typing import NDArray
 from nodegraph import Refusal
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_select.features import features_of
-
-Rigid = Callable[..., Trajectories]
+from tests.plugins.nodegraph_select.faces import make_rigid
 
 
 def test_three_per_marker_in_the_order_of_names(face: Trajectories) -> None:
@@ -56,9 +54,9 @@ def test_what_alignment_leaves_of_a_rigid_head_is_refused(far: float) -> None:
 
 @pytest.mark.parametrize(("spread", "moves"), [(0.9e-6, False), (1.1e-6, True)])
 def test_what_is_rounding_is_decided_in_millimetres(
-    face: Trajectories, rigid: Rigid, spread: float, moves: bool
+    face: Trajectories, spread: float, moves: bool
 ) -> None:
-    positions = rigid(face).positions.copy()
+    positions = make_rigid(face).positions.copy()
     positions[:, 4, 1] += spread * np.where(np.arange(90) % 2, 1.0, -1.0)
     if moves:
         features = features_of(replace(face, positions=positions))
@@ -70,12 +68,10 @@ def test_what_is_rounding_is_decided_in_millimetres(
             features_of(replace(face, positions=positions))
 
 
-def test_what_moves_by_rounding_beside_others_does_not_move_at_all(
-    face: Trajectories, rigid: Rigid
-) -> None:
+def test_what_moves_by_rounding_beside_others_does_not_move_at_all(face: Trajectories) -> None:
     positions = face.positions.copy()
-    positions[:, [2, 5]] = rigid(face).positions[:, [2, 5]]
-    positions[:, 7, 2] = rigid(face).positions[:, 7, 2]
+    positions[:, [2, 5]] = make_rigid(face).positions[:, [2, 5]]
+    positions[:, 7, 2] = make_rigid(face).positions[:, 7, 2]
     features = features_of(replace(face, positions=positions))
     names = [*np.repeat(features.markers, 3)]
     still = [names[place] for place in np.flatnonzero(features.still)]

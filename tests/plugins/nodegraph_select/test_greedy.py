@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +12,7 @@ from nodegraph_mocap import Trajectories
 from nodegraph_select.greedy import greedy
 from nodegraph_select.random import random
 from nodegraph_select.variance import variance
-
-Faces = Callable[..., Trajectories]
+from tests.plugins.nodegraph_select.faces import make_face, make_rigid
 
 
 def unexplained(face: Trajectories, chosen: set[str]) -> float:
@@ -27,8 +25,8 @@ def unexplained(face: Trajectories, chosen: set[str]) -> float:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_each_step_is_the_best_one(faces: Faces, seed: int) -> None:
-    face = faces(seed, frames=150, noise=0.4)
+def test_each_step_is_the_best_one(seed: int) -> None:
+    face = make_face(seed, frames=150, noise=0.4)
     assert face.marker_set is not None
     chosen: set[str] = set()
     steps = []
@@ -43,15 +41,15 @@ def test_each_step_is_the_best_one(faces: Faces, seed: int) -> None:
         assert selection.history == pytest.approx(np.array(steps), rel=1e-6, abs=1e-9)
 
 
-def test_it_leaves_less_than_the_largest_variance_and_than_chance(faces: Faces) -> None:
-    face = faces(3, frames=200, movements=9)
+def test_it_leaves_less_than_the_largest_variance_and_than_chance() -> None:
+    face = make_face(3, frames=200, movements=9)
     ours = unexplained(face, set(greedy(face, k=4).chosen))
     assert ours < unexplained(face, set(variance(face, k=4).chosen))
     assert ours < min(unexplained(face, set(random(face, k=4, seed=i).chosen)) for i in range(5))
 
 
-def test_what_is_determined_by_others_comes_last_by_variance(faces: Faces) -> None:
-    face = faces(2, movements=3, noise=0.0)
+def test_what_is_determined_by_others_comes_last_by_variance() -> None:
+    face = make_face(2, movements=3, noise=0.0)
     with pytest.warns(UserWarning, match=r"\d of the 7 pairs chosen determine all markers"):
         selection = greedy(face, k=11)
     assert selection.chosen == face.markers
@@ -59,26 +57,26 @@ def test_what_is_determined_by_others_comes_last_by_variance(faces: Faces) -> No
     assert selection.history[-1, 1] == 0.0
 
 
-def test_a_marker_that_stands_still_does_no_harm(faces: Faces) -> None:
-    face = faces(1)
+def test_a_marker_that_stands_still_does_no_harm() -> None:
+    face = make_face(1)
     positions = face.positions.copy()
     positions[:, face.markers.index("nose")] = 17.3
     still = replace(face, positions=positions)
     assert "nose" not in greedy(still, k=4).chosen
 
 
-def test_bad_input(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
+def test_bad_input(face: Trajectories) -> None:
     with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
         greedy(face, k=12)
     with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
         greedy(face, k=0)
     with pytest.raises(Refusal, match="no marker moves in 90 frames"):
-        greedy(rigid(face), k=2)
+        greedy(make_rigid(face), k=2)
 
 
-def test_rounding_chooses_no_marker(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
+def test_rounding_chooses_no_marker(face: Trajectories) -> None:
     """Of what does not move, none is ahead of the others but by its name."""
-    positions = rigid(face).positions.copy()
+    positions = make_rigid(face).positions.copy()
     positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
     positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
     with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):

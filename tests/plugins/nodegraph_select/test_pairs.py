@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_select.pairs import in_order, membership, pairs_of, sizes
+from tests.plugins.nodegraph_select.faces import make_face
 
 PAIRS = (
     ("lip_left", "lip_right"), ("brow_left", "brow_right"), ("cheek_left", "cheek_right"),
@@ -61,8 +61,8 @@ def test_without_a_marker_set_all_are_alone(face: Trajectories) -> None:
         {"pairs": (("a", "b"),), "midline": ("b",)},
     ],
 )
-def test_a_marker_in_two_places(faces: Callable[..., Trajectories], values: dict[str, Any]) -> None:
-    abc = replace(faces().keep(("chin", "nose", "forehead")), markers=("a", "b", "c"))
+def test_a_marker_in_two_places(values: dict[str, Any]) -> None:
+    abc = replace(make_face().keep(("chin", "nose", "forehead")), markers=("a", "b", "c"))
     bad = replace(abc, marker_set=MarkerSet(markers=("a", "b", "c"), **values))
     with pytest.raises(ValueError, match="marker set: b: in more than one pair, or"):
         pairs_of(bad)

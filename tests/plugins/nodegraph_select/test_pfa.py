@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -17,10 +16,8 @@ from nodegraph import Refusal
 from nodegraph.equality import difference
 from nodegraph_mocap import Origin, Selection, Trajectories
 from nodegraph_select.pfa import COLUMNS, pfa
-
-Quietly = Callable[..., Selection]
-History = Callable[[Selection], dict[str, Any]]
-Faces = Callable[..., Trajectories]
+from tests.plugins.nodegraph_select.faces import columns_of, make_face, make_rigid
+from tests.plugins.recordings import quietly
 
 
 def plain_runs(
@@ -79,10 +76,8 @@ def plain_clusters(
 @pytest.mark.parametrize("absolute", [False, True])
 @pytest.mark.parametrize("standardize", [False, True])
 @pytest.mark.parametrize("k", [1, 4, 11, 33])
-def test_as_the_text_says_step_by_step(
-    faces: Faces, quietly: Quietly, history: History, k: int, standardize: bool, absolute: bool
-) -> None:
-    face, options = faces(k), {"standardize": standardize, "absolute": absolute}
+def test_as_the_text_says_step_by_step(k: int, standardize: bool, absolute: bool) -> None:
+    face, options = make_face(k), {"standardize": standardize, "absolute": absolute}
     runs = 12
     chosen, inertia = plain_runs(face, k, runs, 7, **options)
     selection = quietly(pfa, face, k=k, runs=runs, seed=7, **options)
@@ -92,7 +87,7 @@ def test_as_the_text_says_step_by_step(
     sums = [round(sum(frequency[pair] for pair in some), 9) for some in pairs]
     best = min(range(runs), key=lambda run: (-sums[run], len(chosen[run]), run))
     assert set(selection.chosen) == chosen[best]
-    actual = history(selection)
+    actual = columns_of(selection)
     assert tuple(actual) == COLUMNS
     assert actual["sum"] == pytest.approx(sums)
     assert actual["mean"] == pytest.approx([a / len(b) for a, b in zip(sums, pairs, strict=True)])
@@ -106,11 +101,9 @@ def test_as_the_text_says_step_by_step(
 
 
 @pytest.mark.parametrize("stability", ["sum", "mean", "medoid"])
-def test_the_most_stable_by_each_measure(
-    face: Trajectories, quietly: Quietly, history: History, stability: str
-) -> None:
+def test_the_most_stable_by_each_measure(face: Trajectories, stability: str) -> None:
     selection = quietly(pfa, face, k=8, runs=200, stability=stability)
-    actual = history(selection)
+    actual = columns_of(selection)
     ranked = sorted(
         zip(-actual[stability], actual["markers"], actual["run"], strict=True),
     )
@@ -121,10 +114,8 @@ def test_the_most_stable_by_each_measure(
     assert selection.frequencies[inside].sum() == pytest.approx(actual["sum"][best])
 
 
-def test_sum_favours_large_selections_and_mean_small_ones(
-    face: Trajectories, quietly: Quietly, history: History
-) -> None:
-    actual = history(quietly(pfa, face, k=8))
+def test_sum_favours_large_selections_and_mean_small_ones(face: Trajectories) -> None:
+    actual = columns_of(quietly(pfa, face, k=8))
     for measure, sign in (("sum", 1), ("mean", -1)):
         assert sign * np.corrcoef(actual[measure], actual["markers"])[0, 1] > 0.1
     sizes = [
@@ -134,10 +125,10 @@ def test_sum_favours_large_selections_and_mean_small_ones(
     assert sizes[0] < sizes[2]
 
 
-def test_it_tells_how_many_selections_differ(face: Trajectories, history: History) -> None:
+def test_it_tells_how_many_selections_differ(face: Trajectories) -> None:
     with pytest.warns(UserWarning, match="of 60 runs' selections are distinct") as caught:
         selection = pfa(face, k=8, runs=60)
-    actual = history(selection)["selection"]
+    actual = columns_of(selection)["selection"]
     text = str(caught[0].message)
     assert text.startswith(f"{int(actual.max()) + 1} of 60 runs' selections are distinct; ")
     assert caught[0].filename == __file__
@@ -154,9 +145,7 @@ def test_one_run(face: Trajectories) -> None:
     assert selection.history.shape == (1, len(COLUMNS))
 
 
-def test_as_many_clusters_as_features_choose_every_marker(
-    face: Trajectories, quietly: Quietly
-) -> None:
+def test_as_many_clusters_as_features_choose_every_marker(face: Trajectories) -> None:
     selection = quietly(pfa, face, k=33, runs=5)
     assert selection.chosen == face.markers
     assert selection.frequencies is not None
@@ -168,19 +157,17 @@ def test_more_clusters_than_features_are_refused(face: Trajectories) -> None:
         pfa(face, k=34)
 
 
-def test_one_marker_is_chosen(face: Trajectories, quietly: Quietly) -> None:
+def test_one_marker_is_chosen(face: Trajectories) -> None:
     assert quietly(pfa, face.keep(["nose"]), k=2, runs=10).chosen == ("nose",)
 
 
-def test_clusters_without_rows_are_dropped_and_reported(
-    face: Trajectories, history: History
-) -> None:
+def test_clusters_without_rows_are_dropped_and_reported(face: Trajectories) -> None:
     positions = face.positions.copy()
     positions[:, :6] = positions[0, :6]
     still = replace(face, positions=positions)
     with pytest.warns(UserWarning, match="; 50 runs dropped clusters that had lost all their rows"):
         selection = pfa(still, k=20, runs=50)
-    assert np.all(history(selection)["clusters"] < 20)
+    assert np.all(columns_of(selection)["clusters"] < 20)
 
 
 def test_missing_samples_are_refused(face: Trajectories) -> None:
@@ -214,45 +201,35 @@ def test_choices_are_checked_in_plain_calls(
 
 
 @pytest.mark.parametrize("standardize", [False, True])
-def test_a_rigid_face_is_refused(
-    face: Trajectories, rigid: Callable[..., Trajectories], standardize: bool
-) -> None:
+def test_a_rigid_face_is_refused(face: Trajectories, standardize: bool) -> None:
     with pytest.raises(Refusal, match="no marker moves in 90 frames: the largest standard"):
-        pfa(rigid(face), k=3, runs=5, standardize=standardize)
+        pfa(make_rigid(face), k=3, runs=5, standardize=standardize)
 
 
-def test_standardizing_does_not_blow_up_rounding(
-    face: Trajectories, rigid: Callable[..., Trajectories], quietly: Quietly
-) -> None:
+def test_standardizing_does_not_blow_up_rounding(face: Trajectories) -> None:
     selection = []
     for seed in range(2):
         positions = 1e-5 * face.positions
-        positions[:, :6] = rigid(face, seed).positions[:, :6]
+        positions[:, :6] = make_rigid(face, seed).positions[:, :6]
         still = replace(face, positions=positions)
         selection.append(quietly(pfa, still, k=5, runs=50, standardize=True))
     assert not difference(*selection)
 
 
-def test_the_same_seed_gives_the_same_answer_and_another_one_another(
-    face: Trajectories, quietly: Quietly
-) -> None:
+def test_the_same_seed_gives_the_same_answer_and_another_one_another(face: Trajectories) -> None:
     first = quietly(pfa, face, k=8, runs=50, seed=3)
     assert not difference(first, quietly(pfa, face, k=8, runs=50, seed=3))
     assert difference(first, quietly(pfa, face, k=8, runs=50, seed=4))
 
 
-def test_a_run_does_not_depend_on_how_many_follow(
-    face: Trajectories, quietly: Quietly, history: History
-) -> None:
-    few, many = (history(quietly(pfa, face, k=8, runs=runs)) for runs in (20, 90))
+def test_a_run_does_not_depend_on_how_many_follow(face: Trajectories) -> None:
+    few, many = (columns_of(quietly(pfa, face, k=8, runs=runs)) for runs in (20, 90))
     for column in ("inertia", "markers", "selection", "rounds"):
         assert np.array_equal(few[column], many[column][:20])
 
 
 @pytest.mark.parametrize("k", [10, 30, 50])
-def test_the_answer_is_the_same_on_any_number_of_threads(
-    k: int, quietly: Quietly, history: History
-) -> None:
+def test_the_answer_is_the_same_on_any_number_of_threads(k: int) -> None:
     """BLAS shares large matrices among threads, and so adds in another order."""
     from threadpoolctl import threadpool_limits
 
@@ -262,7 +239,7 @@ def test_the_answer_is_the_same_on_any_number_of_threads(
     with threadpool_limits(2):
         shared = quietly(pfa, face, k=k, runs=200)
     assert not difference(without_inertia(alone), without_inertia(shared))
-    assert history(alone)["inertia"] == pytest.approx(history(shared)["inertia"], rel=1e-14)
+    assert columns_of(alone)["inertia"] == pytest.approx(columns_of(shared)["inertia"], rel=1e-14)
 
 
 def large_face() -> Trajectories:
@@ -292,9 +269,7 @@ def test_calls_at_the_same_time_do_not_disturb_each_other(face: Trajectories) ->
     assert not difference(alone, together)
 
 
-def test_the_order_of_the_markers_does_not_matter_even_to_a_run(
-    face: Trajectories, quietly: Quietly
-) -> None:
+def test_the_order_of_the_markers_does_not_matter_even_to_a_run(face: Trajectories) -> None:
     selection = quietly(pfa, face, k=9, runs=80)
     order = np.random.default_rng(1).permutation(face.markers)
     again = quietly(pfa, face.keep(order), k=9, runs=80)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from nodegraph import Refusal
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_select.qr import qr
+from tests.plugins.nodegraph_select.faces import make_face, make_rigid
+from tests.plugins.recordings import quietly
 
 
 def plain(face: Trajectories, k: int) -> tuple[set[str], list[tuple[int, float]]]:
@@ -35,8 +36,8 @@ def plain(face: Trajectories, k: int) -> tuple[set[str], list[tuple[int, float]]
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_every_size_by_plain_projection(faces: Callable[..., Trajectories], seed: int) -> None:
-    face = faces(seed)
+def test_every_size_by_plain_projection(seed: int) -> None:
+    face = make_face(seed)
     for k in range(1, 12):
         selection = qr(face, k=k)
         chosen, steps = plain(face, k)
@@ -45,10 +46,8 @@ def test_every_size_by_plain_projection(faces: Callable[..., Trajectories], seed
         assert selection.history == pytest.approx(np.array(steps), rel=1e-6)
 
 
-def test_what_is_determined_by_others_comes_last_by_variance(
-    faces: Callable[..., Trajectories],
-) -> None:
-    face = faces(2, movements=2, noise=0.0)
+def test_what_is_determined_by_others_comes_last_by_variance() -> None:
+    face = make_face(2, movements=2, noise=0.0)
     with pytest.warns(UserWarning, match=r"\d of the 7 pairs chosen determine all markers"):
         selection = qr(face, k=11)
     assert selection.chosen == face.markers
@@ -57,23 +56,23 @@ def test_what_is_determined_by_others_comes_last_by_variance(
     assert selection.history[-1, 1] == 0.0
 
 
-def test_fewer_frames_than_features(face: Trajectories, quietly: Callable[..., Selection]) -> None:
+def test_fewer_frames_than_features(face: Trajectories) -> None:
     short = replace(face, positions=face.positions[:3], origin=face.origin[:3])
     assert quietly(qr, short, k=11).chosen == face.markers
 
 
-def test_bad_input(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
+def test_bad_input(face: Trajectories) -> None:
     with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
         qr(face, k=12)
     with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
         qr(face, k=0)
     with pytest.raises(Refusal, match="no marker moves in 90 frames"):
-        qr(rigid(face), k=2)
+        qr(make_rigid(face), k=2)
 
 
-def test_rounding_chooses_no_marker(face: Trajectories, rigid: Callable[..., Trajectories]) -> None:
+def test_rounding_chooses_no_marker(face: Trajectories) -> None:
     """Of what does not move, none is ahead of the others but by its name."""
-    positions = rigid(face).positions.copy()
+    positions = make_rigid(face).positions.copy()
     positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
     positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
     with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -12,8 +11,9 @@ import pytest
 from scipy.stats import chisquare
 
 from nodegraph import Refusal
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_select.random import random
+from tests.plugins.recordings import quietly
 
 
 def test_at_least_k_markers_and_at_most_one_more(face: Trajectories) -> None:
@@ -51,9 +51,7 @@ def test_choices_are_checked_in_plain_calls(face: Trajectories) -> None:
         random(face, k=0)
 
 
-def test_without_a_marker_set_all_are_alone(
-    face: Trajectories, quietly: Callable[..., Selection]
-) -> None:
+def test_without_a_marker_set_all_are_alone(face: Trajectories) -> None:
     bare = replace(face, marker_set=None)
     assert {len(quietly(random, bare, k=k).chosen) - k for k in range(1, 12)} == {0}
     with pytest.warns(UserWarning, match="11 of 11 markers are chosen or left each by itself"):

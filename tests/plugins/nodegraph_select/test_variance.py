@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from nodegraph import Refusal
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_select.variance import variance
+from tests.plugins.nodegraph_select.faces import make_rigid
+from tests.plugins.recordings import quietly
 
 Reach = dict[str, float]
 
@@ -63,11 +64,9 @@ def test_markers_that_move_equally_come_in_the_order_of_names(face: Trajectories
     )  # fmt: skip
 
 
-def test_what_does_not_move_comes_by_name_and_is_reported(
-    face: Trajectories, rigid: Callable[..., Trajectories]
-) -> None:
+def test_what_does_not_move_comes_by_name_and_is_reported(face: Trajectories) -> None:
     for seed in range(3):
-        positions = rigid(face, seed).positions.copy()
+        positions = make_rigid(face, seed).positions.copy()
         positions[:, face.markers.index("nose")] += face.positions[:, 3]
         still = replace(face, positions=positions)
         with pytest.warns(UserWarning, match="only 1 of the 2 pairs chosen move; the others are"):
@@ -77,13 +76,11 @@ def test_what_does_not_move_comes_by_name_and_is_reported(
         assert selection.history[1, 1] == 0.0
 
 
-def test_bad_input(
-    face: Trajectories, rigid: Callable[..., Trajectories], quietly: Callable[..., Selection]
-) -> None:
+def test_bad_input(face: Trajectories) -> None:
     with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
         variance(face, k=0)
     with pytest.raises(Refusal, match="no marker moves in 90 frames"):
-        variance(rigid(face), k=2)
+        variance(make_rigid(face), k=2)
     with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
         variance(face, k=12)
     with pytest.raises(Refusal, match="two frames"):

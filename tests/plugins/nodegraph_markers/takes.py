@@ -1,0 +1,69 @@
+"""Takes whose names are taken away, and which of them are found again."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from nodegraph_files import read_c3d, read_marker_set_yaml
+from nodegraph_mocap import MarkerSet, Trajectories
+from nodegraph_synthesize.face import SyntheticFace, synthesize_face
+
+FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
+TAKES = {
+    "jaw": ("animface/jaw.c3d", "animface/markers.yaml"),
+    "cheeks": ("animface/cheeks.c3d", "animface/markers.yaml"),
+    "take001": ("facecap/take001.c3d", "facecap/markers.yaml"),
+}
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+@cache
+def face(**settings: Any) -> SyntheticFace:
+    return synthesize_face(**settings)
+
+
+@cache
+def read_take(name: str) -> tuple[Trajectories, MarkerSet]:
+    if not FOLDER.exists():
+        pytest.skip("the recordings are not part of the package")
+    recording, marker_set = TAKES[name]
+    with quiet():
+        return read_c3d(FOLDER / recording), read_marker_set_yaml(FOLDER / marker_set)
+
+
+def without_names(recording: Trajectories, seed: int = 0) -> Trajectories:
+    """Return a recording in random order, under names that say nothing, without a marker set."""
+    order = np.random.default_rng(seed).permutation(len(recording.markers))
+    mixed = recording.keep([recording.markers[index] for index in order])
+    names = tuple(f"t{number:03d}" for number in range(len(order)))
+    return replace(mixed, markers=names, marker_set=None)
+
+
+def turned(recording: Trajectories) -> Trajectories:
+    """Turn a take by 40 degrees, and shift it by more than 500 mm."""
+    turn = Rotation.from_rotvec(np.radians(40) * np.array([0.6, 0.64, 0.48])).as_matrix()
+    shift = np.array([500.0, -300.0, 200.0])
+    return replace(recording, positions=recording.positions @ turn.T + shift)
+
+
+def correct(result: Trajectories, truth: Trajectories) -> NDArray[np.bool_]:
+    """Return which samples of the truth are in a recording under the right name, (T, M)."""
+    same = result.keep(truth.markers).positions == truth.positions
+    return np.asarray(same.all(axis=2))
