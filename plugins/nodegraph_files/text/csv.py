@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from nodegraph import Format, listed
+from nodegraph_files.text.counters import in_seconds, is_counter, is_frame, is_time
 from nodegraph_files.text.motive import is_motive, read_motive
 from nodegraph_files.text.qtm import is_qtm, read_qtm
 from nodegraph_files.text.table import (
@@ -42,10 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_FRAME = re.compile(r"frames?(?:[ _]*(?:number|index|no\.?|id|#))?|index", re.IGNORECASE)
-_TIME = re.compile(r"times?[ _]*[\[(]?\s*([a-z]*)\s*[\])]?", re.IGNORECASE)
-_SECONDS = {"": 1.0, "ms": 0.001, "msec": 0.001, "millisecond": 0.001, "milliseconds": 0.001}
-_SECONDS |= dict.fromkeys(("s", "sec", "second", "seconds"), 1.0)
+_DATE = re.compile(r"\d+-\d+-\d+|\d+:\d+")
 _LISTED = 10
 _COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
 _NUMBERED = re.compile(r"([xyz])_?(\d+)", re.IGNORECASE)
@@ -115,20 +113,11 @@ class Columns:
         )
 
     def add_other(self, column: int) -> None:
-        """Keep a column that is not a coordinate."""
-        is_counter = is_frame(self.names[column]) or seconds_in(self.names[column]) is not None
-        (self.counters if is_counter else self.left_out).append(column)
-
-
-def is_frame(name: str) -> bool:
-    """Return whether a column of that name holds frame numbers."""
-    return _FRAME.fullmatch(name.strip()) is not None
-
-
-def seconds_in(name: str) -> float | None:
-    """Return how many seconds the unit of a column of times is, or None if it holds none."""
-    match = _TIME.fullmatch(name.strip())
-    return _SECONDS.get(match[1].lower()) if match else None
+        """Keep a column that is not a coordinate; one of dates counts nothing."""
+        first = next(self.table.rows(self.header.end, self.header.line + 1), None)
+        is_date = first is not None and _DATE.match("".join(first.cells[column : column + 1]))
+        counts = is_counter(self.names[column]) and not is_date
+        (self.counters if counts else self.left_out).append(column)
 
 
 def read_columns(columns: Columns, *, zeros_missing: bool, unit: str) -> Trajectories:
@@ -202,8 +191,7 @@ def _rate(columns: Columns, counters: dict[int, NDArray[np.float64]]) -> float:
     for column, values in counters.items():
         name = columns.names[column]
         warn_irregular(name, values)
-        seconds = seconds_in(name)
-        times = values * seconds if seconds is not None and times is None else times
+        times = in_seconds(name, values) if times is None else times
     return known_rate(columns.table, times)
 
 
@@ -261,7 +249,7 @@ def is_long(table: Table) -> bool:
     names = table.opening[0].cells
     small = {name.lower() for name in names}
     axes = {match[1].lower() for match in map(_AXIS.fullmatch, names) if match}
-    counted = any(is_frame(name) or seconds_in(name) is not None for name in names)
+    counted = any(map(is_counter, names))
     return bool(small & _MARKER) and "x" in axes and counted
 
 
@@ -386,9 +374,8 @@ def _check_samples(
 
 def _times(columns: Columns, read: dict[int, NDArray[np.float64]]) -> NDArray[np.float64] | None:
     for column in columns.counters:
-        seconds = seconds_in(columns.names[column])
-        if seconds is not None:
-            return np.unique(read[column]) * seconds
+        if is_time(columns.names[column]):
+            return in_seconds(columns.names[column], np.unique(read[column]))
     return None
 
 
@@ -499,8 +486,9 @@ def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     missing. The text is in UTF-8, or in UTF-16 with a byte order mark.
 
     Where the form itself does not hold them, the rate comes from a line ``# rate: 60`` or from
-    a column ``time`` in seconds (``time (ms)`` in milliseconds), the unit of length from the names
-    of columns (``x [cm]``, ``nose.X (m)``) or from a line ``# unit: mm``.
+    a column ``time`` in seconds (``time (ms)`` in milliseconds) or ``timestamp``, whose unit its
+    steps decide if its name does not. The unit of length comes from the names of columns
+    (``x [cm]``, ``nose.X (m)``) or from a line ``# unit: mm``.
 
     Warnings say whatever was left out, assumed, or counts as missing; the readers of the single
     forms say which.

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from nodegraph import Format, listed
-from nodegraph_files.text.csv import is_frame, seconds_in
+from nodegraph_files.text.counters import in_seconds, is_counter
 from nodegraph_files.text.table import check_distinct, filled_width, read_rows, read_table
 from nodegraph_files.text.table_recording import known_rate, warn_irregular
 from nodegraph_files.text.text_file import start_in_utf8
@@ -25,7 +25,8 @@ def read_weights_table(path: Path) -> Weights:
     """Read weights from a table with a column per shape, its name in the first row.
 
     An empty cell and ``NaN`` are missing. The rate comes from a line ``# rate: 60`` or from a
-    column ``time`` in seconds; a warning counts irregular steps of times or frame numbers.
+    column ``time`` in seconds or ``timestamp``, as in `read_csv`; a warning counts irregular
+    steps of times or frame numbers.
 
     Raises
     ------
@@ -38,11 +39,7 @@ def read_weights_table(path: Path) -> Weights:
     header = table.opening[0]
     names = header.cells[: filled_width(header.cells)]
     place = f"{path}:{header.line}"
-    counters = [
-        column
-        for column, name in enumerate(names)
-        if is_frame(name) or seconds_in(name) is not None
-    ]
+    counters = [column for column, name in enumerate(names) if is_counter(name)]
     shapes = [column for column in range(len(names)) if column not in counters]
     coordinates = [names[column] for column in shapes if _COORDINATE.fullmatch(names[column])]
     if coordinates:
@@ -65,8 +62,7 @@ def read_weights_table(path: Path) -> Weights:
     times = None
     for column in counters:
         warn_irregular(names[column], cells[:, column])
-        seconds = seconds_in(names[column])
-        times = cells[:, column] * seconds if times is None and seconds is not None else times
+        times = in_seconds(names[column], cells[:, column]) if times is None else times
     return Weights(
         values=values,
         names=tuple(names[column] for column in shapes),
