@@ -94,7 +94,10 @@ class Poses(NamedTuple):
         """Return (T, M, 3) positions and (T, M) sigma of the same frames, moved as by `move`."""
         from nodegraph_align import rigid_kernel
 
-        there, *back = rigid_kernel.move(for_kernel(positions), *self)
+        points = for_kernel(positions)
+        # of numpy, which takes large arrays from the system in large pages, numba in small ones
+        there = np.empty_like(points)
+        back = rigid_kernel.move(there, points, *self)
         if sigma is not None:
             sigma = sigma * np.where(self.known, self.scales, 1.0)[:, None]
         return Moved(there, sigma, *back)

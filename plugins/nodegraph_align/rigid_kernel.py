@@ -87,27 +87,28 @@ def fit(
 
 @compiled
 def move(
+    out: Floats,
     positions: Floats,
     rotations: Floats,
     scales: Floats,
     centres: Floats,
     goals: Floats,
     states: Codes,
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Move every point x of each frame to ``scale R (x - centre) + goal``, and return the way back.
+) -> tuple[Floats, Floats, Floats]:
+    """Write where every point x belongs, ``scale R (x - centre) + goal``; return the way back.
 
     Parameters
     ----------
-    positions : (T, M, 3) array of float64
+    out, positions : (T, M, 3) arrays of float64
     rotations, scales, centres, goals, states
         As from `fit`.
 
     Returns
     -------
-    positions (T, M, 3), rotations (T, 3, 3), translations (T, 3), scales (T,)
-        What was moved, and what takes it back where it was, ``scale R x + translation``.
+    rotations (T, 3, 3), translations (T, 3), scales (T,)
+        ``scale R x + translation`` takes what was moved back where it was.
     """
-    out, back, offsets = np.empty(positions.shape), np.empty(rotations.shape), np.empty(goals.shape)
+    back, offsets = np.empty(rotations.shape), np.empty(goals.shape)
     shrinkage, matrix, offset = np.empty(len(scales)), np.empty((3, 3)), np.empty(3)
     for frame in range(len(positions)):
         scale = scales[frame] if states[frame] < FEW else 1.0
@@ -127,7 +128,7 @@ def move(
                 offsets[frame, i] -= back[frame, i, j] * offset[j]
             offsets[frame, i] /= scale
         shrinkage[frame] = 1.0 / scale
-    return out, back, offsets, shrinkage
+    return back, offsets, shrinkage
 
 
 @compiled

@@ -61,7 +61,9 @@ class _Stream:
             self._calibrate(now)
             return now
         # in the second frame those before are missing: nothing is bad
-        repaired = repaired_frame(now, self._repair(positions, self._bar, 1)[1])
+        judged = positions.copy()
+        self._repair(judged, positions, self._bar, 1)
+        repaired = repaired_frame(now, judged[1])
         if self._in_place:
             positions[1] = repaired.positions
         return repaired
@@ -155,5 +157,6 @@ def impulse(
         bar = impulse_kernel.bars(positions[:calibration], float(factor))
     else:
         bar = np.full(len(recording.markers), factor * mean_step)
-    repair = getattr(impulse_kernel, order)
-    return repaired(recording, repair(positions, bar, max(calibration or 0, 1)))
+    judged = positions.copy()  # numpy's copy of a long take takes a quarter of numba's time
+    getattr(impulse_kernel, order)(judged, positions, bar, max(calibration or 0, 1))
+    return repaired(recording, judged)

@@ -25,44 +25,36 @@ inlined = kernel(forceinline=True)
 
 
 @compiled
-def simultaneous(positions: Floats, bar: Floats, first: int) -> Floats:
+def simultaneous(repaired: Floats, positions: Floats, bar: Floats, first: int) -> None:
     """Find bad samples and put each at the midpoint of its neighbours as they came.
 
     Parameters
     ----------
+    repaired : (T, M, 3) array of float64
+        A copy of the positions; written where samples are bad.
     positions : (T, M, 3) array of float64
         NaN where missing.
     bar : (M,) array of float64
         The length from which a marker's step is long.
     first
         The first frame that is judged, 1 or later.
-
-    Returns
-    -------
-    (T, M, 3) array of float64
     """
-    repaired = positions.copy()
     _sweep(repaired, positions, bar, first)
-    return repaired
 
 
 @compiled
-def in_place(positions: Floats, bar: Floats, first: int) -> Floats:
+def in_place(repaired: Floats, positions: Floats, bar: Floats, first: int) -> None:
     """Go through the frames once, each judged and repaired after the one before it."""
-    repaired = positions.copy()
     _sweep(repaired, repaired, bar, first)
-    return repaired
 
 
 @compiled
-def redetect(positions: Floats, bar: Floats, first: int) -> Floats:
+def redetect(repaired: Floats, positions: Floats, bar: Floats, first: int) -> None:
     """Repair a marker's worst sample, detect again, until none is left; each at most once."""
-    repaired = positions.copy()
     for marker in range(positions.shape[1]):
         track = positions[:, marker : marker + 1].copy()
         _repair_worst_first(track, bar[marker], first)
         repaired[:, marker] = track[:, 0]
-    return repaired
 
 
 @inlined

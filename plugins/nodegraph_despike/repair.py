@@ -41,8 +41,7 @@ def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
     count = np.count_nonzero(changed)
     if not count:
         return recording
-    apart = positions - recording.positions
-    moved = np.sqrt(np.einsum("tmc,tmc->tm", apart, apart)[changed])
+    moved = np.linalg.norm(positions[changed] - recording.positions[changed], axis=1)
     share = count / np.count_nonzero(recording.present)
     warnings.warn(
         f"{count} samples repaired ({100 * share:.2f} % of those present), moved by "

@@ -68,7 +68,9 @@ def kernel(order: str) -> Callable[[Positions], Positions]:
 
     def run(positions: Positions) -> Positions:
         bar = impulse_kernel.bars(positions, 1.5)
-        return np.asarray(getattr(impulse_kernel, order)(positions, bar, 1))
+        repaired = positions.copy()
+        getattr(impulse_kernel, order)(repaired, positions, bar, 1)
+        return repaired
 
     return run
 
