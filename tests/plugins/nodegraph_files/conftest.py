@@ -184,12 +184,12 @@ def gappy() -> Trajectories:
 
 
 @pytest.fixture
-def written(tmp_path: Path) -> Callable[[str], Path]:
+def write(tmp_path: Path) -> Callable[..., Path]:
     """What writes a text into a file, whose path it returns."""
 
-    def write(text: str) -> Path:
-        path = tmp_path / "take.csv"
+    def write_text(text: str, name: str = "take.csv") -> Path:
+        path = tmp_path / name
         path.write_text(text, encoding="utf-8")
         return path
 
-    return write
+    return write_text

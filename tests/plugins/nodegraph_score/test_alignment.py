@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +15,7 @@ from nodegraph import Absent, Across, Refusal
 from nodegraph_mocap import HeadMotion, Trajectories
 from nodegraph_score.alignment import COLUMNS, alignment
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 FRAMES = 400
 FACE = np.random.default_rng(8).normal(0.0, 40.0, (12, 3))
@@ -62,12 +62,6 @@ def single(take: object) -> Across[Any]:
 
 def of(**takes: Any) -> Across[Any]:
     return Across.of(takes, axis="align")
-
-
-def quietly(*inputs: Any, **settings: Any) -> Any:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return alignment(*inputs, **settings)
 
 
 def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
@@ -283,7 +277,11 @@ def test_an_axis_cannot_be_called_as_a_column_is() -> None:
 def test_the_figure_has_a_bar_per_component_filled_by_the_head() -> None:
     where, take = motion(), captured(speech(), motion())
     actual = quietly(
-        of(no=take, yes=recording(FACE + speech())), where, of(no=still(), yes=where), components=3
+        alignment,
+        of(no=take, yes=recording(FACE + speech())),
+        where,
+        of(no=still(), yes=where),
+        components=3,
     )
     no, yes = actual.figure.axes
     assert (no.get_title("left"), yes.get_title("left")) == ("no", "yes")

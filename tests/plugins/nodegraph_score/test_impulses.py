@@ -1,17 +1,16 @@
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph_mocap import Mask, Origin, Table, Trajectories
+from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_score.impulses import UNITS, impulses
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 NAMES = ("brow", "cheek", "chin")
 
@@ -32,12 +31,6 @@ def spiked(seed: int, frames: int = 12) -> tuple[Trajectories, Trajectories, Mas
         for positions, origin in zip((estimate, truth), origins[::-1], strict=True)
     )
     return first, second, Mask(hidden=random.random(shape) < 0.3, markers=NAMES)
-
-
-def quietly(*values: Any, **chosen: Any) -> Table:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return impulses(*values, **chosen)
 
 
 def mean(values: list[float]) -> float:
@@ -84,12 +77,12 @@ def plainly(
 @given(seed=st.integers(0, 10_000), frames=st.integers(1, 12))
 def test_every_number_is_the_documented_one(seed: int, frames: int) -> None:
     values = spiked(seed, frames)
-    take = quietly(*values)
+    take = quietly(impulses, *values)
     assert take["marker"].tolist() == ["all"]
     assert take.iloc[0].drop("marker").to_dict() == pytest.approx(
         plainly(*values, [0, 1, 2]), nan_ok=True
     )
-    rows = quietly(*values, per="marker")
+    rows = quietly(impulses, *values, per="marker")
     assert rows["marker"].tolist() == list(NAMES)
     for marker in range(3):
         assert rows.iloc[marker].drop("marker").to_dict() == pytest.approx(
@@ -134,8 +127,8 @@ def test_markers_are_matched_by_name() -> None:
     order = ("chin", "brow", "cheek")
     columns = [NAMES.index(name) for name in order]
     turned = Mask(hidden=mask.hidden[:, columns], markers=order)
-    expected = quietly(estimate, truth, mask, per="marker")
-    actual = quietly(estimate.keep(order), truth, turned, per="marker")
+    expected = quietly(impulses, estimate, truth, mask, per="marker")
+    actual = quietly(impulses, estimate.keep(order), truth, turned, per="marker")
     assert actual.equals(expected)
 
 

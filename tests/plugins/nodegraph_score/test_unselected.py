@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from nodegraph import get_node
-from nodegraph_mocap import Origin, Selection, Table, Trajectories
+from nodegraph_mocap import Origin, Selection, Trajectories
 from nodegraph_score.unselected import UNITS, unselected
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 COLUMNS = ["marker", "markers", "frames", "missing", "rms", "mean", "max", "farthest"]
 CHOSEN = Selection(chosen=("d", "a"))
@@ -28,12 +28,6 @@ def cut(take: Trajectories, marker: str, frames: slice) -> Trajectories:
     gap[frames, take.markers.index(marker)] = True
     positions = np.where(gap[..., None], np.nan, take.positions)
     return take.with_samples(positions, changed=gap, origin=Origin.MISSING)
-
-
-def quietly(*inputs: object) -> Table:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return unselected(*inputs)  # type: ignore[arg-type]
 
 
 def test_every_number_by_a_plain_loop() -> None:
@@ -121,13 +115,13 @@ def test_no_frame_at_all() -> None:
 )
 def test_bad_input(estimate: Trajectories, reference: Trajectories, chosen: str, text: str) -> None:
     with pytest.raises(ValueError, match=text):
-        quietly(estimate, reference, Selection(chosen=tuple(chosen)))
+        quietly(unselected, estimate, reference, Selection(chosen=tuple(chosen)))
 
 
 def test_a_prediction_from_weights_is_scored_where_it_was_not_fitted() -> None:
     face = get_node("synthesize.face")(seconds=0.5, noise=0.0, missing=0.0, impulses=0.0)
     posed = get_node("blendshapes.pose")(face.weights, face.model)
     chosen = Selection(chosen=posed.markers[::2])
-    table = quietly(posed, posed, chosen)
+    table = quietly(unselected, posed, posed, chosen)
     assert table["marker"].tolist() == list(posed.markers[1::2])
     assert (table[["rms", "mean", "max"]] == 0).all().all()

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from nodegraph_mocap import Selection, Table, Weights
+from nodegraph_mocap import Selection, Weights
 from nodegraph_score.weights_mse import UNITS, weights_mse
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 COLUMNS = [
     "mse", "rmse", "max", "frames", "missing", "shapes", "worst", "worst_mse", "shared",
@@ -21,12 +21,6 @@ COLUMNS = [
 def weights(names: str = "abcd", *, frames: int = 9, seed: int = 0) -> Weights:
     values = np.random.default_rng(seed).uniform(0, 1, (frames, len(names)))
     return Weights(values=values, names=tuple(names), rate=60.0)
-
-
-def quietly(estimate: Weights, reference: Weights) -> Table:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return weights_mse(estimate, reference)
 
 
 def test_every_number_by_a_plain_loop() -> None:
@@ -62,7 +56,7 @@ def test_a_frame_that_the_reference_lacks_is_not_compared() -> None:
     estimate, reference = weights(), weights(seed=1)
     values = reference.values.copy()
     values[:, 2] = np.nan
-    table = quietly(estimate, replace(reference, values=values))
+    table = quietly(weights_mse, estimate, replace(reference, values=values))
     assert (table["frames"][0], table["missing"][0], table["worst"][0]) == (0, 9, "")
     assert np.isnan(table[["mse", "rmse", "max", "worst_mse", "shared_mse"]].to_numpy()).all()
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +23,7 @@ from tests.plugins.nodegraph_blendshapes.solve.statements import (
     posed,
     stored_model,
 )
+from tests.plugins.recordings import quietly
 
 pytestmark = pytest.mark.skipif(not FACECAP.is_dir(), reason="the recordings are not here")
 UNSEEN = ("eyeLookUp_L", "eyeLookUp_R", "tongueOut")
@@ -57,10 +57,8 @@ def seen() -> NDArray[np.bool_]:
     return np.array([name not in UNSEEN for name in stored_model().names])
 
 
-def quietly(recording: Trajectories, model: BlendshapeModel, **settings: Any) -> Matrix:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return solve_weights(recording, model, **settings).weights.values
+def weights_of(recording: Trajectories, model: BlendshapeModel, **settings: object) -> Matrix:
+    return quietly(solve_weights, recording, model, **settings).weights.values
 
 
 def test_clean_markers_give_the_stored_weights() -> None:
@@ -83,7 +81,7 @@ def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
     rounding = np.linalg.norm(recording.positions - posed(model, weights).positions, axis=(1, 2))
     columns = model.shapes[seen()].reshape(seen().sum(), -1)
     weakest = np.linalg.svd(columns, compute_uv=False)[-1]
-    solution = quietly(recording, model)
+    solution = weights_of(recording, model)
     apart = np.linalg.norm((solution - weights)[:, seen()], axis=1)
     assert weakest == pytest.approx(0.0375, abs=1e-3)
     assert (apart <= 2.0 * rounding / weakest).all()
@@ -95,7 +93,7 @@ def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
 def test_noisy_markers_are_solved_as_by_scipy(bounds: object, ridge: float) -> None:
     model = stored_model()
     recording = posed(model, stored()[0], noise=0.05)
-    solution = quietly(recording, model, bounds=bounds, ridge=ridge)[:, seen()]
+    solution = weights_of(recording, model, bounds=bounds, ridge=ridge)[:, seen()]
     columns = model.shapes[seen()].reshape(seen().sum(), -1)
     columns = np.hstack([columns, np.sqrt(ridge) * np.eye(len(columns))])
     targets = (recording.positions - model.neutral).reshape(recording.frames, -1)
@@ -114,7 +112,7 @@ def test_smoothness_meets_its_conditions() -> None:
     columns = model.shapes[seen()].reshape(seen().sum(), -1)
     targets = (recording.positions - model.neutral).reshape(recording.frames, -1)
     for smoothness in (0.0025, 1.0):
-        solution = quietly(recording, model, smoothness=smoothness)[:, seen()]
+        solution = weights_of(recording, model, smoothness=smoothness)[:, seen()]
         gradient = (solution @ columns - targets) @ columns.T
         change = smoothness * np.diff(solution, axis=0)
         gradient[1:] += change
@@ -132,7 +130,7 @@ def test_the_noise_floor() -> None:
     draws = []
     for seed in (0, 1):
         noise = np.random.default_rng(seed).normal(0, 0.05, clean.positions.shape)
-        draws.append(quietly(at(clean, clean.positions + noise), model))
+        draws.append(weights_of(at(clean, clean.positions + noise), model))
     assert np.square(draws[0] - draws[1]).mean() == pytest.approx(0.016, abs=0.002)
     assert np.square(draws[0] - weights).mean() == pytest.approx(0.0123, abs=0.001)
 
@@ -153,8 +151,8 @@ def test_live_link_performances_come_back(file: str, lost: int, spilled: float) 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         # one weight of actor b is 1.0033
-        solution = quietly(pose(only, model), model, bounds=(0.0, 1.01))
-        whole = quietly(pose(weights, model), model, bounds=(0.0, 1.01))
+        solution = weights_of(pose(only, model), model, bounds=(0.0, 1.01))
+        whole = weights_of(pose(weights, model), model, bounds=(0.0, 1.01))
     places = [model.names.index(shapes[name]) for name in kept]
     known = np.isfinite(only.values).all(axis=1)
     assert np.count_nonzero(~known) == lost
@@ -171,7 +169,7 @@ def test_gaps_hardly_change_clean_weights() -> None:
     positions = posed(model, weights).positions.copy()
     positions[np.random.default_rng(0).random(positions.shape[:2]) < 0.1] = np.nan
     positions[50] = np.nan
-    solution = quietly(at(posed(model, weights), positions), model)
+    solution = weights_of(at(posed(model, weights), positions), model)
     assert np.isnan(solution[50]).all()
     frames = np.arange(len(solution)) != 50
     apart = np.abs(solution - weights)[frames][:, seen()]

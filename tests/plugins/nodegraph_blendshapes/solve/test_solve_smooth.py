@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from nodegraph_blendshapes.solve import smooth
 from nodegraph_blendshapes.solve.weights import Bounds, limits, solve_weights
 from nodegraph_mocap import BlendshapeModel, Trajectories
 from tests.plugins.nodegraph_blendshapes.solve.statements import Matrix, at, face, posed
+from tests.plugins.recordings import quietly
 
 INF = float("inf")
 FRAMES, SHAPES = 12, 4
@@ -21,9 +21,7 @@ VALUES = np.random.default_rng(0).uniform(-0.4, 1.4, (FRAMES, SHAPES))
 
 
 def solved(recording: Trajectories, model: BlendshapeModel, **settings: object) -> Matrix:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return solve_weights(recording, model, **settings).weights.values  # type: ignore[arg-type]
+    return quietly(solve_weights, recording, model, **settings).weights.values
 
 
 def system(

@@ -14,19 +14,13 @@ from nodegraph import get_node
 from nodegraph.node.decorator import node_of
 from nodegraph.testing import check_node
 from nodegraph_blendshapes.solve import bounded
-from nodegraph_blendshapes.solve.weights import Explained, solve_weights
-from nodegraph_mocap import BlendshapeModel, Trajectories
+from nodegraph_blendshapes.solve.weights import solve_weights
 from nodegraph_tables import info_of
 from tests.plugins.nodegraph_blendshapes.solve.statements import at, face, least_norm, posed
+from tests.plugins.recordings import quietly
 
 FRAMES = 20
 VALUES = np.random.default_rng(0).uniform(0, 1, (FRAMES, 4))
-
-
-def quietly(recording: Trajectories, model: BlendshapeModel, **settings: Any) -> Explained:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return solve_weights(recording, model, **settings)
 
 
 def test_ports_and_settings_are_as_promised() -> None:
@@ -85,7 +79,7 @@ def test_the_table_beside_plain_loops() -> None:
     noisy = posed(model, np.random.default_rng(1).uniform(-0.5, 1.5, (FRAMES, 4)), noise=1.0)
     positions = noisy.positions.copy()
     positions[3, [0, 5]] = positions[8] = np.nan
-    solution = quietly(at(noisy, positions), model)
+    solution = quietly(solve_weights, at(noisy, positions), model)
     values, table = solution.weights.values, solution.residuals
     for frame in range(FRAMES):
         row = table.iloc[frame]

@@ -20,16 +20,6 @@ pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
 Write = Callable[[str], Path]
 
 
-@pytest.fixture
-def write(tmp_path: Path) -> Write:
-    def written(text: str) -> Path:
-        path = tmp_path / "take.csv"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return written
-
-
 @pytest.mark.parametrize("separator", [",", ";", "\t", ", "])
 @pytest.mark.parametrize("form", ["{}.{}", "{}_{}", "{}:{}", "{} {}", "{}.{} (mm)", "{}.{} [mm]"])
 @pytest.mark.parametrize("axes", ["XYZ", "xyz", "ZYX"])
@@ -183,8 +173,13 @@ def test_quoted_cells(write: Write) -> None:
 NAMES = st.text(string.ascii_letters + '.,;_" #éß', min_size=1, max_size=6)
 
 
-@given(st.data())
-def test_what_is_written_reads_back_equal(data: Any) -> None:
+@pytest.mark.parametrize(("write_file", "read"), [(write_csv, read_csv), (write_trc, read_trc)])
+@given(data=st.data())
+def test_what_is_written_reads_back_equal(
+    write_file: Callable[[Trajectories, Path], None],
+    read: Callable[[Path], Trajectories],
+    data: st.DataObject,
+) -> None:
     names = data.draw(
         st.lists(NAMES.filter(lambda name: name == name.strip()), min_size=1, unique=True)
     )
@@ -195,8 +190,8 @@ def test_what_is_written_reads_back_equal(data: Any) -> None:
     rate = data.draw(st.floats(1e-3, 1e5))
     recording = Trajectories(positions=positions, markers=tuple(names), rate=rate)
     with tempfile.TemporaryDirectory() as folder:
-        write_csv(recording, Path(folder) / "it.csv")
-        again = read_csv(Path(folder) / "it.csv")
+        write_file(recording, Path(folder) / "take")
+        again = read(Path(folder) / "take")
     np.testing.assert_array_equal(again.positions, recording.positions)
     assert (again.markers, again.rate) == (recording.markers, recording.rate)
 

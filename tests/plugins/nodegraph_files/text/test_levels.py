@@ -14,7 +14,7 @@ from hypothesis.extra import numpy as arrays
 from nodegraph_files import read_csv
 
 pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
-Written = Callable[[str], Path]
+Write = Callable[[str], Path]
 RATE = "# rate: 60\n"
 
 
@@ -29,62 +29,62 @@ def frame(*levels: list[str], names: list[str] | None = None) -> pd.DataFrame:
 @pytest.mark.parametrize("kept", [True, False])
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 def test_what_pandas_writes_is_read(
-    written: Written, index: str | None, names: list[str] | None, kept: bool, separator: str
+    write: Write, index: str | None, names: list[str] | None, kept: bool, separator: str
 ) -> None:
     table = frame(["lip", "nose"], ["x", "y", "z"], names=names)
     table.index.name = index
-    read = read_csv(written(RATE + table.to_csv(index=kept, sep=separator)))
+    read = read_csv(write(RATE + table.to_csv(index=kept, sep=separator)))
     assert read.markers == ("lip", "nose")
     assert read.positions[1].tolist() == [[7, 8, 9], [10, 11, 12]]
 
 
-def test_an_index_of_something_else_is_left_out_aloud(written: Written) -> None:
+def test_an_index_of_something_else_is_left_out_aloud(write: Write) -> None:
     table = frame(["lip"], ["x", "y", "z"])
     table.index = pd.Index(["img01.png", "img02.png"], name="picture")
     with pytest.warns(UserWarning, match="1 columns .* left out: picture"):
-        assert read_csv(written(RATE + table.to_csv())).frames == 2
+        assert read_csv(write(RATE + table.to_csv())).frames == 2
     table.index.name = None
     with pytest.warns(UserWarning, match="1 columns .* left out: column 1"):
-        assert read_csv(written(RATE + table.to_csv())).frames == 2
+        assert read_csv(write(RATE + table.to_csv())).frames == 2
 
 
-def test_an_index_of_times_tells_the_rate(written: Written) -> None:
+def test_an_index_of_times_tells_the_rate(write: Write) -> None:
     table = frame(["lip"], ["x", "y", "z"])
     table.index = pd.Index([0, 0.04], name="time")
-    assert read_csv(written(table.to_csv())).rate == 25
+    assert read_csv(write(table.to_csv())).rate == 25
 
 
-def test_an_index_that_skips_is_told(written: Written) -> None:
+def test_an_index_that_skips_is_told(write: Write) -> None:
     text = "".join(f"{number},1,2,3\n" for number in (0, 1, 2, 7))
     with pytest.warns(UserWarning, match="1 of 3 steps of the column 'index' are irregular"):
-        read_csv(written(f"{RATE},lip,lip,lip\n,x,y,z\n{text}"))
+        read_csv(write(f"{RATE},lip,lip,lip\n,x,y,z\n{text}"))
 
 
-def test_the_axes_may_stand_in_any_order(written: Written) -> None:
-    read = read_csv(written(f"{RATE},lip,nose,lip,nose,nose,lip\n,z,x,y,Y,z,x\n0,3,4,2,5,6,1\n"))
+def test_the_axes_may_stand_in_any_order(write: Write) -> None:
+    read = read_csv(write(f"{RATE},lip,nose,lip,nose,nose,lip\n,z,x,y,Y,z,x\n0,3,4,2,5,6,1\n"))
     assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]]]
 
 
-def test_levels_that_all_share_are_left_out_of_the_names(written: Written) -> None:
+def test_levels_that_all_share_are_left_out_of_the_names(write: Write) -> None:
     alone = frame(["net"], ["lip", "nose"], ["x", "y", "z"])
-    assert read_csv(written(RATE + alone.to_csv())).markers == ("lip", "nose")
+    assert read_csv(write(RATE + alone.to_csv())).markers == ("lip", "nose")
     several = frame(["net"], ["ann", "bob"], ["lip", "nose"], ["x", "y", "z"])
     named = ("ann:lip", "ann:nose", "bob:lip", "bob:nose")
-    assert read_csv(written(RATE + several.to_csv())).markers == named
+    assert read_csv(write(RATE + several.to_csv())).markers == named
 
 
-def test_likelihoods_are_left_out_aloud(written: Written) -> None:
+def test_likelihoods_are_left_out_aloud(write: Write) -> None:
     names = ["scorer", "bodyparts", "coords"]
     table = frame(["net"], ["lip", "nose"], ["x", "y", "z", "likelihood"], names=names)
     with pytest.warns(UserWarning, match="2 columns .* left out: lip likelihood, nose likelihood"):
-        read = read_csv(written(RATE + table.to_csv()))
+        read = read_csv(write(RATE + table.to_csv()))
     assert read.positions[0].tolist() == [[1, 2, 3], [5, 6, 7]]
 
 
-def test_data_of_two_dimensions_are_refused(written: Written) -> None:
+def test_data_of_two_dimensions_are_refused(write: Write) -> None:
     table = frame(["net"], ["lip", "nose"], ["x", "y", "likelihood"])
     with pytest.raises(ValueError, match=r"take\.csv:4: 2 markers have X and Y and no Z"):
-        read_csv(written(RATE + table.to_csv()))
+        read_csv(write(RATE + table.to_csv()))
 
 
 @pytest.mark.parametrize(
@@ -101,9 +101,9 @@ def test_data_of_two_dimensions_are_refused(written: Written) -> None:
         (",lip,lip,lip\n,x,y,z\n0,1,2,3\n", ": no rate; add a line '# rate: 60'"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(text))
+        read_csv(write(text))
 
 
 @given(data=st.data())

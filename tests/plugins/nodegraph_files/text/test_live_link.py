@@ -36,16 +36,6 @@ def table(counts: Iterable[float], per_second: int = 60) -> str:
     return "\n".join([HEADER, *rows, ""])
 
 
-@pytest.fixture
-def write(tmp_path: Path) -> Write:
-    def written(text: str) -> Path:
-        path = tmp_path / "take.csv"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return written
-
-
 @pytest.mark.parametrize("end", ["\n", "\r\n", ",,\n", "\n\n"])
 def test_weights_have_the_names_of_their_columns(write: Write, end: str) -> None:
     read = read_live_link(write(table([10, 11]).replace("\n", end)))

@@ -11,22 +11,22 @@ from nodegraph_files import read_csv
 from nodegraph_mocap import Trajectories
 
 pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
-Written = Callable[[str], Path]
+Write = Callable[[str], Path]
 RATE = "# rate: 60\n"
 
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("marker", ["marker", "label", "name", "keypoint", "Marker"])
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
-def test_a_row_per_frame_and_marker(written: Written, marker: str, separator: str) -> None:
+def test_a_row_per_frame_and_marker(write: Write, marker: str, separator: str) -> None:
     text = f"{marker},z,frame,x,y\nlip,3,5,1,2\nnose,6,5,4,5\nnose,9,6,7,8\n"
-    read = read_csv(written(RATE + text.replace(",", separator)))
+    read = read_csv(write(RATE + text.replace(",", separator)))
     assert read.markers == ("lip", "nose")
     assert read.positions[0].tolist() == [[1, 2, 3], [4, 5, 6]]
     assert read.present.tolist() == [[True, True], [False, True]]
 
 
-def test_any_order_of_rows_gives_the_same(written: Written, gappy: Trajectories) -> None:
+def test_any_order_of_rows_gives_the_same(write: Write, gappy: Trajectories) -> None:
     table = pd.DataFrame(
         [
             (frame, marker, *gappy.positions[frame, place])
@@ -36,53 +36,53 @@ def test_any_order_of_rows_gives_the_same(written: Written, gappy: Trajectories)
         columns=["frame", "marker", "x", "y", "z"],
     )
     shuffled = table.sample(frac=1, random_state=3)
-    read = read_csv(written(RATE + shuffled.to_csv(index=False))).keep(gappy.markers)
+    read = read_csv(write(RATE + shuffled.to_csv(index=False))).keep(gappy.markers)
     np.testing.assert_array_equal(read.positions, gappy.positions)
     present = table.dropna()
-    read = read_csv(written(RATE + present.to_csv(index=False))).keep(gappy.markers)
+    read = read_csv(write(RATE + present.to_csv(index=False))).keep(gappy.markers)
     np.testing.assert_array_equal(read.positions, gappy.positions)
 
 
-def test_times_tell_frames_and_rate(written: Written) -> None:
+def test_times_tell_frames_and_rate(write: Write) -> None:
     rows = "".join(f"{frame / 60:.3f},a,1,2,3\n" for frame in range(100) if frame != 40)
     with pytest.warns(
         UserWarning, match="1 frames have no row, by the column 'time'; they are mis"
     ):
-        read = read_csv(written(f"time,marker,x,y,z\n{rows}"))
+        read = read_csv(write(f"time,marker,x,y,z\n{rows}"))
     assert (read.rate, read.frames) == (60, 100)
     assert np.flatnonzero(~read.present[:, 0]).tolist() == [40]
 
 
-def test_frames_count_where_there_are_times_as_well(written: Written) -> None:
+def test_frames_count_where_there_are_times_as_well(write: Write) -> None:
     text = "frame,time (ms),marker,x,y,z\n1,0,a,1,2,3\n2,10,a,1,2,3\n2,10,b,1,2,3\n"
-    read = read_csv(written(text))
+    read = read_csv(write(text))
     assert (read.rate, read.frames) == (100, 2)
 
 
-def test_uneven_times_are_told(written: Written) -> None:
+def test_uneven_times_are_told(write: Write) -> None:
     rows = "".join(f"{time},a,1,2,3\n" for time in (0, 1, 2, 3.5, 4.5))
     with pytest.warns(UserWarning, match="5 values of the column 'time' are not whole steps apart"):
-        assert read_csv(written(f"# rate: 1\ntime,marker,x,y,z\n{rows}")).frames == 5
+        assert read_csv(write(f"# rate: 1\ntime,marker,x,y,z\n{rows}")).frames == 5
 
 
-def test_a_single_frame(written: Written) -> None:
-    assert read_csv(written(f"{RATE}frame,marker,x,y,z\n9,a,1,2,3\n")).frames == 1
+def test_a_single_frame(write: Write) -> None:
+    assert read_csv(write(f"{RATE}frame,marker,x,y,z\n9,a,1,2,3\n")).frames == 1
 
 
-def test_other_columns_are_left_out_aloud(written: Written) -> None:
+def test_other_columns_are_left_out_aloud(write: Write) -> None:
     text = f"{RATE}frame,marker,x,y,z,note,score\n0,a,1,2,3,good,0.5\n"
     with pytest.warns(UserWarning, match="2 columns .* left out: note, score"):
-        assert read_csv(written(text)).positions.tolist() == [[[1, 2, 3]]]
+        assert read_csv(write(text)).positions.tolist() == [[[1, 2, 3]]]
 
 
-def test_units_become_millimetres(written: Written) -> None:
+def test_units_become_millimetres(write: Write) -> None:
     text = f"{RATE}# unit: m\nframe,marker,x,y,z\n0,a,1,2,3\n"
-    assert read_csv(written(text)).positions.tolist() == [[[1000, 2000, 3000]]]
+    assert read_csv(write(text)).positions.tolist() == [[[1000, 2000, 3000]]]
 
 
-def test_quoted_names_may_hold_separators(written: Written) -> None:
+def test_quoted_names_may_hold_separators(write: Write) -> None:
     text = f'{RATE}frame,marker,x,y,z\n0,"lip, left",1,2,3\n'
-    assert read_csv(written(text)).markers == ("lip, left",)
+    assert read_csv(write(text)).markers == ("lip, left",)
 
 
 @pytest.mark.parametrize(
@@ -104,12 +104,12 @@ def test_quoted_names_may_hold_separators(written: Written) -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(text))
+        read_csv(write(text))
 
 
-def test_rows_that_each_name_another_marker_are_refused(written: Written) -> None:
+def test_rows_that_each_name_another_marker_are_refused(write: Write) -> None:
     rows = "".join(f"{row},m{row},1,2,3\n" for row in range(5000))
     with pytest.raises(ValueError, match=r"5000 rows cannot be 25000000 samples of 5000 markers"):
-        read_csv(written(f"{RATE}frame,marker,x,y,z\n{rows}"))
+        read_csv(write(f"{RATE}frame,marker,x,y,z\n{rows}"))

@@ -9,7 +9,7 @@ import pytest
 
 from nodegraph_files import read_csv
 
-Written = Callable[[str], Path]
+Write = Callable[[str], Path]
 FACTS = {
     "Format Version": "1.23",
     "Take Name": "Take 1",
@@ -64,42 +64,42 @@ def motive(
 @pytest.mark.parametrize(
     ("unit", "millimetres"), [("Meters", 1000), ("Centimeters", 10), ("Millimeters", 1)]
 )
-def test_markers_are_read(written: Written, words: bool, unit: str, millimetres: float) -> None:
-    read = read_csv(written(motive(MARKER, LOOSE, words=words, Length_Units=unit)))
+def test_markers_are_read(write: Write, words: bool, unit: str, millimetres: float) -> None:
+    read = read_csv(write(motive(MARKER, LOOSE, words=words, Length_Units=unit)))
     assert read.markers == ("Face:lip", "Unlabeled 1189")
     assert read.rate == 120
     np.testing.assert_allclose(read.positions[1], np.array([[1, 2, 3], [4, 5, 6]]) * millimetres)
 
 
-def test_only_measured_markers_are_read_the_others_counted(written: Written) -> None:
-    path = written(motive(TURNED, MOVED, ERROR, EXPECTED, MARKER, Length_Units="Millimeters"))
+def test_only_measured_markers_are_read_the_others_counted(write: Write) -> None:
+    path = write(motive(TURNED, MOVED, ERROR, EXPECTED, MARKER, Length_Units="Millimeters"))
     with pytest.warns(UserWarning, match="11 columns .*: 8 of Rigid Body, 3 of Rigid Body Marker"):
         read = read_csv(path)
     assert read.markers == ("lip",)
     assert read.positions[0].tolist() == [[12, 13, 14]]
 
 
-def test_without_a_row_of_types_what_turns_is_no_marker(written: Written) -> None:
-    path = written(motive(TURNED, MOVED, MARKER, without=("Type",), Length_Units="Millimeters"))
+def test_without_a_row_of_types_what_turns_is_no_marker(write: Write) -> None:
+    path = write(motive(TURNED, MOVED, MARKER, without=("Type",), Length_Units="Millimeters"))
     with pytest.warns(UserWarning, match="7 columns hold no measured marker"):
         read = read_csv(path)
     assert read.positions[0].tolist() == [[8, 9, 10]]
 
 
-def test_a_column_of_timecodes_is_left_out(written: Written) -> None:
-    path = written(motive(MARKER, words=True, lead="Frame,Time (Seconds),TimeCode"))
+def test_a_column_of_timecodes_is_left_out(write: Write) -> None:
+    path = write(motive(MARKER, words=True, lead="Frame,Time (Seconds),TimeCode"))
     with pytest.warns(UserWarning, match="1 columns .*: 1 of TimeCode"):
         assert read_csv(path).positions[0, 0].tolist() == [1000, 2000, 3000]
 
 
-def test_empty_cells_are_missing(written: Written) -> None:
-    read = read_csv(written(motive(MARKER, rows=("0,0,,,", "1,0.008333,1,2,3"))))
+def test_empty_cells_are_missing(write: Write) -> None:
+    read = read_csv(write(motive(MARKER, rows=("0,0,,,", "1,0.008333,1,2,3"))))
     assert read.present.tolist() == [[False], [True]]
 
 
-def test_names_that_repeat_get_their_own(written: Written) -> None:
+def test_names_that_repeat_get_their_own(write: Write) -> None:
     with pytest.warns(UserWarning, match="'lip' is now 'lip_2'"):
-        assert read_csv(written(motive(MARKER, MARKER))).markers == ("lip", "lip_2")
+        assert read_csv(write(motive(MARKER, MARKER))).markers == ("lip", "lip_2")
 
 
 def test_an_export_in_utf_16(tmp_path: Path) -> None:
@@ -108,28 +108,28 @@ def test_an_export_in_utf_16(tmp_path: Path) -> None:
     assert read_csv(path).markers == ("lip",)
 
 
-def test_an_export_saved_again_with_semicolons_and_decimal_commas(written: Written) -> None:
+def test_an_export_saved_again_with_semicolons_and_decimal_commas(write: Write) -> None:
     text = motive(
         MARKER, Export_Frame_Rate="120", rows=("0,0.000000,0.25,0.5,1",), Total_Exported_Frames="1"
     )
     with pytest.warns(UserWarning, match="commas count as decimal points, in 3 cells"):
-        read = read_csv(written(text.replace(",", ";").replace(".", ",")))
+        read = read_csv(write(text.replace(",", ";").replace(".", ",")))
     assert read.positions.tolist() == [[[250, 500, 1000]]]
 
 
-def test_the_rate_of_capture_where_there_is_no_other(written: Written) -> None:
+def test_the_rate_of_capture_where_there_is_no_other(write: Write) -> None:
     rows = ("0,0,1,2,3", "1,0.004167,1,2,3")
-    assert read_csv(written(motive(MARKER, rows=rows, Export_Frame_Rate=None))).rate == 240
+    assert read_csv(write(motive(MARKER, rows=rows, Export_Frame_Rate=None))).rate == 240
 
 
-def test_metres_are_assumed_aloud(written: Written) -> None:
+def test_metres_are_assumed_aloud(write: Write) -> None:
     with pytest.warns(UserWarning, match="no unit of length; m is assumed"):
-        assert read_csv(written(motive(MARKER, Length_Units=None))).positions[0, 0, 0] == 1000
+        assert read_csv(write(motive(MARKER, Length_Units=None))).positions[0, 0, 0] == 1000
 
 
-def test_a_header_that_lies_is_corrected_aloud(written: Written) -> None:
+def test_a_header_that_lies_is_corrected_aloud(write: Write) -> None:
     with pytest.warns(UserWarning, match="says 1000000000000 frames, the file holds 2"):
-        assert read_csv(written(motive(MARKER, Total_Exported_Frames="1" + "0" * 12))).frames == 2
+        assert read_csv(write(motive(MARKER, Total_Exported_Frames="1" + "0" * 12))).frames == 2
 
 
 @pytest.mark.parametrize(
@@ -145,15 +145,15 @@ def test_a_header_that_lies_is_corrected_aloud(written: Written) -> None:
     ],
 )
 def test_a_header_that_does_not_suffice_is_refused(
-    written: Written, facts: dict[str, Any], message: str
+    write: Write, facts: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(motive(MARKER, **facts)))
+        read_csv(write(motive(MARKER, **facts)))
 
 
-def test_a_take_without_markers_is_refused(written: Written) -> None:
+def test_a_take_without_markers_is_refused(write: Write) -> None:
     with pytest.raises(ValueError, match=r":7: no columns of type Marker; there is Rigid Body$"):
-        read_csv(written(motive(TURNED, MOVED)))
+        read_csv(write(motive(TURNED, MOVED)))
 
 
 @pytest.mark.parametrize(
@@ -173,6 +173,6 @@ def test_a_take_without_markers_is_refused(written: Written) -> None:
         (motive(MARKER, without=("Name",)).replace(",,A1,A1,A1\n", ""), ":5: no row of names"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(text))
+        read_csv(write(text))

@@ -9,7 +9,7 @@ import pytest
 
 from nodegraph_files import read_csv
 
-Written = Callable[[str], Path]
+Write = Callable[[str], Path]
 ROWS = ("1 2 3 4 5 6", "7 8 9 10 11 12")
 
 
@@ -44,11 +44,9 @@ def qtm(*rows: str, extra: tuple[str, ...] = (), **facts: object) -> str:
     ],
 )
 @pytest.mark.parametrize("end", ["", "\t"])
-def test_what_stands_in_the_cells_is_read(
-    written: Written, extra: tuple[str, ...], end: str
-) -> None:
+def test_what_stands_in_the_cells_is_read(write: Write, extra: tuple[str, ...], end: str) -> None:
     text = qtm(*(row + end for row in ROWS), extra=extra).replace("~", " ")
-    read = read_csv(written(text))
+    read = read_csv(write(text))
     assert read.markers == ("lip", "nose")
     assert read.rate == 100
     assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
@@ -56,51 +54,49 @@ def test_what_stands_in_the_cells_is_read(
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("extra", [(), ("Frame Time lip~X lip~Y lip~Z nose~X nose~Y nose~Z",)])
-def test_frames_may_begin_with_their_number_and_time(
-    written: Written, extra: tuple[str, ...]
-) -> None:
+def test_frames_may_begin_with_their_number_and_time(write: Write, extra: tuple[str, ...]) -> None:
     rows = [f"{frame} {frame / 100} {row}" for frame, row in enumerate(ROWS, 1)]
-    read = read_csv(written(qtm(*rows, extra=extra).replace("~", " ")))
+    read = read_csv(write(qtm(*rows, extra=extra).replace("~", " ")))
     assert read.positions[1].tolist() == [[7, 8, 9], [10, 11, 12]]
 
 
-def test_numbers_and_times_that_contradict_the_header_are_told(written: Written) -> None:
+def test_numbers_and_times_that_contradict_the_header_are_told(write: Write) -> None:
     text = qtm(*(f"{2 * frame} {frame / 60} {ROWS[0]}" for frame in range(300)))
     with (
         pytest.warns(UserWarning, match="299 of 299 steps of the frame number are not 1"),
         pytest.warns(UserWarning, match=r"lasts 4\.98333 s, by FREQUENCY 2\.99 s"),
     ):
-        assert read_csv(written(text)).rate == 100
+        assert read_csv(write(text)).rate == 100
 
 
-def test_events_and_facts_of_other_versions_do_no_harm(written: Written) -> None:
+def test_events_and_facts_of_other_versions_do_no_harm(write: Write) -> None:
     text = qtm(*ROWS, FILE_VERSION="2.0.0", EVENT="start 1 0.01").split("\n")
     text.insert(0, text.pop(next(i for i, line in enumerate(text) if "FILE_V" in line)))
     text.insert(3, "EVENT\tstop\t2\t0.02")
-    assert read_csv(written("\n".join(text))).frames == 2
+    assert read_csv(write("\n".join(text))).frames == 2
 
 
-def test_zeros_empty_cells_and_null_are_missing(written: Written) -> None:
-    path = written(qtm("0.000 0.000 0.000 1 2 3", "1 2 3   ", "NULL NULL NULL NaN NaN NaN"))
+def test_zeros_empty_cells_and_null_are_missing(write: Write) -> None:
+    path = write(qtm("0.000 0.000 0.000 1 2 3", "1 2 3   ", "NULL NULL NULL NaN NaN NaN"))
     with pytest.warns(UserWarning, match=r"1 samples are at exactly \(0, 0, 0\)"):
         read = read_csv(path)
     assert read.present.tolist() == [[False, True], [True, False], [False, False]]
     assert read_csv(path, zeros_missing=False).present[0].all()
 
 
-def test_a_trajectory_that_was_filled_is_told(written: Written) -> None:
-    path = written(qtm(*ROWS, extra=("TRAJECTORY_TYPES Mixed Gap-filled",)))
+def test_a_trajectory_that_was_filled_is_told(write: Write) -> None:
+    path = write(qtm(*ROWS, extra=("TRAJECTORY_TYPES Mixed Gap-filled",)))
     with pytest.warns(UserWarning, match=r"2 trajectories .*: lip \(Mixed\), nose \(Gap-filled\)"):
         read_csv(path)
 
 
-def test_a_subject_that_all_share_is_taken_off(written: Written) -> None:
-    assert read_csv(written(qtm(*ROWS, MARKER_NAMES="A:lip A:nose"))).markers == ("lip", "nose")
+def test_a_subject_that_all_share_is_taken_off(write: Write) -> None:
+    assert read_csv(write(qtm(*ROWS, MARKER_NAMES="A:lip A:nose"))).markers == ("lip", "nose")
 
 
 @pytest.mark.filterwarnings("error")
-def test_counts_may_lack(written: Written) -> None:
-    assert read_csv(written(qtm(*ROWS, NO_OF_FRAMES="2.0", NO_OF_MARKERS=None))).frames == 2
+def test_counts_may_lack(write: Write) -> None:
+    assert read_csv(write(qtm(*ROWS, NO_OF_FRAMES="2.0", NO_OF_MARKERS=None))).frames == 2
 
 
 @pytest.mark.parametrize(
@@ -111,10 +107,10 @@ def test_counts_may_lack(written: Written) -> None:
     ],
 )
 def test_a_header_that_lies_is_corrected_aloud(
-    written: Written, fact: str, text: str, message: str
+    write: Write, fact: str, text: str, message: str
 ) -> None:
     with pytest.warns(UserWarning, match=message):
-        assert read_csv(written(qtm(*ROWS, **dict[str, Any]({fact: text})))).positions.shape == (
+        assert read_csv(write(qtm(*ROWS, **dict[str, Any]({fact: text})))).positions.shape == (
             2,
             2,
             3,
@@ -130,10 +126,10 @@ def test_a_header_that_lies_is_corrected_aloud(
     ],
 )
 def test_names_that_are_not_as_many_as_columns_are_told(
-    written: Written, names: str, message: str, markers: tuple[str, ...]
+    write: Write, names: str, message: str, markers: tuple[str, ...]
 ) -> None:
     with pytest.warns(UserWarning, match=message):
-        assert read_csv(written(qtm(*ROWS, MARKER_NAMES=names))).markers == markers
+        assert read_csv(write(qtm(*ROWS, MARKER_NAMES=names))).markers == markers
 
 
 @pytest.mark.parametrize(
@@ -148,14 +144,14 @@ def test_names_that_are_not_as_many_as_columns_are_told(
     ],
 )
 def test_a_header_that_does_not_suffice_is_refused(
-    written: Written, facts: dict[str, Any], message: str
+    write: Write, facts: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(qtm(*ROWS, **facts)))
+        read_csv(write(qtm(*ROWS, **facts)))
 
 
-def test_a_rate_may_be_added(written: Written) -> None:
-    assert read_csv(written("# rate: 60\n" + qtm(*ROWS, FREQUENCY="EXT"))).rate == 60
+def test_a_rate_may_be_added(write: Write) -> None:
+    assert read_csv(write("# rate: 60\n" + qtm(*ROWS, FREQUENCY="EXT"))).rate == 60
 
 
 @pytest.mark.parametrize(
@@ -168,13 +164,13 @@ def test_a_rate_may_be_added(written: Written) -> None:
     ],
 )
 def test_rows_that_are_wrong_are_told_with_their_place(
-    written: Written, rows: tuple[str, ...], message: str
+    write: Write, rows: tuple[str, ...], message: str
 ) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(qtm(*rows)))
+        read_csv(write(qtm(*rows)))
 
 
-def test_a_row_that_ends_early_is_told(written: Written) -> None:
+def test_a_row_that_ends_early_is_told(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 rows end before the last of 6 columns"):
-        read = read_csv(written(qtm("1 2 3 4 5 6", "1 2 3")))
+        read = read_csv(write(qtm("1 2 3 4 5 6", "1 2 3")))
     np.testing.assert_array_equal(read.present, [[True, True], [True, False]])

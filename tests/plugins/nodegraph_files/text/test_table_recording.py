@@ -15,7 +15,7 @@ from nodegraph_files.text.table_recording import (
 )
 from nodegraph_files.units import LengthUnit
 
-Written = Callable[[str], Path]
+Write = Callable[[str], Path]
 
 
 def test_coordinates_become_positions_of_markers() -> None:
@@ -27,26 +27,26 @@ def test_coordinates_become_positions_of_markers() -> None:
     assert table[0, 0] == 1
 
 
-def test_what_comments_tell(written: Written) -> None:
-    table = read_table(written("# rate: 50\n# units: cm\na,b\n"))
+def test_what_comments_tell(write: Write) -> None:
+    table = read_table(write("# rate: 50\n# units: cm\na,b\n"))
     assert (stated_rate(table), unit_of_table(table, "auto").name) == (50, "cm")
     assert unit_of_table(table, "auto", "centimetres") == LengthUnit("cm")
     assert unit_of_table(table, "m").name == "m"
     with pytest.raises(ValueError, match=r"take\.csv:2: unit 'cm'; the columns are in 'mm'"):
         unit_of_table(table, "auto", "mm")
-    bare = read_table(written("a,b\n"))
+    bare = read_table(write("a,b\n"))
     assert stated_rate(bare) is None
     assert unit_of_table(bare, "auto").problem
 
 
 @pytest.mark.parametrize("rate", ["0", "-5", "nan", "fast"])
-def test_a_rate_that_is_none_is_refused_with_its_line(written: Written, rate: str) -> None:
+def test_a_rate_that_is_none_is_refused_with_its_line(write: Write, rate: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv:2: rate '{rate}' is not a positive"):
-        stated_rate(read_table(written(f"a,b\n# rate: {rate}\n")))
+        stated_rate(read_table(write(f"a,b\n# rate: {rate}\n")))
 
 
-def test_a_rate_of_uneven_times_is_told(written: Written) -> None:
-    bare = read_table(written("a,b\n"))
+def test_a_rate_of_uneven_times_is_told(write: Write) -> None:
+    bare = read_table(write("a,b\n"))
     with pytest.warns(UserWarning, match="not whole steps apart; by the median step .* 2 Hz"):
         assert known_rate(bare, np.array([0, 0.5, 1, 1.5, 2.2])) == 2
     with pytest.raises(ValueError, match=r"take\.csv: no rate; add a line '# rate: 60'"):

@@ -1,18 +1,13 @@
 from __future__ import annotations
 
-import string
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
 
-from nodegraph_files import read_trc, trc_bytes, write_trc
+from nodegraph_files import read_trc, trc_bytes
 from nodegraph_files.text import table
 from nodegraph_mocap import Trajectories
 
@@ -310,27 +305,6 @@ def test_a_text_in_utf_16_says_so_itself(tmp_path: Path) -> None:
     path = tmp_path / "take.trc"
     path.write_bytes(trc().replace("lip", "é").encode("utf-16"))
     assert read_trc(path).markers == ("é", "nose")
-
-
-NAMES = st.text(string.ascii_letters + '.,;_" #éß', min_size=1, max_size=6)
-
-
-@given(st.data())
-def test_what_is_written_reads_back_equal(data: Any) -> None:
-    names = data.draw(
-        st.lists(NAMES.filter(lambda name: name == name.strip()), min_size=1, unique=True)
-    )
-    frames = data.draw(st.integers(1, 4))
-    numbers = st.floats(allow_nan=False, allow_infinity=False).filter(bool)
-    positions = data.draw(arrays.arrays(np.float64, (frames, len(names), 3), elements=numbers))
-    positions[data.draw(arrays.arrays(np.bool_, (frames, len(names))))] = np.nan
-    rate = data.draw(st.floats(1e-3, 1e5))
-    recording = Trajectories(positions=positions, markers=tuple(names), rate=rate)
-    with tempfile.TemporaryDirectory() as folder:
-        write_trc(recording, Path(folder) / "it.trc")
-        again = read_trc(Path(folder) / "it.trc")
-    np.testing.assert_array_equal(again.positions, recording.positions)
-    assert (again.markers, again.rate) == (recording.markers, recording.rate)
 
 
 def test_what_is_written_is_the_form_that_others_read(gappy: Trajectories) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from nodegraph_files import read_csv
 
-Written = Callable[[str], Path]
+Write = Callable[[str], Path]
 HEADER = (
     "Trajectories",
     "100",
@@ -36,31 +36,31 @@ def vicon(*rows: str, **changed: str) -> str:
         "\n".join(line + "," * (7 - line.count(",")) for line in vicon().split("\n")),
     ],
 )
-def test_the_section_of_trajectories_is_read(written: Written, text: str) -> None:
-    read = read_csv(written(text))
+def test_the_section_of_trajectories_is_read(write: Write, text: str) -> None:
+    read = read_csv(write(text))
     assert read.markers == ("lip", "nose")
     assert read.rate == 100
     assert read.positions[0].tolist() == [[1, 2, 3], [4, 5, 6]]
     assert read.present.tolist() == [[True, True], [True, False]]
 
 
-def test_semicolons_and_decimal_commas(written: Written) -> None:
+def test_semicolons_and_decimal_commas(write: Write) -> None:
     text = vicon("1,0,-391.888,-6180.01,1734.4,1,2,3").replace(",", ";").replace(".", ",")
     with pytest.warns(UserWarning, match="commas count as decimal points, in 3 cells"):
-        read = read_csv(written(text))
+        read = read_csv(write(text))
     assert read.positions[0, 0].tolist() == [-391.888, -6180.01, 1734.4]
 
 
-def test_units_become_millimetres(written: Written) -> None:
-    assert read_csv(written(vicon(line_5=",,m,m,m,m,m,m"))).positions[0, 0, 0] == 1000
+def test_units_become_millimetres(write: Write) -> None:
+    assert read_csv(write(vicon(line_5=",,m,m,m,m,m,m"))).positions[0, 0, 0] == 1000
 
 
-def test_rows_that_end_early_and_frames_that_skip_are_told(written: Written) -> None:
+def test_rows_that_end_early_and_frames_that_skip_are_told(write: Write) -> None:
     with (
         pytest.warns(UserWarning, match="1 rows end before the last of 8 columns"),
         pytest.warns(UserWarning, match="1 of 1 steps of Frame are not 1"),
     ):
-        read = read_csv(written(vicon("1,0,1,2,3,4,5,6", "5,0,1,2,3")))
+        read = read_csv(write(vicon("1,0,1,2,3,4,5,6", "5,0,1,2,3")))
     assert read.present.tolist() == [[True, True], [True, False]]
 
 
@@ -73,10 +73,10 @@ def test_rows_that_end_early_and_frames_that_skip_are_told(written: Written) -> 
     ],
 )
 def test_names_that_lack_or_repeat_are_told(
-    written: Written, names: str, message: str, markers: tuple[str, ...]
+    write: Write, names: str, message: str, markers: tuple[str, ...]
 ) -> None:
     with pytest.warns(UserWarning, match=message):
-        assert read_csv(written(vicon(line_3=names))).markers == markers
+        assert read_csv(write(vicon(line_3=names))).markers == markers
 
 
 @pytest.mark.parametrize(
@@ -98,6 +98,6 @@ def test_names_that_lack_or_repeat_are_told(
         ("\n".join([*HEADER, "", "Devices", ""]), ": no frames follow line 5"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(written: Written, text: str, message: str) -> None:
+def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(written(text))
+        read_csv(write(text))
