@@ -120,7 +120,8 @@ def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[
     for kind in note_kinds(study):
         if kind.kind is Kind.WARNING:
             yield f"\n{kind}"
-            yield from map(_warning, kind.groups if full else kind.groups[:_MOST_GROUPS])
+            for group in kind.groups if full else kind.groups[:_MOST_GROUPS]:
+                yield from _warnings(group, full=full)
             yield from _more(len(kind.groups), full=full)
     counts = [
         f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
@@ -201,13 +202,18 @@ def _mark(grid: Grid, row: int, column: int) -> str:
     return " " if column else ""
 
 
-def _warning(group: NoteGroup) -> str:
-    """Return a kind of warning: its text, or the first of several that differ in details."""
+def _warnings(group: NoteGroup, *, full: bool) -> Iterator[str]:
+    """Yield the text of a kind of warning; of several that differ in details, the first or all."""
+    start = f"warning: {group.where}"
     if "\N{HORIZONTAL ELLIPSIS}" in group.reason and group.labels:
-        first = group.labels[0].partition(": ")[2]
-        return f"warning: {group.where}: {first} (and {group.count - 1} like it)"
+        first, *rest = group.labels
+        more = f" (and {group.count - 1} like it)" if rest and not full else ""
+        yield f"{start} at {first}{more}"
+        yield from (f"{start} at {label}" for label in rest if full)
+        return
+    at = f" at {group.labels[0]}" if group.count == len(group.labels) == 1 else ""
     times = f" ({group.count} times)" if group.count > 1 else ""
-    return f"warning: {group.where}: {group.reason}{times}"
+    yield f"{start}{at}: {group.reason}{times}"
 
 
 def _failure(group: NoteGroup) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
 
 _LIST_TYPES = {"list_type", "tuple_type", "set_type", "frozen_set_type"}
+_MOST_VALUES = 3
+"""Wrong values of a setting that are shown, where an axis gives it several."""
 _encode = json.JSONEncoder(default=str).encode
 _REASONS = {
     "missing": "must be given",
@@ -110,15 +113,24 @@ class SettingsReader:
             axes = self._axes(written.values())
         combinations = itertools.product(*(self._namespace.axes[axis].labels for axis in axes))
         plain = {name: value.value for name, value in written.items()}
+        wrong: defaultdict[str, dict[str, str]] = defaultdict(dict)
         for labels in combinations if in_full else itertools.islice(combinations, 1):
             at = dict(zip(axes, labels, strict=True))
             shown = {name: self._substituted(value, at) for name, value in plain.items()}
             # settings without a valid value: their errors are recorded already
             invalid = pending.written.keys() - written.keys()
-            values = self._validated(pending, shown, invalid)
+            values = self._validated(pending, shown, invalid, wrong)
             files = self._files(pending, shown, [name for name in written if name not in invalid])
             pending.values[labels] = {**values, **files}
             pending.shown[labels] = {**values, **shown}
+        for name, messages in wrong.items():
+            setting = pending.method.settings.get(name)
+            place = self._namespace.place(setting) if setting else pending.method.place
+            for message, hint in itertools.islice(messages.items(), _MOST_VALUES):
+                self._problems.add(place, message, hint)
+            if len(messages) > _MOST_VALUES:
+                more = f"{len(messages) - _MOST_VALUES} more values of {name!r} are not valid"
+                self._problems.add(place, f"{pending.where}: {more}")
 
     def _is_valid(self, written: Written) -> bool:
         return self._namespace.invalid.isdisjoint(written.variables())
@@ -146,9 +158,16 @@ class SettingsReader:
         return value
 
     def _validated(
-        self, pending: _Pending, settings: Mapping[str, object], invalid: set[str]
+        self,
+        pending: _Pending,
+        settings: Mapping[str, object],
+        invalid: set[str],
+        wrong: defaultdict[str, dict[str, str]],
     ) -> Mapping[str, object]:
-        """Return settings with defaults; if any is not valid, none, and add it to `invalid`."""
+        """Return settings with defaults; if any is not valid, none, and add it to `invalid`.
+
+        What is wrong with a setting, and what it is, are added to `wrong`.
+        """
         from pydantic import ValidationError
 
         node = pending.node
@@ -158,11 +177,8 @@ class SettingsReader:
             model = node.model.model_validate_json(_encode(settings))
         except ValidationError as error:
             for name, message, hint in _messages(pending.where, node, error):
-                if name in invalid:
-                    continue
-                written = pending.method.settings.get(name)
-                place = self._namespace.place(written) if written else pending.method.place
-                self._problems.add(place, message, hint)
+                if name not in invalid:
+                    wrong[name][message] = hint
             invalid |= {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
             return {}
         return {name: getattr(model, name) for name in node.settings}
@@ -206,18 +222,24 @@ class SettingsReader:
 
 def _messages(where: str, node: Node, error: ValidationError) -> Iterator[tuple[str, str, str]]:
     """Yield the name of each invalid setting, what is wrong, and what the setting is."""
+    names = set()
     for detail in error.errors():
         if not detail["loc"]:
             yield "", f"{where}: settings of {node.name}: {detail['msg']}", ""
             continue
         name = str(detail["loc"][0])
+        if name in names:  # a setting of several types does not fit any of them
+            continue
+        names.add(name)
         value = detail["input"]
         reason = _REASONS.get(detail["type"]) or f"{_clause(detail['msg'])}, got {value!r}"
         setting = node.settings.get(name)
         unit = f", {setting.unit}" if setting is not None and setting.unit else ""
         hint = f"expected: {setting_kind(node, name)}{unit}" if setting is not None else ""
-        if detail["type"] in _LIST_TYPES and isinstance(value, (str, int, float)):
-            reason, hint = "is a list", f"{hint}; write [{value}]"
+        kinds = {other["type"] for other in error.errors() if other["loc"][:1] == (name,)}
+        if kinds & _LIST_TYPES and isinstance(value, (str, int, float)):
+            reason = "is a list" if kinds <= _LIST_TYPES else reason
+            hint = f"{hint}; write [{value}]"
         elif isinstance(value, list) and len(detail["loc"]) == 1:
             axis = f"{name}: {value_text(value)}"
             hint = f"{hint}; several values are an axis: axes: {{{axis}}}, and ${name} here"

@@ -132,8 +132,11 @@ def test_warnings_of_steps_are_printed_once_for_all_combinations(command: Comman
     cut = "    return Cut(x - length, x)"
     Path("toys.py").write_text(text.replace(cut, warning + cut))
     _, out, _ = command("run", "toy.yaml")
-    assert out.count("warning: gaps (toy.cut): gap of") == 1
-    assert "(and 1 like it)" in out
+    first, second = (f"warning: gaps (toy.cut) at length={n}: gap of {n} is long" for n in (1, 5))
+    assert f"{first} (and 1 like it)\n" in out
+    assert second not in out
+    _, out, _ = command("run", "toy.yaml", "--full")
+    assert f"{first}\n{second}\n" in out
 
 
 def test_a_failed_step_ends_with_1(command: Command) -> None:

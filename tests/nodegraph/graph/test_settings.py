@@ -29,6 +29,7 @@ def everything(
     many: tuple[int, ...] = (),
     pair: tuple[float, float] = (0.0, 1.0),
     names: list[str] | None = None,
+    some: int | list[int] = 0,
     path: InputFile | None = None,
     settings: dict[str, float] | None = None,
 ) -> float:
@@ -101,6 +102,7 @@ def test_a_setting_arrives_as_its_type(
         ("many: @@3", "is a list", "list of whole numbers"),
         ("many: @@[1, x]", "should be a valid integer, got 'x'", "list of whole numbers"),
         ("names: @@a", "is a list", "list of texts or null"),
+        ("some: @@x", "should be a valid integer, got 'x'", "or list of whole numbers; write [x]"),
         ("path: @@none.c3d", "no such file: none.c3d", ""),
         ("hole: @@3", "has no setting 'hole'", "did you mean 'whole'?"),
         (f"whole: @@{'9' * 3500}", "setting 'whole' of set.all", "whole number"),
@@ -134,6 +136,9 @@ def test_a_setting_is_checked_at_every_label(problems_of: ProblemsOf) -> None:
         """
     problems = problems_of(text, more=[everything])
     assert [problem.message[-6:] for problem in problems] == ["got 10", "got 12"]
+    text = text.replace("[1,", "[20, 21, 22,").replace("@@@@", 4 * "@@")
+    *_, last = problems_of(text, more=[everything])
+    assert last.message == "a: 2 more values of 'whole' are not valid"
 
 
 def test_settings_depend_on_the_axes_that_they_name(graph_of: Callable[..., Graph]) -> None:
