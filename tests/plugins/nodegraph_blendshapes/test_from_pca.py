@@ -64,7 +64,7 @@ def test_components_are_those_of_the_covariance_and_weight_1_a_standard_deviatio
     assert table["kept"].tolist() == [True] * 4 + [False] * (len(table) - 4)
     movement = [np.sqrt(np.mean(np.linalg.norm(shape, axis=1) ** 2)) for shape in model.shapes]
     np.testing.assert_allclose(table["movement"][:4], movement)
-    message = f"The model's 4 shapes explain {100 * table['cumulative'][3]:.2f}% of the variance."
+    message = f"The model's 4 shapes explain {100 * table['cumulative'][3]:.2f} % of the variance."
     assert list(info_of(table).notes) == [message]
 
 
