@@ -8,9 +8,10 @@ import time
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from nodegraph import Across, InputFile, Refusal, Value, node, read_only
@@ -20,8 +21,8 @@ from nodegraph import Across, InputFile, Refusal, Value, node, read_only
 class Pair(Value):
     """Two arrays that travel together."""
 
-    first: np.ndarray[Any, Any]
-    second: np.ndarray[Any, Any]
+    first: NDArray[np.float64]
+    second: NDArray[np.float64]
 
 
 class Cut(NamedTuple):

@@ -81,7 +81,7 @@ def study(registry: Registry, tmp_path: Path) -> Callable[..., Run]:
         *,
         nodes: Registry = registry,
         listeners: Iterable[Any] = (),
-        **inputs: Any,
+        **inputs: object,
     ) -> Run:
         spec = read_graph_text(f"nodegraph: 1\n{textwrap.dedent(text)}", "away.yaml", tmp_path)
         graph = build(spec, nodes, Choices(inputs, folder=tmp_path))

@@ -166,7 +166,7 @@ def graph_of(tmp_path: Path) -> Callable[..., Graph]:
     def build_it(
         text: str,
         *,
-        more: Iterable[Callable[..., Any]] = (),
+        more: Iterable[Callable[..., object]] = (),
         plugins: Iterable[Plugin] = (),
         **choices: Any,
     ) -> Graph:
@@ -193,7 +193,7 @@ def run_of(graph_of: Callable[..., Graph]) -> Callable[..., Run]:
         listeners: Iterable[Any] = (),
         store: Path | None = None,
         say: Callable[[str], None] = pytest.fail,
-        **more: Any,
+        **more: object,
     ) -> Run:
         graph = graph_of(text, **more)
         return execute(

@@ -122,7 +122,7 @@ def saved(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def without_times(path: Path) -> dict[str, Any]:
+def without_times(path: Path) -> dict[str, object]:
     record = read_record(path)
     for part in (record, *record["steps"]):
         del part["seconds"]

@@ -38,7 +38,7 @@ def write(folder: Path, factor: float) -> Path:
     return path
 
 
-def load(path: Path) -> Callable[..., Any]:
+def load(path: Path) -> Callable[..., object]:
     """Return the kernel of a module, as a new process would."""
     function: Callable[..., object] = runpy.run_path(str(path))["scaled"]
     return function

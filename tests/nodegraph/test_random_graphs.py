@@ -80,7 +80,7 @@ class Naive:
     def __init__(self, specs: list[RandomNode]) -> None:
         self._specs = {spec.name: spec for spec in specs}
 
-    def labels(self, axis: str) -> tuple[Any, ...]:
+    def labels(self, axis: str) -> tuple[object, ...]:
         return AXES.get(axis, ("join", "flip", "pass"))
 
     def axes(self, name: str) -> frozenset[str]:
@@ -117,7 +117,7 @@ class Naive:
             texts.append(f"{sorted(more.items())}={self.value(spec.first, {**here, **more})}")
         return sorted(texts)
 
-    def all(self, name: str) -> dict[frozenset[tuple[str, Any]], str]:
+    def all(self, name: str) -> dict[frozenset[tuple[str, object]], str]:
         axes = sorted(self.axes(name))
         rows = itertools.product(*(self.labels(axis) for axis in axes))
         cells = (dict(zip(axes, row, strict=True)) for row in rows)

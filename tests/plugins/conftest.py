@@ -9,7 +9,6 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from playwright.sync_api import Page, Route
@@ -50,7 +49,7 @@ def in_three(tab: Page) -> Callable[..., object]:
     if not THREE:
         pytest.skip("NODEGRAPH_THREE names no folder of three.js")
 
-    def run(content: bytes, script: str, **given: object) -> Any:
+    def run(content: bytes, script: str, **given: object) -> object:
         page = PAGE.replace("GIVEN", json.dumps(given)).replace("SCRIPT", script)
 
         def answer(route: Route) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import pytest
 from rocrate_validator import models, services
@@ -58,7 +57,7 @@ class Response:
         self.headers = {"Content-Type": "application/ld+json"}
         self._terms = terms
 
-    def json(self) -> Any:
+    def json(self) -> object:
         return {"@context": self._terms}
 
 

@@ -54,7 +54,7 @@ def places(data: object, at: Place = ()) -> Iterator[Place]:
             yield from places(data[index], (*at, index))
 
 
-def changed(data: Any, at: Place) -> Iterator[Any]:
+def changed(data: object, at: Place) -> Iterator[Any]:
     """Yield data without what is at a place, and with something else there."""
     text = json.dumps(data)
     for other in (..., *OTHERS):

@@ -8,7 +8,6 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -28,7 +27,7 @@ class Folder:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(textwrap.dedent(text), encoding="utf-8")
 
-    def function(self, where: str) -> Callable[..., Any]:
+    def function(self, where: str) -> Callable[..., object]:
         """Return ``module:name``, imported from the files as they are."""
         module, _, name = where.partition(":")
         self.forget()

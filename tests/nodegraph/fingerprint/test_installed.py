@@ -7,7 +7,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -34,7 +33,7 @@ MACHINE = {
 
 
 @pytest.fixture(scope="module")
-def functions() -> dict[str, Callable[..., Any]]:
+def functions() -> dict[str, Callable[..., object]]:
     return {registered.full_name: registered.node.function for registered in default_registry()}
 
 
@@ -49,7 +48,7 @@ def answers(code: Code, functions: dict[str, Callable[..., object]]) -> dict[str
 
 
 @pytest.fixture(scope="module")
-def remembered(code: Code, answers: dict[str, Reached]) -> dict[str, Any]:
+def remembered(code: Code, answers: dict[str, Reached]) -> dict[str, object]:
     return code.remembered()
 
 
@@ -57,7 +56,7 @@ def test_code_of_plugins_counts_by_its_content() -> None:
     assert followed(default_registry()) >= {"nodegraph", "nodegraph_fill", "nodegraph_tables"}
 
 
-def test_garbage_is_collected_again(functions: dict[str, Callable[..., Any]]) -> None:
+def test_garbage_is_collected_again(functions: dict[str, Callable[..., object]]) -> None:
     Code([]).of(next(iter(functions.values())))
     assert gc.isenabled()
 

@@ -25,7 +25,7 @@ FILES = {
 
 
 @pytest.fixture
-def fill(folder: Folder) -> Callable[..., Any]:
+def fill(folder: Folder) -> Callable[..., object]:
     """A function whose files were written long ago."""
     folder.write(FILES)
     for name in FILES:
@@ -146,5 +146,5 @@ def test_a_name_of_a_part_that_is_not_there_is_damage(fill: Callable[..., object
 
 
 @pytest.mark.parametrize("remembered", [None, {}, [], "text", {"format": 1}, {"files": 3}])
-def test_what_is_no_memory_at_all(fill: Callable[..., Any], remembered: Any) -> None:
+def test_what_is_no_memory_at_all(fill: Callable[..., object], remembered: Any) -> None:
     assert Code([], remembered).of(fill) == Code([]).of(fill)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import pytest
 
@@ -23,7 +22,7 @@ nodes:
 """
 
 
-def pairs(gathered: Across[object]) -> list[tuple[tuple[Any, ...], Any]]:
+def pairs(gathered: Across[object]) -> list[tuple[tuple[object, ...], object]]:
     return [(tuple(labels.values()), value) for labels, value in gathered]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated
 
 import pytest
 
@@ -40,7 +40,7 @@ def judge(judge_of: Callable[..., Judge]) -> Judge:
     return judge_of([number, new, old, gone])
 
 
-def graph(**b: object) -> dict[str, Any]:
+def graph(**b: object) -> dict[str, object]:
     return {"nodegraph": 1, "nodes": {"a": {"use": "read.number"}, "b": {"in": "a", **b}}}
 
 
@@ -57,7 +57,7 @@ def test_nodes_and_settings_are_marked(judge: Judge) -> None:
     assert "deprecated" not in settings["most"]
 
 
-GOOD: dict[str, dict[str, Any]] = {
+GOOD: dict[str, dict[str, object]] = {
     "alone": {"use": "fill.old"},
     "listed": {"alternatives": ["fill.old", "fill.new"]},
     # the family leaves fill.old out, which has no such setting

@@ -18,6 +18,7 @@ import pytest
 import nodegraph as ng
 from nodegraph import NodegraphError
 from nodegraph.cli.main import main
+from nodegraph.graph import Graph
 from nodegraph.live.session import session_of
 from nodegraph.testing import difference
 from nodegraph_files import read_npz
@@ -230,7 +231,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def graph(folder: Path) -> Any:
+def graph(folder: Path) -> Graph:
     return ng.load(folder / "graph.yaml", plugins=[folder / "nodes.py"])
 
 
@@ -259,7 +260,7 @@ class Box:
         pass
 
 
-def play(graph: Any, folder: Path, script: str, sink: str, **options: Any) -> tuple[Any, Box]:
+def play(graph: Graph, folder: Path, script: str, sink: str, **options: Any) -> tuple[Any, Box]:
     """Run a graph on the frames of a script; the counts, and what a sink got."""
     box = Box(options.pop("away", 0))
     source = ("take", f"wire:{folder / 'take.npz'}?{script}")
@@ -277,7 +278,7 @@ def recording_of(box: Box) -> Trajectories:
 
 
 def test_every_branch_gives_what_the_whole_take_gives(
-    folder: Path, graph: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, graph: Graph, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     nodes = ("avg", "held", "both", "near")
     command = ["live", str(folder / "graph.yaml"), "--plugin", str(folder / "nodes.py")]
@@ -591,5 +592,5 @@ def test_an_interruption_ends_the_stream_and_writes_what_there_is(
     assert read_npz(tmp_path / "held.npz").frames == counts["computed"]
 
 
-def graph_with(folder: Path, **choices: Any) -> Any:
+def graph_with(folder: Path, **choices: Any) -> Graph:
     return ng.load(folder / "graph.yaml", plugins=[folder / "nodes.py"], **choices)

@@ -10,7 +10,7 @@ import pytest
 from nodegraph import Comparison, Conclusion, Format, Rendered, Renderer, Storage
 
 
-def nothing(*arguments: Any) -> tuple[str, ...]:
+def nothing(*arguments: object) -> tuple[str, ...]:
     return ()
 
 

@@ -17,7 +17,7 @@ from typing import Any
 Change = Callable[[dict[str, Any]], object]
 Place = tuple[Any, str | int]
 
-PARTS: tuple[Any, ...] = (
+PARTS: tuple[object, ...] = (
     None, True, False, 0, 1, -1, 3, 2**31, 2**40, 2**62, 2**63, 2**70, -(2**40), 0.5, -0.0, 1e308,
     "", "x", "é", "\ud83d", "00", "0x1", "ff" * 8, "a" * 64, "/etc/../x", "|O", "O", "<f8", ">f8",
     "<i8", "|b1", "|u1", "<U1", "<U3", "<U536870911", "|V8", "<M8[ns]", "<m8[s]", "<g", "<f2",
@@ -37,9 +37,9 @@ WORDS = (
 )  # fmt: skip
 
 
-def deep(levels: int, word: str = "list") -> Any:
+def deep(levels: int, word: str = "list") -> object:
     """Return lists in lists."""
-    part: Any = 1
+    part: object = 1
     for _ in range(levels):
         part = [word, part]
     return part
@@ -92,7 +92,7 @@ def write_pack(path: Path, entries: dict[bytes, bytes], chance: Random) -> None:
         os.truncate(path, chance.choice([0, 24, offset // 2, 2**43]))
 
 
-def output(head: Any, *buffers: bytes | Sequence[Any] | None, at: int = 0) -> Change:
+def output(head: object, *buffers: bytes | Sequence[object] | None, at: int = 0) -> Change:
     """Return a change that makes an output another one, its digest included.
 
     Parameters

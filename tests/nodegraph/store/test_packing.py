@@ -37,7 +37,7 @@ class Take(Value):
 
 @dataclass(frozen=True, slots=True)
 class Slotted(Value):
-    first: Any
+    first: object
     second: int = 2
 
 
@@ -50,7 +50,7 @@ class Loose(Value):
 class Checked(Value):
     rate: float
     marks: tuple[int, ...] = ()
-    numbers: Any = None
+    numbers: object = None
 
     def __post_init__(self) -> None:
         if not self.rate > 0:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from nodegraph import (
     FrameForm,
@@ -31,7 +32,7 @@ def half(settings: Mapping[str, Any]) -> int:
     return width // 2
 
 
-def frame_of(positions: np.ndarray[Any, Any], frame: Frame) -> Frame:
+def frame_of(positions: NDArray[np.float64], frame: Frame) -> Frame:
     missing = np.isnan(positions[:, 0])
     origin = np.where(frame.origin == Origin.MISSING, np.uint8(Origin.FILLED), frame.origin)
     return Frame(positions, np.where(missing, np.uint8(Origin.MISSING), origin), frame.sigma)
@@ -115,14 +116,14 @@ class Missing:
     def __init__(self, recording: Trajectories) -> None:
         self.missing = self.samples = 0
 
-    def push(self, frame: Frame) -> np.ndarray[Any, Any]:
+    def push(self, frame: Frame) -> NDArray[np.float64]:
         self.missing += int(np.count_nonzero(frame.origin == Origin.MISSING))
         self.samples += len(frame.origin)
         return np.array([self.missing / self.samples])
 
 
 class SkipsFrames(Missing):
-    def push(self, frame: Frame) -> np.ndarray[Any, Any]:
+    def push(self, frame: Frame) -> NDArray[np.float64]:
         if (frame.origin == Origin.MISSING).all():
             return np.array([self.missing / max(self.samples, 1)])
         return super().push(frame)
@@ -162,7 +163,7 @@ class Reuses(Delayed):
 
 
 class Shares(Delayed):
-    shared: np.ndarray[Any, Any] | None = None
+    shared: NDArray[np.float64] | None = None
 
     def push(self, frame: Frame) -> Frame | None:
         if Shares.shared is None or Shares.shared.shape != frame.positions.shape:

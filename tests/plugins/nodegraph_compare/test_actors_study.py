@@ -93,7 +93,7 @@ report: [answer]
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Any:
+def run(tmp_path_factory: pytest.TempPathFactory) -> object:
     """Return what runs the graph and gives the exit status."""
     folder = tmp_path_factory.mktemp("study")
     (folder / "made.py").write_text(NODES)

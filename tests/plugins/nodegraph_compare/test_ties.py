@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from pandas.testing import assert_frame_equal
 
-from nodegraph import Across
+from nodegraph import Across, Label
 from nodegraph_compare.agreement.node import agreement
 from nodegraph_compare.curve.node import curve
 from nodegraph_compare.importance import importance
 from nodegraph_compare.ranks.node import ranks
 from nodegraph_compare.table.node import table
 from nodegraph_compare.ties import ROUNDING, apart, at_most, differ, settled, tied
+from nodegraph_mocap import Table
 from nodegraph_tables import info_of
 
 NAN = np.nan
@@ -24,11 +25,11 @@ NOISE = (1e-15, -1e-15, 1e-12, -1e-12)
 MAGNITUDES = st.floats(1e-3, 1e3)
 
 
-def study(noise: float, *, names: str = "abcd") -> Any:
+def study(noise: float, *, names: str = "abcd") -> Across[Table]:
     """Twelve trials: b is a but for rounding, c and d are behind both, in the order of `names`."""
     a = np.random.default_rng(0).gamma(2, size=(12, 3)) + 0.1
     values = {"a": a, "b": a * (1 + noise), "c": a + 0.5, "d": a + 0.7}
-    entries: list[Any] = [
+    entries: list[tuple[dict[str, Label], Table]] = [
         ({"trial": trial, "fill": name}, pd.DataFrame({"gap": range(3), "rmse": row}))
         for trial in range(12)
         for name in names
@@ -122,7 +123,7 @@ def test_what_is_a_millionth_apart_counts(sign: int) -> None:
     assert sentence.startswith(f"{first} has the lowest mean rmse")
 
 
-def sweep(*values: float) -> Any:
+def sweep(*values: float) -> Across[Table]:
     frame = pd.DataFrame({"markers": np.arange(len(values)), "mse": np.array(values)})
     return Across.of({"ME": frame}, axis="actor")
 

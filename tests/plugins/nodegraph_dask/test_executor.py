@@ -102,7 +102,7 @@ def test_a_large_value_is_sent_once(
     sent: list[int] = []
     scatter = Client.scatter
 
-    def count(client: Client, arrays: list[Any], **options: Any) -> Any:
+    def count(client: Client, arrays: list[Any], **options: Any) -> object:
         sent.extend(array.nbytes for array in arrays)
         return scatter(client, arrays, **options)  # type: ignore[no-untyped-call]
 

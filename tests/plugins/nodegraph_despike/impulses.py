@@ -12,7 +12,7 @@ from nodegraph_mocap import Origin, Trajectories
 Positions = NDArray[np.float64]
 
 
-def make_recording(positions: Any, origin: Any = None, rate: float = 60.0) -> Trajectories:
+def make_recording(positions: object, origin: Any = None, rate: float = 60.0) -> Trajectories:
     """(T, M, 3), or (T,) or (T, M) along a slanting line, to a recording."""
     array = np.asarray(positions, dtype=np.float64)
     if array.ndim < 3:

@@ -6,7 +6,6 @@ import struct
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -265,7 +264,7 @@ def test_random_bytes_are_refused(tmp_path: Path, tail: bytes, start: int) -> No
 
 
 @given(st.data())
-def test_a_written_recording_reads_back(data: Any) -> None:
+def test_a_written_recording_reads_back(data: st.DataObject) -> None:
     import tempfile
 
     frames, markers = data.draw(st.tuples(st.integers(1, 5), st.integers(1, 4)))

@@ -13,7 +13,7 @@ from nodegraph_mocap import BlendshapeModel
 from nodegraph_mocap.specimens import specimens
 
 
-def arrays(**changes: object) -> dict[str, Any]:
+def arrays(**changes: object) -> dict[str, object]:
     given = {
         "neutral": np.zeros((2, 3), np.float32),
         "shapes": np.ones((1, 2, 3)),

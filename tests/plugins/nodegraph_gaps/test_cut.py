@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 import pytest
@@ -127,7 +127,7 @@ def test_a_graph_is_refused_only_for_gaps_that_no_seed_can_cut(
     requires = described.requires
     assert requires is not None
     for count in range(1, 13):
-        settings: dict[str, Any] = {
+        settings: dict[str, object] = {
             "length": length, "count": count, "simultaneous": simultaneous, "pattern": pattern
         }  # fmt: skip
         early = message(requires, source, None, **settings)

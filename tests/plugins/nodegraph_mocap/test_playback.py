@@ -10,7 +10,7 @@ from nodegraph_mocap import Panel, Playback, Trajectories
 from nodegraph_mocap.specimens import animations, recordings
 
 
-def panel(shown: Any = None, **changed: Any) -> Panel:
+def panel(shown: object = None, **changed: Any) -> Panel:
     given = {
         "label": "one",
         "shown": recordings()["complete"] if shown is None else shown,

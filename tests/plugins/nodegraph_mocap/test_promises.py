@@ -47,7 +47,7 @@ def registry() -> Registry:
     module = types.ModuleType("common")
 
     @hookimpl
-    def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
+    def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:
         return specimens()
 
     @hookimpl

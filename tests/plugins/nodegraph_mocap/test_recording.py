@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
 
 from nodegraph_mocap import MarkerSet, Mask, Origin, Trajectories, check_markers
 from nodegraph_mocap.specimens import recordings
@@ -88,7 +89,7 @@ def test_a_sample_that_is_neither_there_nor_missing_is_refused(sample: tuple[flo
 
 
 @given(arrays.arrays(np.float64, (3, 2, 3), elements=st.sampled_from([0.0, 1.0, NAN, np.inf])))
-def test_exactly_whole_samples_are_accepted(positions: np.ndarray[Any, Any]) -> None:
+def test_exactly_whole_samples_are_accepted(positions: NDArray[np.generic]) -> None:
     finite = np.isfinite(positions).all(axis=2)
     whole = finite | np.isnan(positions).all(axis=2)
     if whole.all():

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 
 from nodegraph import Across, Label
@@ -25,7 +26,7 @@ def alone(truth: Trajectories) -> Across[Trajectories]:
     return Across((), (({}, truth),))
 
 
-def drawn(axis: Any, label: str) -> PathCollection:
+def drawn(axis: Axes, label: str) -> PathCollection:
     return next(
         artist
         for artist in axis.collections
@@ -33,7 +34,7 @@ def drawn(axis: Any, label: str) -> PathCollection:
     )
 
 
-def count(axis: object, label: str) -> int:
+def count(axis: Axes, label: str) -> int:
     return len(np.asarray(drawn(axis, label).get_offsets()))
 
 
@@ -46,11 +47,11 @@ def smoothed(offset: float) -> Trajectories:
     return truth.with_samples(positions, changed=changed, origin=Origin.REPAIRED)
 
 
-def errors_of(axis: object) -> Any:
+def errors_of(axis: Axes) -> Any:
     return np.asarray(drawn(axis, "error").get_array())
 
 
-def numbers_of(axis: Any) -> list[str]:
+def numbers_of(axis: Axes) -> list[str]:
     return [text.get_text() for text in axis.texts]
 
 

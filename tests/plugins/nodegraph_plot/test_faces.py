@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
 
 from nodegraph import Across
@@ -22,7 +23,7 @@ def across(**recordings: Trajectories) -> Across[Trajectories]:
     return Across.of(recordings, axis="fill")
 
 
-def dots(axis: Any) -> dict[str, Any]:
+def dots(axis: Axes) -> dict[str, Any]:
     """Return the points drawn, by what they show."""
     return {
         str(artist.get_label()): np.asarray(artist.get_offsets())
@@ -31,7 +32,7 @@ def dots(axis: Any) -> dict[str, Any]:
     }
 
 
-def lines(axis: Any) -> list[Any]:
+def lines(axis: Axes) -> list[Any]:
     actual = [
         artist.get_segments() for artist in axis.collections if isinstance(artist, LineCollection)
     ]

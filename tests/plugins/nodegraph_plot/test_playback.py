@@ -17,7 +17,7 @@ from nodegraph_plot.playback import playback
 from tests.plugins.nodegraph_plot import made_face
 
 
-def across(**values: Any) -> Across[Any]:
+def across(**values: object) -> Across[Any]:
     return Across.of(values, axis="fill")
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure as MatplotlibFigure
 from pandas import DataFrame
 
 from nodegraph import Across
@@ -15,7 +16,7 @@ from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.figures import draw
 
 
-def scores(**columns: Any) -> Across[Table]:
+def scores(**columns: object) -> Across[Table]:
     """Return tables of two methods, the second with errors twice as large."""
     frame = {"gap": [0, 1, 2], "length": [5, 15, 45], "rmse": [0.1, 0.4, 0.9], **columns}
     first, second = DataFrame(frame), DataFrame(frame)
@@ -25,9 +26,9 @@ def scores(**columns: Any) -> Across[Table]:
     return Across.of(tables, axis="fill")
 
 
-def points(figure: Any) -> dict[str, Any]:
+def points(figure: MatplotlibFigure) -> dict[str, Any]:
     return {
-        artist.get_label(): np.asarray(artist.get_offsets())
+        str(artist.get_label()): np.asarray(artist.get_offsets())
         for artist in figure.axes[0].collections
     }
 

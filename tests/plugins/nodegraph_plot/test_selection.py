@@ -7,8 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.colors import to_hex, to_rgba
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from nodegraph import Across, Refusal
 from nodegraph_mocap import Selection, Trajectories
@@ -45,7 +47,7 @@ def alone(first: Selection, recording: Trajectories) -> Any:
     return figure.axes[0]
 
 
-def dots(axis: Any) -> dict[str, PathCollection]:
+def dots(axis: Axes) -> dict[str, PathCollection]:
     return {
         str(artist.get_label()): artist
         for artist in axis.collections
@@ -53,7 +55,7 @@ def dots(axis: Any) -> dict[str, PathCollection]:
     }
 
 
-def titles(figure: Any) -> list[str]:
+def titles(figure: MatplotlibFigure) -> list[str]:
     return [axis.get_title() for axis in figure.axes if axis.get_title()]
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
 from nodegraph import Across
@@ -28,7 +29,7 @@ def of(**drawn: Trajectories) -> Across[Trajectories]:
     return Across.of(drawn, axis="step")
 
 
-def dots(axis: Any) -> dict[str, Any]:
+def dots(axis: Axes) -> dict[str, Any]:
     return {
         str(line.get_label()): np.column_stack(line.get_data())
         for line in axis.lines
@@ -36,7 +37,7 @@ def dots(axis: Any) -> dict[str, Any]:
     }
 
 
-def segments(axis: Any) -> list[Any]:
+def segments(axis: Axes) -> list[Any]:
     """Return the lines of the reference, of the shape, and between the two."""
     drawn = [artist for artist in axis.collections if isinstance(artist, LineCollection)]
     return [np.array(artist.get_segments()).reshape(-1, 2, 2) for artist in drawn]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure as MatplotlibFigure
 from scipy.signal import welch
 
 from nodegraph import Across
@@ -26,8 +27,8 @@ def noise(seed: int, *, markers: int = 3) -> Trajectories:
     )
 
 
-def lines(figure: Any) -> dict[str, Any]:
-    return {line.get_label(): line.get_xydata() for line in figure.axes[0].lines}
+def lines(figure: MatplotlibFigure) -> dict[str, Any]:
+    return {str(line.get_label()): line.get_xydata() for line in figure.axes[0].lines}
 
 
 def test_the_line_is_the_mean_of_the_markers_and_the_sum_of_the_coordinates() -> None:

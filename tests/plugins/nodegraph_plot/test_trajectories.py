@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
 from nodegraph import Absent, Across
@@ -27,7 +28,7 @@ def two() -> Across[Trajectories]:
     return across(lin=made_face.filled(0.5), cubic=made_face.filled(-0.25))
 
 
-def curve(axis: Any, label: str) -> Any:
+def curve(axis: Axes, label: str) -> Any:
     (line,) = [line for line in axis.lines if line.get_label() == label]
     return line
 
@@ -117,7 +118,7 @@ def many(*offsets: float) -> Across[Trajectories]:
     return across(**{f"off{offset}": made_face.filled(offset) for offset in offsets})
 
 
-def names_beside(axis: Any) -> list[str]:
+def names_beside(axis: Axes) -> list[str]:
     return [text.get_text() for text in axis.texts]
 
 

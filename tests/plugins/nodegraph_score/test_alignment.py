@@ -60,7 +60,7 @@ def single(take: object) -> Across[Any]:
     return Across((), (({}, take),))
 
 
-def of(**takes: Any) -> Across[Any]:
+def of(**takes: object) -> Across[Any]:
     return Across.of(takes, axis="align")
 
 

@@ -31,7 +31,7 @@ def moving(late: float = 0.0, frames: int = 600) -> Positions:
     return np.stack([first, second], axis=1)
 
 
-def rows(estimate: Positions, truth: Positions, rate: float = 60.0) -> list[dict[Any, Any]]:
+def rows(estimate: Positions, truth: Positions, rate: float = 60.0) -> list[dict[object, Any]]:
     return smoothness(recording(estimate, rate), recording(truth, rate)).to_dict("records")
 
 

@@ -74,7 +74,7 @@ def test_every_run_is_the_plain_one(k: int, dimensions: int) -> None:
 
 
 @given(st.data())
-def test_on_a_grid_where_most_rows_are_equal_and_most_distances_too(data: Any) -> None:
+def test_on_a_grid_where_most_rows_are_equal_and_most_distances_too(data: st.DataObject) -> None:
     count = data.draw(st.integers(1, 12))
     cells = data.draw(st.lists(st.integers(0, 2), min_size=2 * count, max_size=2 * count))
     rows = np.array(cells, dtype=np.float64).reshape(count, 2)

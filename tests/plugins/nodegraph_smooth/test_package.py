@@ -32,7 +32,7 @@ def defaults(name: str) -> dict[str, Any]:
     return {setting.name: setting.default for setting in definition.settings.values()}
 
 
-def changed(name: str, factors: Mapping[str, float]) -> dict[str, Any]:
+def changed(name: str, factors: Mapping[str, float]) -> dict[str, object]:
     """The defaults, some of them times a factor."""
     return {
         key: factors[key] * value if key in factors else value

@@ -7,7 +7,6 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import h5netcdf
 import numpy as np
@@ -29,7 +28,7 @@ def processed() -> Trajectories:
     return RECORDINGS["filled, repaired and with sigma"]
 
 
-def poses(*, rate: float | None = 50.0, **other: Any) -> xarray.Dataset:
+def poses(*, rate: float | None = 50.0, **other: object) -> xarray.Dataset:
     """Return a dataset as movement makes it, in millimetres."""
     positions = np.random.default_rng(0).normal(size=(6, 3, 4, 2)) * 50
     attributes = {"source_software": "DeepLabCut", "ds_type": "poses", "time_unit": "frames"}

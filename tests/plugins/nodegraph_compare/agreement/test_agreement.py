@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import io
 import re
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,12 +9,13 @@ import pytest
 
 from nodegraph import Across
 from nodegraph_compare.agreement.node import agreement
+from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
 
 NAN = np.nan
 
 
-def study(count: int = 3, blocks: int = 20) -> Any:
+def study(count: int = 3, blocks: int = 20) -> Across[Table]:
     random = np.random.default_rng(0)
     truth = random.uniform(1, 5, size=blocks)
     tables = {}

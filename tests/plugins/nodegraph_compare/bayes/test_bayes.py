@@ -1,21 +1,20 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 import pytest
 
-from nodegraph import Across, Refusal
+from nodegraph import Across, Label, Refusal
 from nodegraph_compare.bayes.node import bayes
 from nodegraph_compare.inference import posterior
+from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
 
 
-def study(actors: int = 8, blocks: int = 30) -> Any:
+def study(actors: int = 8, blocks: int = 30) -> Across[Table]:
     """`b` is `a` but for noise, `c` twice as far off."""
     random = np.random.default_rng(0)
-    entries: list[Any] = []
+    entries: list[tuple[dict[str, Label], Table]] = []
     for actor in range(actors):
         base = random.lognormal(size=blocks)
         for fill, factor in (("a", 1.0), ("b", 1.0), ("c", 2.0)):

@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nodegraph import Absent, Across
+from nodegraph import Absent, Across, Label
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.curve.node import Curve, curve
 from nodegraph_compare.inference import arithmetic_interval
+from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
 
 NAN = np.nan
@@ -23,9 +24,9 @@ def point(markers: float, mse: float) -> pd.DataFrame:
     return frame
 
 
-def swept(**actors: dict[Any, float]) -> Any:
+def swept(**actors: dict[Any, float]) -> Across[Table]:
     """One table for each actor and k; k is five less than the number of markers."""
-    entries: list[Any] = [
+    entries: list[tuple[dict[str, Label], Table]] = [
         ({"actor": actor, "k": markers - 5}, point(markers, mse))
         for actor, values in actors.items()
         for markers, mse in values.items()
@@ -33,7 +34,7 @@ def swept(**actors: dict[Any, float]) -> Any:
     return Across(("actor", "k"), tuple(entries))
 
 
-def drawn(scores: Any, floor: Any = None, **settings: Any) -> Curve:
+def drawn(scores: Across[Table], floor: Any = None, **settings: Any) -> Curve:
     chosen = {"x": "markers", "metric": "mse", "compare": "actor", **settings}
     return curve(scores, floor, **chosen)
 
@@ -42,7 +43,7 @@ def best(result: Curve) -> pd.DataFrame:
     return result.table[result.table["marked"] != ""]
 
 
-def floor(**levels: list[float]) -> Any:
+def floor(**levels: list[float]) -> Across[Table]:
     return Across.of(
         {name: pd.DataFrame({"mse": axis}) for name, axis in levels.items()}, axis="actor"
     )
@@ -68,7 +69,7 @@ def test_a_row_per_point_in_the_order_of_labels_and_of_x() -> None:
 
 
 def test_the_curve_takes_the_lowest_of_several_points_at_one_x() -> None:
-    entries: list[Any] = [
+    entries: list[tuple[dict[str, Label], Table]] = [
         ({"actor": "ME", "k": k}, point(markers, mse))
         for k, markers, mse in [(5, 9, 0.5), (10, 9, 0.4), (15, 9, 0.4), (20, 11, 0.1)]
     ]
@@ -85,7 +86,7 @@ def test_the_curve_takes_the_lowest_of_several_points_at_one_x() -> None:
 def test_repeats_are_averaged_with_an_interval_over_blocks() -> None:
     random = np.random.default_rng(0)
     rmse = random.uniform(size=(8, 2, 5))
-    entries: list[Any] = [
+    entries: list[tuple[dict[str, Label], Table]] = [
         ({"trial": trial, "length": 10 * place}, pd.DataFrame({"rmse": rmse[trial, place]}))
         for trial in range(8)
         for place in range(2)
@@ -104,7 +105,7 @@ def test_repeats_are_averaged_with_an_interval_over_blocks() -> None:
 
 def test_of_repeats_the_lowest_is_that_of_their_means() -> None:
     errors = {("a", 0): 1.0, ("a", 1): 5.0, ("b", 0): 2.0, ("b", 1): 2.0}
-    entries: list[Any] = [
+    entries: list[tuple[dict[str, Label], Table]] = [
         ({"search": search, "trial": trial, "actor": "ME"}, point(9, mse))
         for (search, trial), mse in errors.items()
     ]

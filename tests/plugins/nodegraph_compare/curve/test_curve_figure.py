@@ -6,19 +6,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure as MatplotlibFigure
 
-from nodegraph import Across
+from nodegraph import Across, Label
 from nodegraph_compare.curve.node import curve
+from nodegraph_mocap import Table
 from nodegraph_tables.style import BEST, REST
 
 ACTORS = ("ME", "MB", "JZ")
 SEARCHES = ((5, 9, 0.5), (10, 9, 0.4), (15, 11, 0.1), (20, 13, 0.3))
 
 
-def scores(scale: float = 1.0, actors: tuple[str, ...] = ACTORS) -> Any:
-    entries: list[Any] = [
+def scores(scale: float = 1.0, actors: tuple[str, ...] = ACTORS) -> Across[Table]:
+    entries: list[tuple[dict[str, Label], Table]] = [
         (
             {"actor": actor, "k": k},
             pd.DataFrame({"markers": [markers], "mse": [mse * scale**place]}),
@@ -29,11 +32,11 @@ def scores(scale: float = 1.0, actors: tuple[str, ...] = ACTORS) -> Any:
     return Across(("actor", "k"), tuple(entries))
 
 
-def figure(scores: Any, floor: Any = None, **settings: Any) -> Any:
+def figure(scores: Across[Table], floor: Any = None, **settings: Any) -> Any:
     return curve(scores, floor, x="markers", metric="mse", compare="actor", **settings).figure
 
 
-def foreground(axis: Any) -> Any:
+def foreground(axis: Axes) -> Any:
     """Return the line of the curve that a panel is about."""
     (line,) = (
         line for line in axis.lines if to_hex(line.get_color()) == BEST and line.get_marker() == "o"
@@ -41,7 +44,7 @@ def foreground(axis: Any) -> Any:
     return line
 
 
-def caption(figure: Any) -> str:
+def caption(figure: MatplotlibFigure) -> str:
     return str(figure.get_supxlabel())
 
 
@@ -87,7 +90,7 @@ def test_what_noise_does_is_shaded(common: bool) -> None:
 
 def test_intervals_are_those_of_the_table() -> None:
     random = np.random.default_rng(0)
-    entries: list[Any] = [
+    entries: list[tuple[dict[str, Label], Table]] = [
         ({"trial": trial, "length": length}, pd.DataFrame({"rmse": random.uniform(size=3)}))
         for trial in range(6)
         for length in (5, 45)

@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 from scipy.stats import rankdata
 
-from nodegraph import Across, Detail, Rendered, Renderer, json_script
+from nodegraph import Across, Detail, Label, Rendered, Renderer, json_script
 from nodegraph.report import Section, Study, page
 from nodegraph_compare import nodegraph_renderers
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import table as table_of
+from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, with_info
 from tests.browser import load, middle, needs_axe, resize, violations
 
@@ -50,10 +51,10 @@ class Bakery:
         default_factory=lambda: {"kitchen": range(8), "heat": FACTORS, "recipe": RECIPES}
     )
 
-    def seconds(self, axis: str) -> Mapping[Any, float]:
+    def seconds(self, axis: str) -> Mapping[Label, float]:
         return {recipe: 0.001 * 3**at for at, recipe in enumerate(RECIPES)}
 
-    def uses(self, axis: str) -> Mapping[Any, str]:
+    def uses(self, axis: str) -> Mapping[Label, str]:
         return {}
 
     def unit(self, axis: str) -> str:
@@ -87,8 +88,8 @@ def wastes() -> dict[tuple[int, int, str], NDArray[np.float64]]:
 WASTES = wastes()
 
 
-def scores() -> Any:
-    entries: list[Any] = []
+def scores() -> Across[Table]:
+    entries: list[tuple[dict[str, Label], Table]] = []
     for (kitchen, heat, recipe), waste in WASTES.items():
         frame = pd.DataFrame(
             {
@@ -100,7 +101,7 @@ def scores() -> Any:
             }
         )
         info = TableInfo(units={"waste": "g"}, better={"waste": "lower", "mess": "lower"})
-        labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
+        labels: dict[str, Label] = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
         entries.append((labels, with_info(frame, info)))
     return Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
 
@@ -622,7 +623,8 @@ def test_odd_data_are_drawn_without_complaint(tab: Page, tmp_path: Path, kind: s
 
 @pytest.mark.parametrize("groups", [1, 2])
 def test_methods_tied_with_the_best_are_ringed(tab: Page, tmp_path: Path, groups: int) -> None:
-    data = data_of([*some(groups, 30, 4)], **({"within": []} if groups == 1 else {}))
+    within: dict[str, Any] = {"within": []} if groups == 1 else {}
+    data = data_of([*some(groups, 30, 4)], **within)
     for group in data["groups"]:
         group["tied"] = [next(at for at in range(4) if at not in group["best"])]
     load(tab, charts_of(tmp_path, data), width=1280)

@@ -11,11 +11,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from nodegraph import Across, Detail, Renderer
+from nodegraph import Across, Detail, Label, Renderer
 from nodegraph_compare import nodegraph_renderers
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
+from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
 
 NAN = np.nan
@@ -23,7 +24,7 @@ NAN = np.nan
 
 def cakes(
     values: object, *, better: BetterEnd = "lower", unit: str = "g", **columns: object
-) -> object:
+) -> Table:
     """Tables of a study of baking: how much sugar a recipe wastes, by cake."""
     waste = np.asarray(values, dtype=float)
     frame = pd.DataFrame({"cake": np.arange(len(waste)), "waste": waste, **columns})
@@ -32,22 +33,22 @@ def cakes(
 
 def kitchens(
     recipes: Mapping[str, float], count: int = 8, heats: tuple[int, ...] = (180, 220)
-) -> Any:
+) -> Across[Table]:
     """Recipes with their factors of waste; the first is the best in the cool oven alone."""
     random = np.random.default_rng(0)
-    entries: list[Any] = []
+    entries: list[tuple[dict[str, Label], Table]] = []
     for kitchen in range(count):
         for heat in heats:
             base = random.lognormal(size=6)
             for at, (recipe, factor) in enumerate(recipes.items()):
                 hotter = 1.0 if heat == heats[0] else 1.0 + 2.0 * (at == 0)
                 waste = base * factor * hotter * random.uniform(0.97, 1.03, 6)
-                labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
+                labels: dict[str, Label] = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
                 entries.append((labels, cakes(waste, mess=waste / 2, cleaned=np.ones(6))))
     return Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
 
 
-def compared(scores: Any, **settings: Any) -> Compared:
+def compared(scores: Across[Table], **settings: Any) -> Compared:
     return table_of(scores, metric="waste", compare="recipe", **settings)
 
 
@@ -56,14 +57,14 @@ class Bakery:
     """The origin of an overview in a run of someone else's study."""
 
     node: str = "recipes"
-    labels: Mapping[str, Any] = field(default_factory=dict)
+    labels: Mapping[str, object] = field(default_factory=dict)
     caption: str = ""
     details: tuple[Detail, ...] = ()
 
-    def seconds(self, axis: str) -> Mapping[Any, float]:
+    def seconds(self, axis: str) -> Mapping[Label, float]:
         return {"plain": 0.002, "rich": 0.2}
 
-    def uses(self, axis: str) -> Mapping[Any, str]:
+    def uses(self, axis: str) -> Mapping[Label, str]:
         return {"plain": "bake.plain"}
 
     def unit(self, axis: str) -> str:
@@ -180,7 +181,7 @@ def test_every_method_is_compared_to_a_baseline_over_all_groups() -> None:
     for sentence in (gas, coal):
         assert f"Against rich , {sentence}" in re.sub(r" ([;:.])", r"\1", text), text
     assert "Against" not in text_of(rendered(compared(scores, within=("oven",)).overview).lead)
-    few = [entry for entry in entries if entry[0]["kitchen"] < 4]
+    few = [entry for entry in entries if entry[0]["kitchen"] in range(4)]
     described = compared(Across(scores.axes, tuple(few), sources=("kitchen",)), **settings)
     assert "Against" not in text_of(rendered(described.overview).lead)
 
@@ -190,7 +191,7 @@ def test_the_compromise_is_by_the_ratio_that_judges_the_best(better: BetterEnd) 
     """One kitchen with large values decides the plain means, not the mean ratio."""
     factors = {"cool": (1.0, 3.0), "hot": (3.0, 1.0), "mild": (1.2, 1.2), "slow": (1.6, 1.6)}
     random = np.random.default_rng(0)
-    entries: list[Any] = []
+    entries: list[tuple[dict[str, Label], Table]] = []
     for kitchen in range(8):
         large = kitchen == 0
         for at, heat in enumerate((180, 220)):
@@ -198,7 +199,7 @@ def test_the_compromise_is_by_the_ratio_that_judges_the_best(better: BetterEnd) 
             for recipe, both in factors.items():
                 times = 4.0 if large and recipe == "mild" else both[at]
                 waste = base * (times if better == "lower" else 1 / times)
-                labels = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
+                labels: dict[str, Label] = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
                 entries.append((labels, cakes(waste, better=better)))
     scores = Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
     text = text_of(rendered(compared(scores, within=("heat",)).overview).lead)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.stats import binom, friedmanchisquare, rankdata, studentized_range, wilcoxon
 
 from nodegraph_compare.blocks import Group
@@ -26,7 +27,7 @@ def group(values: object) -> Group:
     )
 
 
-def scores(blocks: int = 12, methods: int = 5, *, tied: bool = False) -> Any:
+def scores(blocks: int = 12, methods: int = 5, *, tied: bool = False) -> NDArray[np.float64]:
     random = np.random.default_rng(7)
     result = random.gamma(2, size=(blocks, 1)) + random.normal(size=(blocks, methods))
     result = result + 0.4 * np.arange(methods)
@@ -188,7 +189,7 @@ def bounds() -> tuple[float, float]:
     return low / STUDIES, high / STUDIES
 
 
-def equal_methods(blocks: int, methods: int) -> Any:
+def equal_methods(blocks: int, methods: int) -> NDArray[np.float64]:
     """Studies in which all methods are equal: (STUDIES, blocks, methods), uneven blocks."""
     random = np.random.default_rng(2024)
     difficulty = random.lognormal(size=(STUDIES, blocks, 1))

@@ -15,6 +15,7 @@ from nodegraph.node.decorator import node_of
 from nodegraph_compare.ranks.node import Ranked
 from nodegraph_compare.ranks.node import ranks as ranks_of
 from nodegraph_compare.table.node import table
+from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
 from nodegraph_tables.style import BEST, BLACK, REST
 
@@ -22,7 +23,9 @@ NAN = np.nan
 NAMES = ("lin", "cubic", "akima", "muscle")
 
 
-def study(methods: tuple[str, ...] = NAMES, *, trials: int = 6, apart: float = 0.5) -> Any:
+def study(
+    methods: tuple[str, ...] = NAMES, *, trials: int = 6, apart: float = 0.5
+) -> Across[Table]:
     random = np.random.default_rng(0)
     entries = []
     for trial in range(trials):
@@ -39,7 +42,7 @@ def scored(*values: float) -> pd.DataFrame:
     return pd.DataFrame({"gap": range(len(values)), "rmse": np.array(values, dtype=float)})
 
 
-def ranks(scores: Any, **settings: Any) -> Ranked:
+def ranks(scores: Across[Table], **settings: Any) -> Ranked:
     """Rank where every trial and block is a cluster."""
     trials = tuple(axis for axis in scores.axes if axis == "trial")
     clusters = settings.pop("clusters", (*trials, "gap"))

@@ -1,17 +1,16 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.stats import rankdata, wilcoxon
 
 from nodegraph_compare.ranks.signed_rank import holm, rank_biserial, signed_rank
 
 
-def mixed(blocks: int = 25) -> Any:
+def mixed(blocks: int = 25) -> NDArray[np.float64]:
     """Differences of which some columns have ties, zeros or nothing else."""
     random = np.random.default_rng(0)
     plain = random.normal(0.3, size=(blocks, 4))

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
 from nodegraph import Across
@@ -47,7 +48,7 @@ def means(axis: Any) -> dict[int, Any]:
     }
 
 
-def rows(axis: Any) -> list[str]:
+def rows(axis: Axes) -> list[str]:
     return [text.get_text() for text in axis.get_yticklabels()]
 
 

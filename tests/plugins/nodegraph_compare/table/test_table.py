@@ -9,12 +9,14 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from nodegraph import Absent, Across
+from nodegraph import Absent, Across, Label
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.question import margin_of
 from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
+from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
 
 NAN = np.nan
@@ -26,10 +28,10 @@ def scored(values: Any) -> pd.DataFrame:
     return frame
 
 
-def trials(count: int = 6, gaps: int = 5, lengths: tuple[int, ...] = (5, 45)) -> Any:
+def trials(count: int = 6, gaps: int = 5, lengths: tuple[int, ...] = (5, 45)) -> Across[Table]:
     """Three methods of known order: `near` lowest, then `far`; `twin` equals `near`."""
     random = np.random.default_rng(0)
-    entries: list[Any] = []
+    entries: list[tuple[dict[str, Label], Table]] = []
     for trial in range(count):
         for length in lengths:
             near = random.lognormal(size=gaps) * length
@@ -39,13 +41,13 @@ def trials(count: int = 6, gaps: int = 5, lengths: tuple[int, ...] = (5, 45)) ->
     return Across(("trial", "length", "fill"), tuple(entries))
 
 
-def plainly(scores: Any, length: int, fill: str) -> Any:
+def plainly(scores: Across[Table], length: int, fill: str) -> NDArray[np.float64]:
     return np.concatenate(
         [value["rmse"] for at, value in scores if at["length"] == length and at["fill"] == fill]
     )
 
 
-def table(scores: Any, **settings: Any) -> Compared:
+def table(scores: Across[Table], **settings: Any) -> Compared:
     """Compare where every gap is a cluster, unless trials are."""
     trials = tuple(axis for axis in scores.axes if axis == "trial")
     clusters = settings.pop("clusters", trials or ("gap",))
@@ -366,7 +368,7 @@ def test_numbers_label_methods_as_well() -> None:
         table(scores, baseline="4")
 
 
-def declared(end: BetterEnd) -> object:
+def declared(end: BetterEnd) -> Across[Table]:
     tables = {"a": scored([0.9, 0.8, 0.95, 0.9]), "b": scored([0.5, 0.4, 0.6, 0.5])}
     info = TableInfo(units={"rmse": "mm"}, better={"rmse": end})
     return Across.of({name: with_info(table, info) for name, table in tables.items()}, axis="fill")
@@ -451,7 +453,7 @@ def test_many_groups_are_told_in_one_sentence() -> None:
     ]
 
 
-def narrow(lacking: int, *, unit: str = "gap") -> Any:
+def narrow(lacking: int, *, unit: str = "gap") -> Across[Table]:
     """Twenty blocks, some of which `shy` lacks; `timid` lacks one of these."""
     values = np.linspace(1.0, 2.0, 20)
     shy, timid = values + 1.0, values + 2.0

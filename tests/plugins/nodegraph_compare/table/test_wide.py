@@ -8,13 +8,14 @@ import pytest
 
 from nodegraph import Across
 from nodegraph_compare.table.node import table
+from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
 from nodegraph_tables.rendering import render_table
 
 NAN = np.nan
 
 
-def study(**settings: object) -> Any:
+def study() -> Across[Table]:
     """Scores of two methods at two lengths on three markers, eight trials."""
     random = np.random.default_rng(3)
     entries = []
@@ -26,15 +27,15 @@ def study(**settings: object) -> Any:
                 rows = pd.DataFrame({"marker": ["jaw", "chin", "brow"], "rmse": rmse})
                 rows = with_info(rows, TableInfo(units={"rmse": "mm"}))
                 entries.append((labels, rows))
-    return Across(("trial", "length", "fill"), tuple(entries)), settings
+    return Across(("trial", "length", "fill"), tuple(entries))
 
 
-def laid_out(**options: object) -> Any:
-    scores, settings = study(**options)
-    return table(scores, **settings).table
+def laid_out(**settings: Any) -> Table:
+
+    return table(study(), **settings).table
 
 
-def long(**settings: Any) -> Any:
+def long(**settings: Any) -> Table:
     return laid_out(**settings).set_index([*settings["within"], "fill"])
 
 
@@ -54,7 +55,11 @@ def test_a_row_per_trajectory_and_a_column_per_method() -> None:
 def test_methods_down_the_side_and_lengths_along_the_top() -> None:
     result = laid_out(rows=("fill",), columns=("length",))
     assert result["fill"].tolist() == ["lin", "cubic"]
-    assert [name for name in result if " " not in name[8:]] == ["fill", "length 5", "length 45"]
+    assert [name for name in map(str, result) if " " not in name[8:]] == [
+        "fill",
+        "length 5",
+        "length 45",
+    ]
     # the best of a group, here a column, is marked
     assert info_of(result).best == {"length 5": (1,), "length 45": (0,)}
     assert "blocks" not in result
@@ -109,7 +114,7 @@ def test_a_reader_sees_a_column_per_method_and_the_file_has_every_digit() -> Non
 
 
 def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
-    scores, _ = study()
+    scores = study()
     rest = [
         entry for entry in scores.entries if (entry[0]["length"], entry[0]["fill"]) != (45, "cubic")
     ]

@@ -26,7 +26,7 @@ def accessors(
     return Accessors(Document.model_validate(document | parts), binary)
 
 
-def of_array(array: NDArray[Any], **accessor: Any) -> Accessors:
+def of_array(array: NDArray[np.generic], **accessor: object) -> Accessors:
     code = CODES[f"<{array.dtype.kind}{array.dtype.itemsize}"]
     given = {"bufferView": 0, "componentType": code, "count": len(array)}
     return accessors(array.tobytes(), given | accessor, {})
@@ -118,7 +118,7 @@ def test_a_number_that_is_not_finite_is_refused(bad: float) -> None:
     ],
 )
 def test_what_the_file_does_not_hold_is_refused(
-    accessor: dict[str, Any], view: dict[str, Any], message: str
+    accessor: dict[str, object], view: dict[str, object], message: str
 ) -> None:
     read = accessors(bytes(24), {"bufferView": 0} | accessor, view)
     with pytest.raises(ValueError, match=message):

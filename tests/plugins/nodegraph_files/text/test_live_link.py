@@ -4,7 +4,6 @@ import random
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -101,7 +100,7 @@ def test_frames_that_the_timecode_skips_are_missing(write: Write) -> None:
 
 @given(st.data())
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_every_row_comes_to_the_frame_of_its_timecode(data: Any) -> None:
+def test_every_row_comes_to_the_frame_of_its_timecode(data: st.DataObject) -> None:
     step = data.draw(st.sampled_from([1, 2]))
     frames = data.draw(st.integers(80, 200))
     dropped = data.draw(st.sets(st.integers(1, frames - 2), max_size=12))

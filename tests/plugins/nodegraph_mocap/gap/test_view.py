@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -59,11 +58,11 @@ def show(
     load(tab, file, width=width)
 
 
-def methods() -> dict[str, dict[str, Any]]:
+def methods() -> dict[str, dict[str, object]]:
     return inputs(0.25, -0.5, 1.0)
 
 
-def frame(tab: Page) -> Any:
+def frame(tab: Page) -> object:
     return tab.evaluate("document.querySelector('.gap-view .clock').textContent").split(",")[0]
 
 
@@ -193,7 +192,7 @@ def test_what_leaves_the_close_up_is_marked_at_its_edge(tab: Page, tmp_path: Pat
     assert "Hollow" not in (tab.text_content(caption) or "")
 
 
-def hostile() -> dict[str, dict[str, Any]]:
+def hostile() -> dict[str, dict[str, object]]:
     def renamed(recording: Trajectories) -> Trajectories:
         markers = (*made_face.MARKERS[:7], HOSTILE, *made_face.MARKERS[8:])
         return replace(recording, markers=markers, marker_set=None)
@@ -203,7 +202,7 @@ def hostile() -> dict[str, dict[str, Any]]:
     }
 
 
-def nowhere() -> dict[str, dict[str, Any]]:
+def nowhere() -> dict[str, dict[str, object]]:
     whole = made_face.truth()
     missing = whole.with_samples(
         np.full_like(whole.positions, np.nan),

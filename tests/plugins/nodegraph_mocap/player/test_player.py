@@ -379,7 +379,7 @@ def test_everything_can_be_done_with_keys(tab: Page, tmp_path: Path) -> None:
     show(tab, tmp_path, panel(recordings()["complete"]))
     tab.evaluate(f"document.querySelector({STAGE!r}).focus()")
 
-    def now(what: str) -> Any:
+    def now(what: str) -> object:
         return tab.evaluate(f"{FIRST}.state.{what}")
 
     tab.keyboard.press("ArrowRight")
