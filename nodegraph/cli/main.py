@@ -60,7 +60,7 @@ def main(words: Sequence[str] | None = None) -> int:
         warnings.showwarning = _show_warning
         try:
             commands = _commands(words)
-            if words[:1] == ["help"]:
+            if not words or words[0] == "help":
                 words = [*words[1:], "--help"]
             arguments = _parsed(commands, words)
             status = int(commands[arguments.command].call(arguments))

@@ -23,6 +23,13 @@ def setting_changes(
             yield f"{name} was {was.get(name)!r}, now {now.get(name)!r}"
 
 
+def file_change(setting: str, was: object, now: object) -> str:
+    """Return how a setting that names a file changed, if its content is another now."""
+    if was != now:
+        return f"{setting} was {was!r}, now {now!r}"
+    return f"{setting}: the content of {now} changed"
+
+
 def code_changes(was: Code, now: Code) -> Iterator[str]:
     """Yield a text per function that was edited, and per distribution of another version."""
     for name in {**was.units, **now.units}:

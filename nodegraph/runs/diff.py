@@ -10,7 +10,13 @@ from typing import Generic, TypeVar
 from nodegraph.equality import difference
 from nodegraph.formatting import name_at
 from nodegraph.plugin.hook_types import Comparison
-from nodegraph.runs.changes import code_changes, recorded_sources, setting_changes, source_changes
+from nodegraph.runs.changes import (
+    code_changes,
+    file_change,
+    recorded_sources,
+    setting_changes,
+    source_changes,
+)
 from nodegraph.runs.record import Labels, Record, RecordedCode, RecordedStep
 from nodegraph.store import Store
 
@@ -206,7 +212,7 @@ class _Changes:
         yield from setting_changes(was.settings, now.settings, files)
         for name in sorted(files):
             if was.files.get(name) != now.files.get(name):
-                yield f"{name}: the content of {now.settings.get(name)} changed"
+                yield file_change(name, was.settings.get(name), now.settings.get(name))
         yield from source_changes(
             recorded_sources(was, self._steps_was), recorded_sources(now, self._steps_now)
         )

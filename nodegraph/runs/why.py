@@ -12,6 +12,7 @@ from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.runs.changes import (
     code_changes,
+    file_change,
     recorded_sources,
     setting_changes,
     source_changes,
@@ -146,7 +147,7 @@ class Why:
         yield from setting_changes(earlier.settings, settings, files)
         for name, digest in self._cache.digest_of(step).files.items():
             if earlier.files.get(name) != digest:
-                yield f"{name}: the content of {step.settings[name]} changed"
+                yield file_change(name, earlier.settings.get(name), settings.get(name))
         sources = {port: _sources(self._plan, fed) for port, fed in step.inputs.items()}
         yield from source_changes(recorded_sources(earlier, self._by_index), sources)
 

@@ -227,8 +227,10 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
             columns.add_other(place)
     if not columns.markers:
         shown = ", ".join(header.cells[:_SHOWN])
+        weights = "; read.weights reads weights of blendshapes" if columns.left_out else ""
         raise ValueError(
             f"{table.path}:{header.line}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}"
+            f"{weights}"
         )
     _warn_of_pictures(len(columns.markers), unit)
     return read_columns(columns, zeros_missing=zeros_missing, unit=unit)

@@ -76,14 +76,14 @@ def test_a_lock_is_no_graph_to_run(command: Command) -> None:
     assert "`nodegraph verify toy.lock`" in err
 
 
-@pytest.mark.parametrize("words", [[], ["chekc", "toy.yaml"], ["--nothing"]])
+@pytest.mark.parametrize("words", [["chekc", "toy.yaml"], ["--nothing"]])
 def test_a_wrong_command_ends_with_2(command: Command, words: list[str]) -> None:
     status, _, err = command(*words, nodes=False)
     assert status == 2
     assert "usage: nodegraph" in err
 
 
-@pytest.mark.parametrize("words", [["--help"], ["run", "--help"], ["show", "--help"]])
+@pytest.mark.parametrize("words", [[], ["--help"], ["run", "--help"], ["show", "--help"]])
 def test_help_ends_with_0(command: Command, words: list[str]) -> None:
     status, out, err = command(*words, nodes=False)
     assert (status, err) == (0, "")

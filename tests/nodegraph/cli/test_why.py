@@ -49,6 +49,24 @@ def test_the_part_that_changed_is_named(
     assert text in out
 
 
+def test_another_file_and_other_content_are_told_apart(command: Command) -> None:
+    edit("toys.py", "import Across", "import InputFile, Across")
+    reader = "\n@node('toy.read')\ndef read(*, file: InputFile) -> float:\n    return 1.0\n"
+    Path("toys.py").write_text(Path("toys.py").read_text() + reader)
+    Path("one.txt").write_text("1")
+    Path("two.txt").write_text("2")
+    Path("read.yaml").write_text(
+        "nodegraph: 1\ninputs: {file: one.txt}\nnodes: {a: {use: toy.read, with: {file: $file}}}"
+    )
+    command("run", "read.yaml")
+    assert (
+        "a: file was 'one.txt', now 'two.txt'"
+        in command("why", "read.yaml", "a", "--set", "file=two.txt")[1]
+    )
+    edit("one.txt", "1", "3")
+    assert "a: file: the content of one.txt changed" in command("why", "read.yaml", "a")[1]
+
+
 def test_only_edited_code_is_a_change(command: Command) -> None:
     command("run", "toy.yaml")
     edit("toys.py", "raise Refusal", "raise  Refusal")  # not a word of it is another
