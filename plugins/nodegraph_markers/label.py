@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_mocap import MarkerSet
+
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
 _FEWEST = 3
 _SHORTEST = 3
@@ -149,7 +151,7 @@ def _moved(
     frame, track = np.nonzero(recording.present)
     target = (frame, column[frame, track])
 
-    def moved(samples: NDArray[np.generic], missing: float) -> NDArray[Any]:
+    def moved(samples: NDArray[_Scalar], missing: float) -> NDArray[_Scalar]:
         shape = (recording.frames, len(markers), *samples.shape[2:])
         spread = np.full(shape, missing, dtype=samples.dtype)
         spread[target] = samples[frame, track]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from nodegraph_mocap.recording import Mask, Origin, Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
 _MISSING = int(Origin.MISSING)
 """A plain number: comparing an array with a member of an enumeration takes five times as long."""
@@ -126,7 +127,7 @@ def streamables() -> tuple[Streamable, ...]:
     )
 
 
-def _joined(frames: Sequence[Any], header: NDArray[np.generic]) -> NDArray[Any]:
+def _joined(frames: Sequence[NDArray[_Scalar]], header: NDArray[_Scalar]) -> NDArray[_Scalar]:
     return np.stack(frames) if len(frames) else header
 
 

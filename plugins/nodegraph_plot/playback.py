@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, TypeVar
 
 import numpy as np
 from pydantic import Field
@@ -15,6 +15,8 @@ from nodegraph_mocap import Animation, Head, HeadMotion, Playback, Trajectories
 from nodegraph_mocap.playback import Panel
 from nodegraph_mocap.player.data import MOST_STEPS, beyond, step_of
 from nodegraph_mocap.player.panels import panel_of
+
+_Shown = TypeVar("_Shown")
 
 MOST_SAMPLES = 2_000_000
 """Frames times markers or morph targets, over all panels; about 10 MB of a report at worst."""
@@ -79,7 +81,10 @@ def playback(
         has no frame, the truth has another number of frames or another rate than a recording, or
         `view` is not of that form.
     """
-    shown = [*_labelled("recording", recordings), *_labelled("animation", animations)]
+    shown: list[tuple[str, Trajectories | Animation]] = [
+        *_labelled("recording", recordings),
+        *_labelled("animation", animations),
+    ]
     if not shown:
         raise ValueError("there is neither a recording nor an animation to play")
     check_meshes(shown)
@@ -97,7 +102,7 @@ def playback(
     )
 
 
-def _labelled(kind: str, gathered: Across[object] | None) -> list[tuple[str, Any]]:
+def _labelled(kind: str, gathered: Across[_Shown] | None) -> list[tuple[str, _Shown]]:
     names = gathered.names() if gathered else ()
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:

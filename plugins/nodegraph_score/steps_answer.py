@@ -21,7 +21,7 @@ Row = Mapping[str, Any]
 _Y = 12.0
 
 
-def sentence(row: Mapping[str, Any]) -> str:
+def sentence(row: Row) -> str:
     """Return what a step did."""
     step, verdict = row["step"], row["verdict"]
     if verdict == "begins" and not row["added"]:

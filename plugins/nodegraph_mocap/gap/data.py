@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import DTypeLike, NDArray
 
     from nodegraph_mocap.view import View
+
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
 FEWEST_AROUND = 10
 """Frames on each side of a gap; as many as the gap has, if these are more."""
@@ -97,7 +99,7 @@ class _Place:
     at: int
     reason: str = ""
 
-    def of(self, values: NDArray[np.generic]) -> NDArray[Any]:
+    def of(self, values: NDArray[_Scalar]) -> NDArray[_Scalar]:
         """Return the frames of an array (T, ...) that the view shows."""
         return values[self.frames.start : self.frames.stop : self.frames.step]
 
