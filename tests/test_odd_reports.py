@@ -150,7 +150,7 @@ def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Page) ->
     assert by_kind[MARKUP] == by_kind["tie"]
     for kind in ("nothing", "endless"):
         assert by_kind[kind][:2] == ["0", ""]
-    assert by_kind["refused"][-2] == by_kind["fails"][-2] == "1"
+    assert by_kind["refused"][-2] == by_kind["fails"][-2] == "100"  # percent
     replaced = ("table_figure", "one_figure")
     drawn = tab.evaluate("document.querySelectorAll('.result figure.figure > svg').length")
     assert drawn == len([path for path in odd.glob("*.svg") if path.stem not in replaced])

@@ -44,6 +44,8 @@ TABLES = """
   return {
     file: link ? decodeURIComponent(link.getAttribute("href").slice(2)) : null,
     columns: [...table.tHead.rows[0].cells].map((cell) => Number(cell.dataset.column)),
+    percent: [...table.tHead.rows[0].cells]
+      .map((cell) => cell.querySelector(".unit")?.textContent.trim() === "[%]"),
     rows: [...table.tBodies[0].rows].map((row) => [...row.cells].map((cell) => cell.textContent)),
   };
 })
@@ -98,7 +100,7 @@ def cells(text: str) -> tuple[list[str], list[list[str]]]:
     return heads, rows
 
 
-def alike(shown: str, stored: str) -> bool:
+def alike(shown: str, stored: str, *, percent: bool) -> bool:
     """Return whether a cell says what the file says, intervals and daggers after it aside."""
     if shown == stored or (shown in ("", "all") and stored in ("", "nan")):
         return True
@@ -106,8 +108,9 @@ def alike(shown: str, stored: str) -> bool:
         number = shown.split(" ")[0]
         half = 0.501 * 10.0 ** -len(number.partition(".")[2].partition("e")[0])
         within = 1e-3 if "e" not in number else 5.1e-3  # three digits and a power of ten
-        close = math.isclose(float(number), float(stored), rel_tol=within)
-        return close or ("e" not in number and abs(float(number) - float(stored)) <= half)
+        exact = float(stored) * (100.0 if percent else 1.0)
+        close = math.isclose(float(number), exact, rel_tol=within)
+        return close or ("e" not in number and abs(float(number) - exact) <= half)
     except ValueError:
         return False
 
@@ -147,7 +150,9 @@ def assert_tables_hold_what_their_files_hold(run: Path, page: Page) -> None:
         assert len(table["rows"]) == len(rows)
         for column, place in enumerate(table["columns"]):
             for shown, row in zip(table["rows"], rows, strict=True):
-                assert alike(shown[column], row[place]), (table["file"], heads[place])
+                percent = table["percent"][column]
+                where = table["file"], heads[place]
+                assert alike(shown[column], row[place], percent=percent), where
 
 
 def is_text_of_number(text: str) -> bool:
