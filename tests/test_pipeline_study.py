@@ -30,7 +30,9 @@ def each_step(folder: Path) -> dict[str, dict[str, Any]]:
     }
 
 
-def changed(folder: Path, *, sources: dict[str, Any], replaced: dict[str, str], **top: Any) -> Path:
+def changed(
+    folder: Path, *, sources: dict[str, Any], replaced: dict[str, str], **top: object
+) -> Path:
     """Write the shipped graph's chain with other sources, and return the file.
 
     Parameters

@@ -32,7 +32,7 @@ def again(tmp_path: Path) -> Again:
     path = os.pathsep.join([str(plugins), str(ROOT)])
     command = [sys.executable, "-m", "nodegraph.cli.main", "run", "fill.yaml"]
 
-    def run() -> dict[str, Any]:
+    def run() -> dict[str, object]:
         environment = {**os.environ, "PYTHONPATH": path}
         process = subprocess.run(
             [*command, *SMALL], env=environment, cwd=tmp_path, capture_output=True, check=False

@@ -10,7 +10,6 @@ import sys
 import warnings
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
 
@@ -64,7 +63,7 @@ def run(path: Path, chain: str, stored: bool) -> None:
         assert done.counts()["done"] == len(CHAINS[chain]) + 1
 
 
-def read(path: Path, library: str) -> Any:
+def read(path: Path, library: str) -> object:
     """Read a recording by a library, or by ours."""
     if library == "ezc3d":
         import ezc3d

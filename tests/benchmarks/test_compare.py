@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -44,7 +43,7 @@ def test_table(methods: int, clock: Clock) -> None:
 
 @pytest.mark.parametrize("name", ["nodegraph", "scipy"])
 def test_p(name: str, clock: Clock) -> None:
-    functions: dict[str, Callable[..., Any]] = {
+    functions: dict[str, Callable[..., object]] = {
         "nodegraph": survival,
         "scipy": studentized_range.sf,
     }

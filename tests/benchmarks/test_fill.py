@@ -101,7 +101,7 @@ def with_xarray(recording: Trajectories) -> Callable[[], Positions]:
     return lambda: np.asarray(array.interpolate_na("time", use_coordinate=False).to_numpy())
 
 
-KERNELS: dict[str, dict[str, Any]] = {
+KERNELS: dict[str, dict[str, object]] = {
     "guenter": {"weights": "mean", "neighbours": 3, "ring": 8},
     "lin_ouhyoung": {"weights": "cosine", "neighbours": 8},
     "muscle": {"weights": "muscle", "neighbours": 3},

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 import yaml
 
@@ -42,7 +40,7 @@ REGISTRY = Registry.of([first, step])
 
 
 def test_read_and_check(clock: Clock) -> None:
-    def both() -> Any:
+    def both() -> object:
         return build(read_graph_text(TEXT, "file.yaml", HERE), REGISTRY)
 
     graph = clock(CASE, "nodegraph", COLUMN, both, per=COUNT)
@@ -51,7 +49,7 @@ def test_read_and_check(clock: Clock) -> None:
 
 
 def test_read(clock: Clock) -> None:
-    def read() -> Any:
+    def read() -> object:
         return read_graph_text(TEXT, "file.yaml", HERE)
 
     spec = clock(CASE, "nodegraph, read alone", COLUMN, read, per=COUNT)
@@ -68,7 +66,7 @@ def test_check(clock: Clock) -> None:
 def test_yaml(name: str, clock: Clock) -> None:
     loader = getattr(yaml, name)
 
-    def load() -> Any:
+    def load() -> object:
         return yaml.load(TEXT, loader)
 
     plain = clock(CASE, f"yaml.{name}, no check", COLUMN, load, per=COUNT)

@@ -55,7 +55,7 @@ def with_sklearn(table: Rows, k: int, runs: int, **settings: object) -> Callable
     from sklearn.cluster import KMeans
     from sklearn.metrics import pairwise_distances_argmin
 
-    def loop() -> Any:
+    def loop() -> object:
         inertia = np.empty(runs)
         for run in range(runs):
             clusters = KMeans(k, init="random", n_init=1, random_state=run, **settings).fit(table)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -151,7 +150,7 @@ def scipy_gcv(take: Trajectories) -> Positions:
     return np.stack(result, axis=1)
 
 
-PEERS: dict[str, Callable[[Trajectories], Any]] = {
+PEERS: dict[str, Callable[[Trajectories], object]] = {
     "nodegraph": lambda take: gcv(take).positions[:, 0],
     "scipy make_smoothing_spline": scipy_gcv,
 }

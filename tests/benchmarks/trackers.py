@@ -73,7 +73,7 @@ class Trackpy:
         points = _points(detections)
         words = {"memory": self.memory, "pos_columns": ["x", "y", "z"]}
 
-        def run() -> Any:
+        def run() -> object:
             predictor = trackpy.predict.NearestVelocityPredict(span=1)
             link = predictor.link_df if self.predicted else trackpy.link
             return link(points, self.search_range, **words)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -41,15 +40,15 @@ class Work:
     """
 
     kind: type
-    first: Callable[[], Any]
-    step: Callable[..., Any]
+    first: Callable[[], object]
+    step: Callable[..., object]
 
 
 NUMBERS = Work(float, zero, plus_one)
 ARRAYS = Work(np.ndarray, zeros, next_array)
 LARGE_ARRAYS = Work(np.ndarray, large_zeros, next_array)
 
-Run = Callable[[], Any]
+Run = Callable[[], object]
 """Runs what was built and returns the last value."""
 
 Build = Callable[[], Run]

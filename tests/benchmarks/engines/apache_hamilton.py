@@ -47,7 +47,7 @@ def _module(work: Work, count: int) -> ModuleType:
     utilities: Any = pytest.importorskip("hamilton.ad_hoc_utils")
     lines = ["def n0() -> kind: return first()"]
     lines += [f"def n{at + 1}(n{at}: kind) -> kind: return step(n{at})" for at in range(count)]
-    names: dict[str, Any] = {"kind": work.kind, "first": work.first, "step": work.step}
+    names: dict[str, object] = {"kind": work.kind, "first": work.first, "step": work.step}
     exec(compile(_readable(lines), _FILE, "exec"), names)
     module: ModuleType = utilities.create_temporary_module(
         *(names[f"n{at}"] for at in range(count + 1))

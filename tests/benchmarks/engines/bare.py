@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import networkx as nx
 
 from tests.benchmarks.work import Build, Run, Work
@@ -21,8 +19,8 @@ def bare(work: Work, count: int) -> Build:
                 raise TypeError(f"{source} does not fit {target}")
         order = [(at, list(network.predecessors(at))) for at in nx.topological_sort(network)]
 
-        def run() -> Any:
-            values: dict[int, Any] = {}
+        def run() -> object:
+            values: dict[int, object] = {}
             for at, needs in order:
                 values[at] = work.step(values.pop(needs[0])) if needs else work.first()
             return values[count]

@@ -21,7 +21,7 @@ class Same(ez.Unit):  # type: ignore[misc, unused-ignore]
 
     @ez.subscriber(INPUT)  # type: ignore[untyped-decorator, unused-ignore]
     @ez.publisher(OUTPUT)  # type: ignore[untyped-decorator, unused-ignore]
-    async def same(self, frame: object) -> AsyncGenerator[Any, None]:
+    async def same(self, frame: object) -> AsyncGenerator[object, None]:
         """Hand on a frame."""
         yield self.OUTPUT, frame
 

@@ -14,11 +14,11 @@ def haystack(work: Work, count: int) -> Build:
     component = library.component
 
     class First:
-        def run(self) -> dict[str, Any]:
+        def run(self) -> dict[str, object]:
             return {"value": work.first()}
 
     class Step:
-        def run(self, value: object) -> dict[str, Any]:
+        def run(self, value: object) -> dict[str, object]:
             return {"value": work.step(value)}
 
     Step.run.__annotations__["value"] = work.kind

@@ -20,7 +20,7 @@ def joblib(folder: Path) -> Engine:
             memory = library.Memory(folder, verbose=0)
             first, step = memory.cache(work.first), memory.cache(work.step)
 
-            def run() -> Any:
+            def run() -> object:
                 value = first()
                 for _ in range(count):
                     value = step(value)

@@ -22,7 +22,7 @@ def kedro(work: Work, count: int) -> Build:
             nodes.append(pipelines.node(work.step, f"n{at}", f"n{at + 1}", name=f"to_n{at + 1}"))
         result = pipelines.pipeline(nodes)
 
-        def run() -> Any:
+        def run() -> object:
             return runner.SequentialRunner().run(result, io.DataCatalog())[f"n{count}"].load()
 
         return run

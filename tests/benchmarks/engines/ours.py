@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from nodegraph import node
 from nodegraph.execute import HowToRun, execute
@@ -36,7 +35,7 @@ def nodegraph(executor: str) -> Engine:
         def build() -> Run:
             planned = plan(build_graph(read_graph_text(text, "chain.yaml", HERE), registry))
 
-            def run() -> Any:
+            def run() -> object:
                 return execute(planned, how=how, keep=[f"n{count}"])[f"n{count}"].value
 
             return run
@@ -59,7 +58,7 @@ def nodegraph_stored(folder: Path, *, requested: bool) -> Engine:
         )
 
         def build() -> Run:
-            def run() -> Any:
+            def run() -> object:
                 store = open_store(registry, folder, _fail)
                 done = execute(planned, how=HowToRun("serial"), store=store)
                 return done[last].value if requested else None

@@ -49,7 +49,7 @@ def test_the_part_that_changed_is_named(
     assert text in out
 
 
-def test_another_file_and_other_content_are_told_apart(command: Command) -> None:
+def test_another_file_and_other_content_are_distinguished(command: Command) -> None:
     edit("toys.py", "import Across", "import InputFile, Across")
     reader = "\n@node('toy.read')\ndef read(*, file: InputFile) -> float:\n    return 1.0\n"
     Path("toys.py").write_text(Path("toys.py").read_text() + reader)

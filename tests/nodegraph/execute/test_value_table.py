@@ -57,7 +57,7 @@ def test_a_node_without_axes_has_one_row(run_of: Callable[..., Run]) -> None:
     assert_frame_equal(frame, pd.DataFrame({"a": ["hello"]}))
 
 
-def test_the_axis_of_the_alternatives_and_their_values_are_told_apart(
+def test_the_axis_of_the_alternatives_and_their_values_are_distinguished(
     run_of: Callable[..., Run],
 ) -> None:
     text = """
@@ -81,7 +81,7 @@ def test_rows_of_tables_get_the_labels_and_the_axis_wins(run_of: Callable[..., R
     assert frame.index.equals(pd.RangeIndex(8))
 
 
-def test_combinations_without_a_value_are_told(run_of: Callable[..., Run]) -> None:
+def test_combinations_without_a_value_are_reported(run_of: Callable[..., Run]) -> None:
     text = """
     axes: {k: [-1, 2, 3]}
     nodes:

@@ -107,7 +107,7 @@ def of(function: Any) -> Reached:
         (Rule(1.0).__eq__, Rule(2.0).__eq__),
     ],
 )
-def test_values_are_told_apart(
+def test_values_are_distinguished(
     make: Callable[[Any], Function], each: object, other: object
 ) -> None:
     first, second = of(make(each)), of(make(other))

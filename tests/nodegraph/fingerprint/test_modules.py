@@ -200,7 +200,7 @@ def test_a_function_that_its_file_no_longer_has(folder: Folder) -> None:
     assert "edited after it was imported" in Code([]).of(function).unstable
 
 
-def test_functions_of_one_name_are_told_apart_by_their_lines(folder: Folder) -> None:
+def test_functions_of_one_name_are_distinguished_by_their_lines(folder: Folder) -> None:
     text = "def fill(x): return {}\nfirst = fill\ndef fill(x): return {}\nsecond = fill"
     folder.write({"fills.py": text.format(1, 2)})
     first, second = folder.reached("fills:first"), folder.reached("fills:second")

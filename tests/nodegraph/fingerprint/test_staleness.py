@@ -49,7 +49,7 @@ def test_a_file_that_was_read_again_is_as_it_says(tmp_path: Path) -> None:
     assert Code([]).of(new).unstable == ""
 
 
-def test_an_edited_helper_that_is_imported_already_is_told(
+def test_an_edited_helper_that_is_imported_already_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(tmp_path)

@@ -41,7 +41,7 @@ def kept(store: Store, key: str = KEY, value: object = ARRAY) -> Entry:
         lambda content: bytes(len(content)),
     ],
 )
-def test_a_damaged_entry_is_removed_and_told_once(
+def test_a_damaged_entry_is_removed_and_reported_once(
     store: Store, messages: list[str], files: Files, damage: Callable[[bytes], bytes]
 ) -> None:
     kept(store)
@@ -190,7 +190,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, int, int], None]:
         ("replace", errno.EIO, 1),
     ],
 )
-def test_what_cannot_be_written_is_told_once_and_leaves_nothing_half(
+def test_what_cannot_be_written_is_reported_once_and_leaves_nothing_half(
     store: Store,
     messages: list[str],
     files: Files,
@@ -234,7 +234,7 @@ def test_a_folder_that_cannot_be_made_is_an_empty_store(
         assert str(folder) in messages[0]
 
 
-def test_entries_that_cannot_be_read_are_told_once(
+def test_entries_that_cannot_be_read_are_reported_once(
     store: Store, messages: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept(store)

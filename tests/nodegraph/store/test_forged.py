@@ -217,7 +217,7 @@ def message(forgeries: tuple[Study, dict[str, Path]]) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", FORGED)
-def test_a_forged_entry_is_told_and_computed_again(
+def test_a_forged_entry_is_reported_and_computed_again(
     forgeries: tuple[Study, dict[str, Path]], message: dict[str, str], name: str
 ) -> None:
     study, paths = forgeries

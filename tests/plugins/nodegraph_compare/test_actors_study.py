@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 
@@ -114,7 +114,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> object:
 
 
 def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
-    run: Any, capsys: pytest.CaptureFixture[str]
+    run: Callable[..., int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run() == 0
     text = capsys.readouterr().out
@@ -138,7 +138,7 @@ def test_a_method_that_refuses_the_hardest_blocks_does_not_win_unseen(
 
 
 def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
-    run: Any, capsys: pytest.CaptureFixture[str]
+    run: Callable[..., int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run("fallback: plain", third="few") == 0
     text = capsys.readouterr().out
@@ -149,7 +149,7 @@ def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
 
 
 def test_a_block_in_which_every_method_fails_is_named(
-    run: Any, capsys: pytest.CaptureFixture[str]
+    run: Callable[..., int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run("fallback: plain", broken="true") == 0
     text = capsys.readouterr().out
@@ -169,13 +169,19 @@ def test_a_block_in_which_every_method_fails_is_named(
     ],
 )
 def test_bad_settings_are_refused_with_what_there_is(
-    run: Any, capsys: pytest.CaptureFixture[str], more: str, status: int, parts: tuple[str, ...]
+    run: Callable[..., int],
+    capsys: pytest.CaptureFixture[str],
+    more: str,
+    status: int,
+    parts: tuple[str, ...],
 ) -> None:
     assert run(more) == status
     captured = capsys.readouterr()
     assert all(part in captured.out + captured.err for part in parts)
 
 
-def test_clusters_of_one_label_are_refused(run: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_clusters_of_one_label_are_refused(
+    run: Callable[..., int], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert run("clusters: [actor]", "--axis", "actor=[3]") == 2
     assert "'actor' has one label, 3" in capsys.readouterr().err

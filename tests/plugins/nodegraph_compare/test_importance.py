@@ -96,7 +96,7 @@ def test_one_axis_takes_the_unit_of_the_rows_as_the_other_factor() -> None:
     assert sources["variance"].tolist() == [1.0, 0.25, 0.0]
 
 
-def test_missing_cells_cost_labels_and_are_told() -> None:
+def test_missing_cells_cost_labels_and_are_reported() -> None:
     whole = study(lambda trial, length, fill: trial + length + len(fill))
     entries = tuple(
         entry for entry in whole.entries if entry[0]["fill"] != "akima" or entry[0]["length"] == 45

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.stats import t, ttest_rel, tukey_hsd
 
 from nodegraph_compare.inference import (
@@ -64,7 +63,7 @@ def test_means_of_recordings_are_removed_from_their_parts() -> None:
 
 
 @pytest.mark.parametrize("y", [np.ones((6, 3)), np.log([[0.3, 0.1 + 0.2, 0.3]] * 4)])
-def test_equal_methods_are_never_apart(y: Any) -> None:
+def test_equal_methods_are_never_apart(y: NDArray[np.float64]) -> None:
     result = contrasts(y, 0)
     assert result.p.tolist() == [1.0] * 3
     assert result.effect.tolist() == [0.0] * 3

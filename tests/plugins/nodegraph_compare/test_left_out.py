@@ -86,7 +86,7 @@ def test_absent_combinations_are_counted_by_label_with_two_of_their_reasons() ->
     assert absences(absent[:1], None) == ["1 combination refused (x)"]
 
 
-def test_the_better_end_is_told() -> None:
+def test_the_better_end_is_reported() -> None:
     assert end_text(QUESTION) == "Lower is better."
     assert end_text(replace(QUESTION, metric="lag", better="none")) == (
         "Neither end of lag is the better one."

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
 from pandas.testing import assert_frame_equal
 
 from nodegraph import Across, Label
@@ -40,7 +41,7 @@ def study(noise: float, *, names: str = "abcd") -> Across[Table]:
 
 @pytest.mark.parametrize("noise", NOISE)
 @pytest.mark.parametrize("baseline", ["a", "b", "d"])
-def test_a_table_of_methods_that_rounding_tells_apart_is_that_of_equal_ones(
+def test_a_table_of_methods_that_rounding_distinguishes_is_that_of_equal_ones(
     noise: float, baseline: str
 ) -> None:
     for better in ("lower", "higher"):
@@ -54,7 +55,7 @@ def test_a_table_of_methods_that_rounding_tells_apart_is_that_of_equal_ones(
 
 @pytest.mark.parametrize("noise", [0.0, *NOISE])
 @pytest.mark.parametrize("names", ["abcd", "cbad"])
-def test_methods_that_rounding_tells_apart_share_what_is_best(noise: float, names: str) -> None:
+def test_methods_that_rounding_distinguishes_share_what_is_best(noise: float, names: str) -> None:
     frame = table(study(noise, names=names), baseline="c").table
     first = ", ".join(value for value in names if value in "ab")
     assert info_of(frame).answer[0].startswith(f"{first} share the lowest mean rmse (")
@@ -69,7 +70,9 @@ def test_methods_that_rounding_tells_apart_share_what_is_best(noise: float, name
 @pytest.mark.parametrize("noise", NOISE)
 @pytest.mark.parametrize("test", ["nemenyi", "wilcoxon_holm"])
 @pytest.mark.parametrize("names", ["abcd", "cbad"])
-def test_methods_that_rounding_tells_apart_rank_alike(noise: float, test: Any, names: str) -> None:
+def test_methods_that_rounding_distinguishes_rank_alike(
+    noise: float, test: Any, names: str
+) -> None:
     result, peer = (ranks(study(noise, names=names), test=test) for noise in (noise, 0.0))
     assert result.table["mean rank"].tolist() == [1.5, 1.5, 3.0, 4.0]
     assert result.table["fill"].tolist() == peer.table["fill"].tolist()
@@ -106,7 +109,7 @@ def test_no_share_of_nothing() -> None:
     assert sentences == ("rmse is the same in all combinations; nothing is to be explained.",)
 
 
-def test_methods_that_rounding_tells_apart_agree() -> None:
+def test_methods_that_rounding_distinguishes_agree() -> None:
     frame = agreement(study(1e-15)).table
     assert frame[["first", "second"]].to_numpy()[0].tolist() == ["a", "b"]
     assert frame[["bias", "sd", "lower", "upper", "slope"]].to_numpy()[0].tolist() == [0] * 5
@@ -165,7 +168,7 @@ def test_numbers_of_rounding_alone_equal_nothing_beside_usual_ones() -> None:
 
 
 @pytest.mark.parametrize("values", [np.empty((0, 3)), np.empty((2, 0)), np.full((2, 3), NAN)])
-def test_nothing_to_compare_stays_nothing(values: Any) -> None:
+def test_nothing_to_compare_stays_nothing(values: NDArray[np.float64]) -> None:
     assert np.array_equal(tied(values), values, equal_nan=True)
     assert np.array_equal(apart(values, values), values, equal_nan=True)
 
@@ -174,7 +177,9 @@ def test_nothing_to_compare_stays_nothing(values: Any) -> None:
     arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(1, 6)), elements=MAGNITUDES),
     st.data(),
 )
-def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.DataObject) -> None:
+def test_noise_changes_no_order_wherever_the_values_lie(
+    values: NDArray[np.float64], data: st.DataObject
+) -> None:
     """Also on numbers on which a grid would have its borders."""
     eps = data.draw(arrays(np.float64, values.shape, elements=st.sampled_from([-1e-12, 0, 1e-12])))
     twice = np.concatenate([values, values * (1 + eps)], axis=1)
@@ -189,7 +194,7 @@ def test_noise_changes_no_order_wherever_the_values_lie(values: Any, data: st.Da
         np.float64, st.integers(1, 200), elements=st.integers(0, 300).map(lambda at: 1 + at / 3e10)
     )
 )
-def test_many_close_values_do_not_run_into_one(values: Any) -> None:
+def test_many_close_values_do_not_run_into_one(values: NDArray[np.float64]) -> None:
     result = settled(values, values)
     assert np.abs(result - values).max() <= 1.01 * ROUNDING
     order = np.argsort(values, kind="stable")

@@ -126,7 +126,7 @@ def test_units_become_millimetres(
 @pytest.mark.parametrize(
     ("unit", "message"), [("furlong", "'furlong' is unknown"), (None, "no unit")]
 )
-def test_an_unknown_unit_is_told_and_taken_as_millimetres(
+def test_an_unknown_unit_is_reported_and_taken_as_millimetres(
     build_c3d: Build, samples: Samples, unit: str | None, message: str
 ) -> None:
     with pytest.warns(UserWarning, match=message):
@@ -149,7 +149,7 @@ def test_labels_go_on_in_further_parameters(build_c3d: Build, samples: Samples) 
         (["a", "b", "c", "d"], ("a", "b", "c"), "1 labels beyond the 3 markers were left out: d"),
     ],
 )
-def test_labels_that_do_not_fit_the_points_are_told(
+def test_labels_that_do_not_fit_the_points_are_reported(
     build_c3d: Build, samples: Samples, labels: list[str], names: tuple[str, ...], message: str
 ) -> None:
     with pytest.warns(UserWarning, match=message) as caught:

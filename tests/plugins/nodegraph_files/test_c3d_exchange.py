@@ -10,7 +10,6 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -138,7 +137,7 @@ def test_a_rate_is_read_alike_everywhere(rate: float, tmp_path: Path) -> None:
 
 
 @st.composite
-def any_recording(draw: Any) -> Trajectories:
+def any_recording(draw: st.DrawFn) -> Trajectories:
     letters = st.characters(exclude_categories=["C", "Z"], exclude_characters=":")
     names = draw(
         st.lists(st.text(letters, min_size=1, max_size=30), min_size=1, max_size=5, unique=True)

@@ -30,7 +30,7 @@ def test_header_and_parameters_tell_the_same(frames: int) -> None:
 
 
 @pytest.mark.parametrize("frames", [65_535, 65_536, 100_000, 2**24])
-def test_a_count_beyond_sixteen_bits_is_told_in_two_ways(frames: int) -> None:
+def test_a_count_beyond_sixteen_bits_is_reported_in_two_ways(frames: int) -> None:
     parameters = parameters_of(c3d_head(["a"], frames, 60))
     assert parameters["POINT", "LONG_FRAMES"].numbers == (frames,)
     assert parameters["TRIAL", "ACTUAL_START_FIELD"].numbers == (1, 0)

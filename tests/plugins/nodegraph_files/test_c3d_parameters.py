@@ -86,6 +86,6 @@ def test_an_entry_of_an_unnamed_group_is_left_out() -> None:
         (b"\1\1A\7\0\2\0\7\0\0", "no end"),
     ],
 )
-def test_damage_is_told_with_its_place(entry: bytes, message: str) -> None:
+def test_damage_is_reported_with_its_place(entry: bytes, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         read_parameters(section(GROUP, entry), 0)

@@ -27,13 +27,13 @@ def test_a_prefix_that_is_not_shared_stays(labels: list[str]) -> None:
     assert unique_names(labels, 2) == tuple(labels)
 
 
-def test_names_that_lack_or_repeat_are_made_unique_and_told() -> None:
+def test_names_that_lack_or_repeat_are_made_unique_and_reported() -> None:
     with pytest.warns(UserWarning, match="3 markers had no label, or another's: 'a' is now 'a_2_'"):
         names = unique_names(["a", "a", "a_2", ""], 5)
     assert names == ("a", "a_2_", "a_2", "unnamed_4", "unnamed_5")
 
 
-def test_labels_beyond_the_markers_are_told_unless_empty() -> None:
+def test_labels_beyond_the_markers_are_reported_unless_empty() -> None:
     assert unique_names(["a", "", ""], 1) == ("a",)
     with pytest.warns(UserWarning, match="2 labels beyond the 1 markers were left out: b, c"):
         assert unique_names(["a", "b", "c"], 1) == ("a",)

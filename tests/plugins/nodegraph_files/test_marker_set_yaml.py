@@ -3,7 +3,6 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -124,7 +123,7 @@ def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
 
 
 @st.composite
-def marker_sets(draw: Any) -> MarkerSet:
+def marker_sets(draw: st.DrawFn) -> MarkerSet:
     texts = st.text(st.characters(exclude_categories=["Cs"]), min_size=1, max_size=8)
     names = draw(st.lists(texts, min_size=1, max_size=6, unique=True))
     some = st.lists(st.sampled_from(names), max_size=4).map(tuple)

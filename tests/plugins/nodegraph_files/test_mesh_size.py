@@ -31,7 +31,7 @@ def test_another_unit_is_taken_where_it_alone_is_plausible(
 
 
 @pytest.mark.parametrize("extent", [1.8, 0.02, 0.0])
-def test_an_implausible_size_is_told_and_the_unit_stays(extent: float) -> None:
+def test_an_implausible_size_is_reported_and_the_unit_stays(extent: float) -> None:
     with pytest.warns(UserWarning, match="long in m, which no head is; set `unit`"):
         assert unit_of_mesh(PATH, extent, assumed="m", stated=False) == "m"
 

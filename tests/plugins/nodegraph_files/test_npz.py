@@ -57,7 +57,7 @@ def test_the_same_recording_gives_the_same_bytes(gappy: Trajectories) -> None:
 
 
 @pytest.mark.parametrize("lacking", list(ARRAYS))
-def test_an_array_that_lacks_is_told_with_those_there_are(tmp_path: Path, lacking: str) -> None:
+def test_an_array_that_lacks_is_reported_with_those_there_are(tmp_path: Path, lacking: str) -> None:
     there = ", ".join(name for name in ARRAYS if name != lacking)
     with pytest.raises(ValueError, match=rf"take\.npz.*no array {lacking}; there is {there}"):
         read_npz(saved(tmp_path, **{lacking: None}))
@@ -117,7 +117,7 @@ def test_what_else_an_archive_holds_is_not_read(
 
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
 def test_reading_takes_little_memory_beyond_the_recording(
-    tmp_path: Path, save: Any, peak_memory: Callable[[], int]
+    tmp_path: Path, save: Callable[..., None], peak_memory: Callable[[], int]
 ) -> None:
     markers = [f"m{number}" for number in range(50)]
     save(tmp_path / "it.npz", positions=np.ones((8000, 50, 3)), markers=markers, rate=60.0)

@@ -32,7 +32,9 @@ def archive(folder: Path, **members: bytes) -> Path:
 
 
 @pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
-def test_wanted_arrays_are_read_and_others_are_left_alone(tmp_path: Path, save: Any) -> None:
+def test_wanted_arrays_are_read_and_others_are_left_alone(
+    tmp_path: Path, save: Callable[..., None]
+) -> None:
     numbers, names = np.asfortranarray(np.arange(6.0).reshape(2, 3)), np.array(["a", "é"])
     save(tmp_path / "it.npz", numbers=numbers, names=names, other=np.array([None]))
     arrays = npz_arrays(tmp_path / "it.npz", KINDS, ("numbers",))

@@ -145,7 +145,7 @@ def test_a_recording_without_samples_is_refused(tmp_path: Path, shape: Any) -> N
 
 
 @pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz, write_trc])
-def test_a_recording_of_nothing_but_gaps_is_read_and_told(
+def test_a_recording_of_nothing_but_gaps_is_read_and_reported(
     tmp_path: Path, write: Callable[..., None]
 ) -> None:
     positions = np.full((4, 2, 3), np.nan)

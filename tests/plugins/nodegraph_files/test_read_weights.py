@@ -38,7 +38,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         read_weights(path=tmp_path / "weights.csv")
 
 
-def test_weights_that_are_all_missing_are_told(tmp_path: Path) -> None:
+def test_weights_that_are_all_missing_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "weights.csv"
     path.write_text("Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,0\n00:00:00:02.000,0\n")
     with (

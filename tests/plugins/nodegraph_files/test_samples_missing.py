@@ -11,7 +11,7 @@ MARKERS = ("brow", "lip", "chin")
 NONE = np.zeros((2, 3), dtype=np.bool_)
 
 
-def test_whole_samples_stay_and_nothing_is_told() -> None:
+def test_whole_samples_stay_and_nothing_is_reported() -> None:
     positions = np.arange(1.0, 19.0).reshape(2, 3, 3)
     positions[1, 2] = np.nan
     np.testing.assert_array_equal(
@@ -19,7 +19,7 @@ def test_whole_samples_stay_and_nothing_is_told() -> None:
     )
 
 
-def test_what_the_file_calls_missing_is_not_told_again() -> None:
+def test_what_the_file_calls_missing_is_not_reported_again() -> None:
     positions = np.zeros((2, 3, 3))
     positions[0, 0, 0] = np.inf
     lost = ~NONE

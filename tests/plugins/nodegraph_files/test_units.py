@@ -27,7 +27,7 @@ def test_a_known_unit(unit: str, factor: float) -> None:
 
 
 @pytest.mark.parametrize(("unit", "message"), [("px", "'px' is unknown"), (" ", "no unit")])
-def test_an_unknown_unit_is_told(unit: str, message: str) -> None:
+def test_an_unknown_unit_is_reported(unit: str, message: str) -> None:
     assert unit_named(unit) is None
     positions = np.ones((1, 1, 3))
     with pytest.warns(UserWarning, match=f"{message}.*mm is assumed$"):
@@ -76,7 +76,9 @@ def test_columns_in_two_units_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("write", [npz_bytes, csv_bytes])
-def test_a_size_that_nothing_has_is_told_and_the_user_decides(tmp_path: Path, write: Any) -> None:
+def test_a_size_that_nothing_has_is_reported_and_the_user_decides(
+    tmp_path: Path, write: Any
+) -> None:
     path = tmp_path / "it"
     small = Trajectories(positions=FACE / 1000, markers=tuple("abcdefgh"), rate=60)
     path.with_suffix(".csv").write_bytes(write(small))

@@ -65,7 +65,7 @@ def test_what_is_written_reads_back(
 
 
 @pytest.mark.parametrize("writer", WRITERS[:3], ids=lambda value: str(value.__name__))
-def test_what_a_form_cannot_say_is_told(writer: Callable[..., Files]) -> None:
+def test_what_a_form_cannot_say_is_reported(writer: Callable[..., Files]) -> None:
     recording = recordings()["filled, repaired and with sigma"]
     processed = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED)).sum()
     with pytest.warns(

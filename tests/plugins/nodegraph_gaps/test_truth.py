@@ -98,7 +98,12 @@ nodes:
     ],
 )  # fmt: skip
 def test_graphs_with_a_truth_of_their_own(
-    tmp_path: Path, capsys: Any, wires: str, filled: str, truth: str, says: str
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    wires: str,
+    filled: str,
+    truth: str,
+    says: str,
 ) -> None:
     text = GRAPH.replace("WIRES", wires).replace("FILLED", filled).replace("TRUTH", truth)
     path = tmp_path / "study.yaml"

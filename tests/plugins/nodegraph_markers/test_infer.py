@@ -110,7 +110,7 @@ def test_the_same_recording_gives_the_same_text() -> None:
     assert marker_set_text(infer(given).marker_set) == marker_set_text(infer(given).marker_set)
 
 
-def test_a_guess_of_sides_is_told_and_names_are_believed() -> None:
+def test_a_guess_of_sides_is_reported_and_names_are_believed() -> None:
     given = face(seed=0, seconds=3.0).captured
     with pytest.warns(UserWarning, match=GUESSED):
         infer(without_names(given))
@@ -129,7 +129,7 @@ def test_a_pair_that_lies_the_other_way_round_than_it_is_named() -> None:
     assert ("L_brow2", "R_brow2") in markers.pairs
 
 
-def test_what_has_no_partner_is_told() -> None:
+def test_what_has_no_partner_is_reported() -> None:
     given = face(seed=0, seconds=3.0).captured
     lacking = given.keep([name for name in given.markers if name != "R_cheek2"])
     with pytest.warns(UserWarning, match="1 of 59 markers have no .* L_cheek2; in the best plane"):

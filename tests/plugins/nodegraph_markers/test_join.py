@@ -30,7 +30,7 @@ def test_what_was_cut_apart_is_joined_to_the_same_whatever_the_order_of_markers(
     )
 
 
-def test_what_one_take_lacks_is_missing_there_and_told() -> None:
+def test_what_one_take_lacks_is_missing_there_and_reported() -> None:
     first, other = FACE.keep(["nose", "forehead"]), FACE.keep(["lip_left", "nose"])
     with pytest.warns(UserWarning, match="1 markers .* following .* forehead; 1 .* lip_left"):
         result = join(first, other)

@@ -94,7 +94,7 @@ def test_a_neutral_of_another_actor_will_do() -> None:
     assert correct(synthetic, face(seed=1).captured)[face(seed=1).captured.present].all()
 
 
-def test_what_is_no_marker_is_left_behind_the_names_and_told() -> None:
+def test_what_is_no_marker_is_left_behind_the_names_and_reported() -> None:
     synthetic = face(seed=0, seconds=3.0)
     known = [name for name in synthetic.neutral.markers if name not in ("M_jaw1", "L_cheek2")]
     with pytest.warns(UserWarning, match=r"samples are no marker .* 2 tracks as a whole and 0"):
@@ -187,7 +187,7 @@ def test_a_take_of_something_else_is_doubtful(shoulder: Trajectories) -> None:
         label(without_names(shoulder), synthetic.neutral)
 
 
-def test_a_face_unlike_the_reference_is_told() -> None:
+def test_a_face_unlike_the_reference_is_reported() -> None:
     recording, _ = read_take("jaw")
     with pytest.warns(UserWarning, match=r"the names are doubtful: half .* more than \d\.\d mm"):
         label(without_names(recording), face(seed=1).neutral)

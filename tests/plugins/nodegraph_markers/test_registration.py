@@ -58,7 +58,7 @@ def test_points_that_are_no_place_and_places_without_a_point(seed: int) -> None:
     assert np.mean(place[fit.point[own]] == fit.place[own]) == 1.0
 
 
-def test_the_other_half_of_a_face_is_told_by_its_depth() -> None:
+def test_the_other_half_of_a_face_is_reported_by_its_depth() -> None:
     synthetic = face(seed=1, seconds=1.0)
     shape, names = synthetic.neutral.positions[0], list(synthetic.neutral.markers)
     mirrored, _ = posed(shape * [-1.0, 1.0, 1.0], 4)

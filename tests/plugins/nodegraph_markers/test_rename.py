@@ -59,7 +59,7 @@ def test_names_that_cannot_be_given(names: dict[str, str], what: str) -> None:
         rename(FACE, names=names)
 
 
-def test_a_clash_within_a_larger_marker_set_is_told() -> None:
+def test_a_clash_within_a_larger_marker_set_is_reported() -> None:
     larger = MarkerSet(markers=(*FACE.markers, "chin"))
     with pytest.raises(ValueError, match="marker set: 'nose' and 'chin'"):
         rename(replace(FACE, marker_set=larger), names={"nose": "chin"})

@@ -47,7 +47,7 @@ def test_a_cubic_is_followed_exactly(rate: float) -> None:
     assert (again.origin == Origin.MEASURED).all()
 
 
-def test_a_lower_rate_is_followed_and_told_to_fold() -> None:
+def test_a_lower_rate_is_followed_and_reported_to_fold() -> None:
     with pytest.warns(UserWarning, match="from 60 to 25 Hz .* faster than 12.5 Hz"):
         again = resample(recording_of(31), rate=25.0)
     np.testing.assert_allclose(

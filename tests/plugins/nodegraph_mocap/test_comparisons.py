@@ -27,7 +27,7 @@ def moved(frames: slice, marker: int, by: float) -> Trajectories:
     return replace(TAKE, positions=positions)
 
 
-def test_what_is_the_same_is_not_told() -> None:
+def test_what_is_the_same_is_not_reported() -> None:
     table = DataFrame({"a": [1.0, np.nan], "b": ["x", None]})
     assert differences(TAKE, replace(TAKE)) == differences(table, table.copy()) == ()
 
@@ -42,7 +42,7 @@ def test_the_order_of_markers_alone_moves_nothing() -> None:
     assert differences(TAKE, TAKE.keep(MARKERS[::-1])) == ("markers in another order",)
 
 
-def test_missing_samples_and_origins_are_told() -> None:
+def test_missing_samples_and_origins_are_reported() -> None:
     hole = TAKE.positions.copy()
     hole[3, 1] = np.nan
     assert differences(TAKE, Trajectories(positions=hole, markers=MARKERS, rate=60.0))[0] == (
@@ -55,7 +55,7 @@ def test_missing_samples_and_origins_are_told() -> None:
     )
 
 
-def test_other_lengths_rates_and_markers_are_told() -> None:
+def test_other_lengths_rates_and_markers_are_reported() -> None:
     shorter = Trajectories(positions=TAKE.positions[:5], markers=MARKERS, rate=30.0)
     assert differences(TAKE, shorter) == ("rate was 60 Hz, now 30 Hz", "had 20 frames, now 5")
     assert differences(TAKE, TAKE.keep(["nose", "chin"])) == ("markers only before: brow",)
@@ -113,7 +113,7 @@ def test_masks_and_drawings() -> None:
     assert differences(drawn, StoredFigure(b"<svg></svg>", b"")) == ("the drawing is another",)
 
 
-def test_weights_are_told_apart_by_frames_and_shapes() -> None:
+def test_weights_are_distinguished_by_frames_and_shapes() -> None:
     values = np.zeros((20, 2))
     weights = Weights(values=values, names=("jawOpen", "smile"), rate=60.0)
     other = values.copy()

@@ -93,7 +93,7 @@ def test_as_a_setting_in_mm_it_is_none() -> None:
     check(setting)
 
 
-def test_one_axis_is_not_like_another_unless_it_is_said() -> None:
+def test_one_axis_is_not_like_another_unless_it_is_stated() -> None:
     @node("toy.rounded")
     def rounded(recording: Trajectories) -> Trajectories:
         """Move each coordinate towards its mean, the largest deviations more."""

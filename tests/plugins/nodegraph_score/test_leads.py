@@ -64,7 +64,7 @@ def part(name: str, head: float, in_all: float) -> DataFrame:
     )  # fmt: skip
 
 
-def test_head_motion_is_told_of_the_recording_with_most_of_it() -> None:
+def test_head_motion_is_reported_of_the_recording_with_most_of_it() -> None:
     answer = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
     assert "".join(answer.sentence) == (
         "The first principal component is 80 % head motion in captured, as is 56 % of all "

@@ -163,7 +163,7 @@ def test_what_does_not_fit_is_counted() -> None:
         add(recording(comb), share=0.05)
 
 
-def test_too_small_a_share_to_hit_anything_is_told() -> None:
+def test_too_small_a_share_to_hit_anything_is_reported() -> None:
     with pytest.warns(UserWarning, match=r"no impulse: 0.005 of 60 present samples is none"):
         result = add(whole(6, 10))
     assert not result.impulses.hidden.any()

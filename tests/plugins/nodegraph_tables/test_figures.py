@@ -36,7 +36,7 @@ def drawing(html: str) -> ET.Element:
     return ET.fromstring(html[html.index("<svg") : html.index("</figure>")])
 
 
-def test_a_drawing_is_told_to_those_who_do_not_see_it(figure: Figure) -> None:
+def test_a_drawing_is_reported_to_those_who_do_not_see_it(figure: Figure) -> None:
     svg = drawing(render_figure(figure, 'Errors "in" <gaps>').html)
     assert svg.get("role") == "img"
     assert svg.get("aria-label") == 'Errors "in" <gaps>'
@@ -113,14 +113,14 @@ def labelled(*, title: str = "", legend: str = "", tick: str = "", label: str = 
 
 
 @pytest.mark.parametrize("place", ["title", "legend", "tick", "label"])
-def test_what_is_no_formula_is_drawn_as_text_and_told(place: str) -> None:
+def test_what_is_no_formula_is_drawn_as_text_and_reported(place: str) -> None:
     with pytest.warns(UserWarning, match=r"drawn as text, as no formula: \$\\frac\$"):
         shown = render_figure(labelled(**{place: BROKEN}), "t")
     assert f">{BROKEN}<" in shown.html
     assert shown.files[".pdf"].startswith(b"%PDF")
 
 
-def test_it_is_told_once_for_the_same_text() -> None:
+def test_it_is_reported_once_for_the_same_text() -> None:
     with pytest.warns(UserWarning, match="formula") as caught:
         render_figure(labelled(title=BROKEN, legend=BROKEN), "t")
     assert [str(warning.message).count("frac") for warning in caught] == [1]

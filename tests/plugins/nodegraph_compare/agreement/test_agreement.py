@@ -61,7 +61,7 @@ def test_the_answer_says_which_is_above_and_by_how_much() -> None:
     )
 
 
-def test_a_difference_that_grows_is_told() -> None:
+def test_a_difference_that_grows_is_reported() -> None:
     values = np.arange(1.0, 11.0)
     noise = 0.01 * np.sin(np.arange(10.0))
     scores = Across.of({"a": scored(*(1.5 * values + noise)), "b": scored(*values)}, axis="f")

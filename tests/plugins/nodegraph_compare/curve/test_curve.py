@@ -130,7 +130,7 @@ def test_a_shared_minimum_is_named_and_marked_on_every_curve() -> None:
     assert set(best(apart)["marked"]) == {"knee"}
 
 
-def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_said() -> None:
+def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_stated() -> None:
     result = drawn(swept(ME=VALLEY, JZ=SLOPE), mark="shared")
     assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 25, "knee"], ["JZ", 25, "knee"],
@@ -157,7 +157,7 @@ def test_a_straight_curve_has_nothing_to_mark() -> None:
     assert list(best(result).columns) == list(result.table.columns)
 
 
-def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_told() -> None:
+def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_reported() -> None:
     levels = floor(ME=[0.2, 0.3], JZ=[0.01])
     frame = drawn(swept(ME=VALLEY, JZ=SLOPE), levels, mark="shared").table
     assert frame["floor"].unique().tolist() == [0.25, 0.01]
@@ -193,7 +193,7 @@ def test_a_floor_without_labels_lies_under_all_curves() -> None:
     assert (frame["floor"] == 0.25).all()
 
 
-def test_a_label_without_a_floor_is_told() -> None:
+def test_a_label_without_a_floor_is_reported() -> None:
     with pytest.warns(UserWarning, match="without a noise floor: JZ"):
         frame = drawn(swept(ME=VALLEY, JZ=SLOPE), floor(ME=[0.1], MB=[0.2], JZ=[NAN])).table
     assert frame.loc[frame["actor"] == "JZ", "floor"].isna().all()
@@ -284,7 +284,7 @@ def test_labels_with_markup_stay_as_they_are() -> None:
         ({"blocks": ("trial",)}, "no axis or column 'trial'"),
     ],
 )
-def test_names_that_do_not_fit_are_told(settings: dict[str, object], message: str) -> None:
+def test_names_that_do_not_fit_are_reported(settings: dict[str, object], message: str) -> None:
     entries: Any = (({"actor": "ME", "k": 5}, point(5, 0.1).assign(name="a")),)
     with pytest.raises(ValueError, match=message):
         drawn(Across(("actor", "k"), entries), **{"compare": "k", **settings})

@@ -44,7 +44,7 @@ class Bakery:
     """The origin of an overview in a run."""
 
     node: str = "recipes"
-    labels: Mapping[str, Any] = field(default_factory=dict)
+    labels: Mapping[str, object] = field(default_factory=dict)
     caption: str = ""
     details: tuple[Detail, ...] = ()
     gathered: Mapping[str, Iterable[object]] = field(
@@ -66,7 +66,7 @@ class Bakery:
     def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {axis: tuple(of) for axis, of in self.gathered.items() if axis not in labels}
 
-    def inputs(self, labels: Mapping[str, object]) -> Mapping[str, Any] | None:
+    def inputs(self, labels: Mapping[str, object]) -> Mapping[str, object] | None:
         return None if self.open_axes(labels) else {"oven": 1.0}
 
     def command(self, labels: Mapping[str, object]) -> str:
@@ -125,7 +125,7 @@ def shelves(inputs: Mapping[str, object], column: str) -> Mapping[str, object] |
     }
 
 
-def pack(block: Mapping[str, object], inputs: Mapping[str, object]) -> Mapping[str, Any]:
+def pack(block: Mapping[str, object], inputs: Mapping[str, object]) -> Mapping[str, object]:
     return {name: str(block[name]) for name in ("cake", "heat")}
 
 
@@ -490,7 +490,7 @@ def packed(values: NDArray[np.generic]) -> str:
     return base64.b64encode(np.asarray(values).astype("<u2").tobytes()).decode()
 
 
-def codes(values: NDArray[np.float64]) -> tuple[str, dict[str, Any]]:
+def codes(values: NDArray[np.float64]) -> tuple[str, dict[str, object]]:
     known = np.isfinite(values)
     log = bool((values[known] > 0).all())
     ends = np.log(values[known]) if log else values[known]

@@ -76,7 +76,7 @@ class Bakery:
     def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {}
 
-    def inputs(self, labels: Mapping[str, object]) -> Mapping[str, Any] | None:
+    def inputs(self, labels: Mapping[str, object]) -> Mapping[str, object] | None:
         return {"cake": 3.5}
 
     def command(self, labels: Mapping[str, object]) -> str:

@@ -183,7 +183,7 @@ def test_higher_is_better_where_the_score_declares_it() -> None:
     )
 
 
-def test_what_is_left_out_is_told_and_listed() -> None:
+def test_what_is_left_out_is_reported_and_listed() -> None:
     entries = (
         ({"fill": "a"}, scored(1, 2, 3, 4)),
         ({"fill": "b"}, scored(2, 1, NAN, 6)),

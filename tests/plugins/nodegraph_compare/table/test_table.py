@@ -251,7 +251,7 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
     assert sentence.startswith(f"{start}({bests[0]:.3g} to {bests[1]:.3g} mm) over ")
 
 
-def test_shares_are_told_in_percent_and_powers_as_they_are_printed() -> None:
+def test_shares_are_reported_in_percent_and_powers_as_they_are_printed() -> None:
     for unit, text in (("share", "(20 %,"), ("mm^2", "(0.2 mm²,")):
         tables = {"a": scored([0.2, 0.1, 0.3, 0.2]), "b": scored([0.4, 0.5, 0.6, 0.5])}
         info = TableInfo(units={"rmse": unit})
@@ -263,7 +263,7 @@ def test_shares_are_told_in_percent_and_powers_as_they_are_printed() -> None:
         assert ("20.0" if unit == "share" else "0.200") in drawn
 
 
-def test_incomplete_blocks_are_dropped_for_all_and_told() -> None:
+def test_incomplete_blocks_are_dropped_for_all_and_reported() -> None:
     scores = Across.of(
         {"a": scored([1, 2, 3, 4]), "b": scored([1, NAN, 5, 6]), "c": scored([0, 9, 1])},
         axis="fill",
@@ -351,7 +351,7 @@ def test_no_common_block_says_nothing() -> None:
     assert "nothing can be said" in info_of(result.table).answer[0]
 
 
-def test_tables_without_rows_are_told() -> None:
+def test_tables_without_rows_are_reported() -> None:
     empty = Across.of({"a": scored([])}, axis="fill")
     with pytest.warns(UserWarning, match="the tables have no rows"):
         result = table(empty)
@@ -408,7 +408,7 @@ def test_a_metric_without_a_better_end_has_no_best() -> None:
     assert "and highest for a (0.888 mm, " in info_of(frame).answer[0]
 
 
-def test_against_a_baseline_it_is_said_who_differs() -> None:
+def test_against_a_baseline_it_is_stated_who_differs() -> None:
     frame = table(trials(8), within=("length",), baseline="far").table
     assert info_of(frame).answer[1] == (
         "length 5: against far, rmse is significantly lower: near, twin (p < 0.05)."
@@ -439,7 +439,7 @@ def test_infinite_scores_are_lacking() -> None:
     assert frame["mean"].tolist() == [1.0, 1.0]
 
 
-def test_many_groups_are_told_in_one_sentence() -> None:
+def test_many_groups_are_reported_in_one_sentence() -> None:
     rows = pd.DataFrame({"marker": np.repeat(range(20), 3), "take": [0, 1, 2] * 20})
     tables = {
         "a": rows.assign(rmse=1.0),
@@ -491,7 +491,7 @@ def test_blocks_have_their_name_where_one_column_tells_them() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*blocks left out")
-def test_groups_of_which_few_blocks_are_left_are_told_apart() -> None:
+def test_groups_of_which_few_blocks_are_left_are_distinguished() -> None:
     both = [
         ({**at, "length": length}, value)
         for length, scores in ((5, narrow(1)), (45, narrow(15)))
@@ -506,7 +506,7 @@ def test_groups_of_which_few_blocks_are_left_are_told_apart() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*blocks left out")
-def test_of_many_groups_it_is_told_in_how_many_blocks_are_few() -> None:
+def test_of_many_groups_it_is_reported_in_how_many_blocks_are_few() -> None:
     both = [
         ({**at, "length": length}, value)
         for length in range(13)

@@ -113,7 +113,7 @@ def test_a_reader_sees_a_column_per_method_and_the_file_has_every_digit() -> Non
     assert info_of(result).title == "Mean rmse (mm) by fill and length"
 
 
-def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
+def test_a_missing_combination_is_an_empty_cell_and_reported() -> None:
     scores = study()
     rest = [
         entry for entry in scores.entries if (entry[0]["length"], entry[0]["fill"]) != (45, "cubic")
@@ -125,7 +125,7 @@ def test_a_missing_combination_is_an_empty_cell_and_told() -> None:
     assert info_of(frame).best == {"lin": (), "cubic": (0,)}
 
 
-def test_labels_that_would_name_two_columns_alike_are_told_apart() -> None:
+def test_labels_that_would_name_two_columns_alike_are_distinguished() -> None:
     scores = Across.of(
         {
             name: pd.DataFrame({"gap": range(4), "rmse": [1.0, 2.0, 3.0, place]})

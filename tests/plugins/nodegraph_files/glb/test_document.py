@@ -40,7 +40,7 @@ def test_what_is_not_needed_is_passed_over() -> None:
         ({"nodes": [1, 2, 3, 4, 5]}, "and 2 more"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(parts: dict[str, object], message: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place(parts: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=rf"its JSON is wrong: .*{message}"):
         read(**parts)
 
@@ -73,7 +73,7 @@ def test_an_unknown_extension_is_refused_only_if_the_file_needs_it() -> None:
         read(extensionsRequired=["EXT_mesh_gpu_instancing"])
 
 
-def test_what_is_named_but_not_there_is_told() -> None:
+def test_what_is_named_but_not_there_is_reported() -> None:
     assert entry_at(["a"], 0, "mesh", "node 3") == "a"
     with pytest.raises(ValueError, match="node 3: there is no mesh 1; the file has 1"):
         entry_at(["a"], 1, "mesh", "node 3")

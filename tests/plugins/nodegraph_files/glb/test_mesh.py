@@ -110,7 +110,7 @@ def test_strips_and_fans_become_triangles(
     )
 
 
-def test_points_and_lines_are_left_out_and_told(mesh_file: MeshFile) -> None:
+def test_points_and_lines_are_left_out_and_reported(mesh_file: MeshFile) -> None:
     with pytest.warns(UserWarning, match="mesh 0, primitive 1: points or lines, which are left"):
         part = mesh_file.read(mesh_file.primitive(), mesh_file.primitive(mode=1))
     assert len(part.faces) == 2

@@ -95,7 +95,7 @@ def test_a_head_without_morph_targets_is_read(file: Callable[..., Path]) -> None
 
 
 @pytest.mark.parametrize("where", ["meshes", "nodes"])
-def test_morph_targets_that_are_shown_from_the_start_are_told(
+def test_morph_targets_that_are_shown_from_the_start_are_reported(
     file: Callable[..., Path], where: str
 ) -> None:
     path = file(lambda document: document[where][0].update(weights=[0, 0.5, 1]))

@@ -51,7 +51,7 @@ def test_what_is_missing(cell: str) -> None:
 
 
 @pytest.mark.parametrize("cell", ["one", "1_000", "1e", "0x1"])
-def test_text_is_told_with_its_place(cell: str) -> None:
+def test_text_is_reported_with_its_place(cell: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.txt:7:2: '{cell}' is not a number"):
         cell_numbers(PATH, 7, ["1", cell])
     with pytest.raises(ValueError, match=r"take\.txt:7:4: "):

@@ -46,7 +46,7 @@ def test_the_rate_of_a_time_column(write: Write) -> None:
 
 
 @pytest.mark.parametrize("column", ["frame", "time"])
-def test_dropped_frames_are_told(write: Write, column: str) -> None:
+def test_dropped_frames_are_reported(write: Write, column: str) -> None:
     rows = "".join(f"{frame},1,2,3\n" for frame in (0, 1, 2, 5, 6, 7, 7, 8))
     with pytest.warns(UserWarning, match=f"2 of 7 steps of the column '{column}' are irregular"):
         read = read_csv(write(f"# rate: 1\n{column},a.x,a.y,a.z\n{rows}"))
@@ -92,7 +92,7 @@ def test_an_empty_cell_is_missing(write: Write, cell: str) -> None:
     assert read.present.tolist() == [[False], [True]]
 
 
-def test_partly_missing_infinite_and_zero_samples_are_told(write: Write) -> None:
+def test_partly_missing_infinite_and_zero_samples_are_reported(write: Write) -> None:
     path = write("# rate: 60\n# unit: mm\na.x,a.y,a.z\n1,,3\n1,2,3\ninf,2,3\n0,0,0\n")
     with pytest.warns(UserWarning, match="count as missing") as caught:
         read = read_csv(path)
@@ -106,19 +106,19 @@ def test_zeros_may_be_positions(write: Write) -> None:
 
 
 @pytest.mark.parametrize("cell", ["one", "1_000", "1e", "0x1", "#N/A", "1.2.3"])
-def test_text_for_a_number_is_told_with_its_place(write: Write, cell: str) -> None:
+def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str) -> None:
     path = write(f"# rate: 60\n\na.x,a.y,a.z\n1,2,3\n1,{cell},3\n")
     with pytest.raises(ValueError, match=r"take\.csv:5:2: '.*' is not a number \(column a\.y\)"):
         read_csv(path)
 
 
 @pytest.mark.parametrize(("row", "count"), [("1,2", 2), ("1,2,3,4", 4)])
-def test_a_ragged_row_is_told_with_its_line(write: Write, row: str, count: int) -> None:
+def test_a_ragged_row_is_reported_with_its_line(write: Write, row: str, count: int) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv:4: {count} cells, but 3 columns"):
         read_csv(write(f"# rate: 60\na.x,a.y,a.z\n1,2,3\n{row}\n"))
 
 
-def test_a_coordinate_without_a_column_is_told(write: Write) -> None:
+def test_a_coordinate_without_a_column_is_reported(write: Write) -> None:
     with pytest.raises(ValueError, match="marker 'lip' has no column for Y, Z"):
         read_csv(write("# rate: 60\na.x,a.y,a.z,lip_x\n1,2,3,4\n"))
 
@@ -128,7 +128,7 @@ def test_a_column_twice_is_refused(write: Write) -> None:
         read_csv(write("# rate: 60\na.x,a.y,a.z,a.X\n1,2,3,4\n"))
 
 
-def test_columns_that_are_no_coordinates_are_told(write: Write) -> None:
+def test_columns_that_are_no_coordinates_are_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 columns are not coordinates and were left out: note"):
         read_csv(write("# rate: 60\nframe,a.x,a.y,a.z,note\n0,1,2,3,4\n"))
 
@@ -296,7 +296,7 @@ def test_a_marker_without_a_name_is_refused(write: Write) -> None:
         read_csv(write("# rate: 60\na.x,a.y,a.z,.x,.y,.z\n1,2,3,4,5,6\n"))
 
 
-def test_a_column_without_a_name_is_left_out_aloud(write: Write) -> None:
+def test_a_column_without_a_name_is_left_out_with_a_warning(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 columns .* left out: column 1"):
         assert read_csv(write("# rate: 60\n,a.x,a.y,a.z\n0,1,2,3\n")).frames == 1
 

@@ -72,7 +72,7 @@ def test_steps_that_are_no_whole_numbers() -> None:
 
 
 @pytest.mark.filterwarnings("error")
-def test_nothing_is_told_of_even_frames() -> None:
+def test_nothing_is_reported_of_even_frames() -> None:
     numbers = np.arange(50.0)
     warn_irregular("time", numbers)
     warn_irregular("time", numbers[:1])
@@ -83,7 +83,7 @@ def test_nothing_is_told_of_even_frames() -> None:
     warn_count("frames", "50.0", 50)
 
 
-def test_what_contradicts_is_told() -> None:
+def test_what_contradicts_is_reported() -> None:
     with pytest.warns(UserWarning, match="2 of 4 steps of the column 'time' are irregular"):
         warn_irregular("time", np.array([0.0, 1, 2, 5, 5]))
     with pytest.warns(UserWarning, match="1 of 2 steps of Frame# are not 1"):

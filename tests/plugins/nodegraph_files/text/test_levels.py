@@ -38,7 +38,7 @@ def test_what_pandas_writes_is_read(
     assert read.positions[1].tolist() == [[7, 8, 9], [10, 11, 12]]
 
 
-def test_an_index_of_something_else_is_left_out_aloud(write: Write) -> None:
+def test_an_index_of_something_else_is_left_out_with_a_warning(write: Write) -> None:
     table = frame(["lip"], ["x", "y", "z"])
     table.index = pd.Index(["img01.png", "img02.png"], name="picture")
     with pytest.warns(UserWarning, match="1 columns .* left out: picture"):
@@ -54,7 +54,7 @@ def test_an_index_of_times_tells_the_rate(write: Write) -> None:
     assert read_csv(write(table.to_csv())).rate == 25
 
 
-def test_an_index_that_skips_is_told(write: Write) -> None:
+def test_an_index_that_skips_is_reported(write: Write) -> None:
     text = "".join(f"{number},1,2,3\n" for number in (0, 1, 2, 7))
     with pytest.warns(UserWarning, match="1 of 3 steps of the column 'index' are irregular"):
         read_csv(write(f"{RATE},lip,lip,lip\n,x,y,z\n{text}"))
@@ -73,7 +73,7 @@ def test_levels_that_all_share_are_left_out_of_the_names(write: Write) -> None:
     assert read_csv(write(RATE + several.to_csv())).markers == named
 
 
-def test_likelihoods_are_left_out_aloud(write: Write) -> None:
+def test_likelihoods_are_left_out_with_a_warning(write: Write) -> None:
     names = ["scorer", "bodyparts", "coords"]
     table = frame(["net"], ["lip", "nose"], ["x", "y", "z", "likelihood"], names=names)
     with pytest.warns(UserWarning, match="2 columns .* left out: lip likelihood, nose likelihood"):
@@ -101,7 +101,7 @@ def test_data_of_two_dimensions_are_refused(write: Write) -> None:
         (",lip,lip,lip\n,x,y,z\n0,1,2,3\n", ": no rate; add a line '# rate: 60'"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(text))
 

@@ -116,26 +116,26 @@ def test_every_row_comes_to_the_frame_of_its_timecode(data: st.DataObject) -> No
     assert np.flatnonzero(~np.isnan(read.values[:, 0])).tolist() == kept
 
 
-def test_frames_without_a_face_are_missing_and_told(write: Write) -> None:
+def test_frames_without_a_face_are_missing_and_reported(write: Write) -> None:
     text = f"{HEADER}\n00:00:00:01.000,2,0.1,0.2\n00:00:00:02.000,0\n00:00:00:03.000,0,,\n"
     with pytest.warns(UserWarning, match="2 frames have no weights, as no face.* is line 3"):
         read = read_live_link(write(text))
     assert np.isnan(read.values).tolist() == [[False] * 2, [True] * 2, [True] * 2]
 
 
-def test_single_weights_that_lack_are_told(write: Write) -> None:
+def test_single_weights_that_lack_are_reported(write: Write) -> None:
     text = f"{HEADER}\n00:00:00:01.000,2,,0.2\n00:00:00:02.000,2,0.1,NaN\n"
     with pytest.warns(UserWarning, match="2 single weights are missing"):
         read = read_live_link(write(text))
     assert np.isnan(read.values).tolist() == [[True, False], [False, True]]
 
 
-def test_a_count_that_is_not_that_of_the_columns_is_told(write: Write) -> None:
+def test_a_count_that_is_not_that_of_the_columns_is_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="BlendShapeCount says 61, but 2 columns follow it"):
         assert read_live_link(write(table([1, 2]).replace(",2,", ",61,"))).frames == 2
 
 
-def test_frames_too_close_are_told(write: Write) -> None:
+def test_frames_too_close_are_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 frames follow less than half a frame after"):
         read = read_live_link(write(table([1, 2, 2, 3, 4])))
     assert read.frames == 5
@@ -149,7 +149,7 @@ def test_a_single_frame_tells_no_rate(write: Write) -> None:
 
 @pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "#N/A"])
 @pytest.mark.parametrize("column", [2, 3, 4])
-def test_text_for_a_number_is_told_with_its_place(write: Write, cell: str, column: int) -> None:
+def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str, column: int) -> None:
     row = ["00:00:00:01.000", "2", "0.1", "0.2"]
     row[column - 1] = cell
     with pytest.raises(ValueError, match=rf"take\.csv:2:{column}: '{cell}' is not a number"):
@@ -162,7 +162,7 @@ def test_an_infinite_weight_is_refused(write: Write) -> None:
 
 
 @pytest.mark.parametrize("row", ["00:00:00:01.000,2,0.1", "00:00:00:01.000,2,0.1,0.2,0.3"])
-def test_a_ragged_row_is_told_with_its_line(write: Write, row: str) -> None:
+def test_a_ragged_row_is_reported_with_its_line(write: Write, row: str) -> None:
     count = row.count(",") + 1
     with pytest.raises(ValueError, match=rf"take\.csv:2: {count} cells, but 4 columns"):
         read_live_link(write(f"{HEADER}\n{row}\n"))

@@ -59,7 +59,7 @@ def test_frames_count_where_there_are_times_as_well(write: Write) -> None:
     assert (read.rate, read.frames) == (100, 2)
 
 
-def test_uneven_times_are_told(write: Write) -> None:
+def test_uneven_times_are_reported(write: Write) -> None:
     rows = "".join(f"{time},a,1,2,3\n" for time in (0, 1, 2, 3.5, 4.5))
     with pytest.warns(UserWarning, match="5 values of the column 'time' are not whole steps apart"):
         assert read_csv(write(f"# rate: 1\ntime,marker,x,y,z\n{rows}")).frames == 5
@@ -69,7 +69,7 @@ def test_a_single_frame(write: Write) -> None:
     assert read_csv(write(f"{RATE}frame,marker,x,y,z\n9,a,1,2,3\n")).frames == 1
 
 
-def test_other_columns_are_left_out_aloud(write: Write) -> None:
+def test_other_columns_are_left_out_with_a_warning(write: Write) -> None:
     text = f"{RATE}frame,marker,x,y,z,note,score\n0,a,1,2,3,good,0.5\n"
     with pytest.warns(UserWarning, match="2 columns .* left out: note, score"):
         assert read_csv(write(text)).positions.tolist() == [[[1, 2, 3]]]
@@ -104,7 +104,7 @@ def test_quoted_names_may_hold_separators(write: Write) -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(text))
 

@@ -122,12 +122,12 @@ def test_the_rate_of_capture_where_there_is_no_other(write: Write) -> None:
     assert read_csv(write(motive(MARKER, rows=rows, Export_Frame_Rate=None))).rate == 240
 
 
-def test_metres_are_assumed_aloud(write: Write) -> None:
+def test_metres_are_assumed_with_a_warning(write: Write) -> None:
     with pytest.warns(UserWarning, match="no unit of length; m is assumed"):
         assert read_csv(write(motive(MARKER, Length_Units=None))).positions[0, 0, 0] == 1000
 
 
-def test_a_header_that_lies_is_corrected_aloud(write: Write) -> None:
+def test_a_header_that_lies_is_corrected_with_a_warning(write: Write) -> None:
     with pytest.warns(UserWarning, match="says 1000000000000 frames, the file holds 2"):
         assert read_csv(write(motive(MARKER, Total_Exported_Frames="1" + "0" * 12))).frames == 2
 
@@ -173,6 +173,6 @@ def test_a_take_without_markers_is_refused(write: Write) -> None:
         (motive(MARKER, without=("Name",)).replace(",,A1,A1,A1\n", ""), ":5: no row of names"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(text))

@@ -60,7 +60,7 @@ def test_frames_may_begin_with_their_number_and_time(write: Write, extra: tuple[
     assert read.positions[1].tolist() == [[7, 8, 9], [10, 11, 12]]
 
 
-def test_numbers_and_times_that_contradict_the_header_are_told(write: Write) -> None:
+def test_numbers_and_times_that_contradict_the_header_are_reported(write: Write) -> None:
     text = qtm(*(f"{2 * frame} {frame / 60} {ROWS[0]}" for frame in range(300)))
     with (
         pytest.warns(UserWarning, match="299 of 299 steps of the frame number are not 1"),
@@ -84,7 +84,7 @@ def test_zeros_empty_cells_and_null_are_missing(write: Write) -> None:
     assert read_csv(path, zeros_missing=False).present[0].all()
 
 
-def test_a_trajectory_that_was_filled_is_told(write: Write) -> None:
+def test_a_trajectory_that_was_filled_is_reported(write: Write) -> None:
     path = write(qtm(*ROWS, extra=("TRAJECTORY_TYPES Mixed Gap-filled",)))
     with pytest.warns(UserWarning, match=r"2 trajectories .*: lip \(Mixed\), nose \(Gap-filled\)"):
         read_csv(path)
@@ -106,7 +106,7 @@ def test_counts_may_lack(write: Write) -> None:
         ("NO_OF_MARKERS", "22", "says 22 markers, the file holds 2"),
     ],
 )
-def test_a_header_that_lies_is_corrected_aloud(
+def test_a_header_that_lies_is_corrected_with_a_warning(
     write: Write, fact: str, text: str, message: str
 ) -> None:
     with pytest.warns(UserWarning, match=message):
@@ -125,7 +125,7 @@ def test_a_header_that_lies_is_corrected_aloud(
         ("lip lip", "'lip' is now 'lip_2'", ("lip", "lip_2")),
     ],
 )
-def test_names_that_are_not_as_many_as_columns_are_told(
+def test_names_that_are_not_as_many_as_columns_are_reported(
     write: Write, names: str, message: str, markers: tuple[str, ...]
 ) -> None:
     with pytest.warns(UserWarning, match=message):
@@ -163,14 +163,14 @@ def test_a_rate_may_be_added(write: Write) -> None:
         (("1 2 3 4 5 6", "1 2 3 4 5 6 7"), ":10: 7 cells, but 6 columns"),
     ],
 )
-def test_rows_that_are_wrong_are_told_with_their_place(
+def test_rows_that_are_wrong_are_reported_with_their_place(
     write: Write, rows: tuple[str, ...], message: str
 ) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(qtm(*rows)))
 
 
-def test_a_row_that_ends_early_is_told(write: Write) -> None:
+def test_a_row_that_ends_early_is_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 rows end before the last of 6 columns"):
         read = read_csv(write(qtm("1 2 3 4 5 6", "1 2 3")))
     np.testing.assert_array_equal(read.present, [[True, True], [True, False]])

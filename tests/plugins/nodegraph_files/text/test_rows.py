@@ -126,7 +126,7 @@ def test_a_number_in_which_the_file_ends_is_not_believed() -> None:
     np.testing.assert_array_equal(read[1], [4, np.nan, np.nan])
 
 
-def test_decimal_commas_are_read_aloud() -> None:
+def test_decimal_commas_are_read_with_a_warning() -> None:
     with pytest.warns(UserWarning, match=r"commas count as decimal points, in 2 cells.*'1,5'"):
         read = read_rows(rows("1,5;2;3\n4;,25;6\n", separator=";"))
     assert read.tolist() == [[1.5, 2, 3], [4, 0.25, 6]]

@@ -45,7 +45,7 @@ def test_a_rate_that_is_none_is_refused_with_its_line(write: Write, rate: str) -
         stated_rate(read_table(write(f"a,b\n# rate: {rate}\n")))
 
 
-def test_a_rate_of_uneven_times_is_told(write: Write) -> None:
+def test_a_rate_of_uneven_times_is_reported(write: Write) -> None:
     bare = read_table(write("a,b\n"))
     with pytest.warns(UserWarning, match="not whole steps apart; by the median step .* 2 Hz"):
         assert known_rate(bare, np.array([0, 0.5, 1, 1.5, 2.2])) == 2

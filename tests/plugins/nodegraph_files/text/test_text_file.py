@@ -70,7 +70,7 @@ def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes, message: str
         read_text_file(path)
 
 
-def test_what_is_not_utf_8_is_told_with_its_line() -> None:
+def test_what_is_not_utf_8_is_reported_with_its_line() -> None:
     text = TextFile(Path("take.csv"), "a\nHüfte\n".encode("latin-1"))
     with pytest.raises(ValueError, match=r"take\.csv: not a table of text in UTF-8: line 2: "):
         list(text.lines())

@@ -59,7 +59,9 @@ def test_units_become_millimetres(write: Write, unit: str, millimetres: float) -
 
 
 @pytest.mark.parametrize(("unit", "message"), [(None, "no unit"), ("", "no unit"), ("px", "'px'")])
-def test_millimetres_are_assumed_aloud(write: Write, unit: str | None, message: str) -> None:
+def test_millimetres_are_assumed_with_a_warning(
+    write: Write, unit: str | None, message: str
+) -> None:
     with pytest.warns(UserWarning, match=f"{message}.*mm is assumed"):
         assert read_trc(write(trc(Units=unit))).positions[0, 0].tolist() == [1, 2, 3]
 
@@ -81,7 +83,7 @@ def test_zeros_are_missing_unless_told_otherwise(write: Write) -> None:
     assert read_trc(path, zeros_missing=False).present.all()
 
 
-def test_partly_missing_and_infinite_samples_are_told(write: Write) -> None:
+def test_partly_missing_and_infinite_samples_are_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="count as missing") as caught:
         read = read_trc(write(trc(["1 0.00 1  3 inf 5 6"])))
     assert len(caught) == 2
@@ -101,7 +103,7 @@ def test_partly_missing_and_infinite_samples_are_told(write: Write) -> None:
         ("NumMarkers", "999999999999", "says 9{12} markers, the file holds 2"),
     ],
 )
-def test_a_header_that_lies_is_corrected_aloud(
+def test_a_header_that_lies_is_corrected_with_a_warning(
     write: Write, fact: str, written: str, message: str
 ) -> None:
     with pytest.warns(UserWarning, match=message):
@@ -121,7 +123,7 @@ def test_a_rate_is_needed(write: Write, rate: str | None) -> None:
 
 @pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "1,5,2", "#N/A"])
 @pytest.mark.parametrize("column", [1, 2, 3, 8])
-def test_text_for_a_number_is_told_with_its_place(write: Write, cell: str, column: int) -> None:
+def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str, column: int) -> None:
     row = ["2", "0.01", "7", "8", "9", "10", "11", "12"]
     row[column - 1] = cell
     with pytest.raises(ValueError, match=rf"take\.trc:8:{column}: '{cell}' is not a number"):
@@ -136,7 +138,7 @@ def test_a_lone_quote_above_the_frames_does_no_harm(
     assert (read.markers, read.frames) == (('"lip', "nose"), 2)
 
 
-def test_decimal_commas_are_read_aloud(write: Write) -> None:
+def test_decimal_commas_are_read_with_a_warning(write: Write) -> None:
     with pytest.warns(UserWarning, match=r"commas count as decimal points, in 8 cells"):
         read = read_trc(write(trc(["1 0,00 1,5 2,5 3,25 4,5 5,5 6,5", "2 0,01 1 1 1 1 1 1"])))
     assert read.positions[0].tolist() == [[1.5, 2.5, 3.25], [4.5, 5.5, 6.5]]
@@ -166,13 +168,13 @@ def test_a_subject_that_all_share_is_taken_off(write: Write) -> None:
     assert read_trc(write(trc(names="Frame# Time A:lip   A:nose  "))).markers == ("lip", "nose")
 
 
-def test_more_names_than_columns_are_told(write: Write) -> None:
+def test_more_names_than_columns_are_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 labels beyond the 2 markers were left out: chin"):
         read = read_trc(write(trc(names="Frame# Time lip   nose   chin  ")))
     assert read.markers == ("lip", "nose")
 
 
-def test_more_columns_than_names_are_told(write: Write) -> None:
+def test_more_columns_than_names_are_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 markers had no label.*'unnamed_2'"):
         assert read_trc(write(trc(names="Frame# Time lip  "))).markers == ("lip", "unnamed_2")
 
@@ -192,7 +194,7 @@ def test_a_name_out_of_place_is_refused(write: Write) -> None:
         ({"NumMarkers": "0"}, "says 0 markers, the file holds 2"),
     ],
 )
-def test_what_is_clear_is_read_aloud(write: Write, changed: Any, message: str) -> None:
+def test_what_is_clear_is_read_with_a_warning(write: Write, changed: Any, message: str) -> None:
     with pytest.warns(UserWarning, match=message):
         read = read_trc(write(trc(**{"NumFrames": "2", **changed})))
     assert read.markers == ("lip", "nose")
@@ -230,7 +232,7 @@ def test_a_row_longer_than_the_columns_is_refused(write: Write) -> None:
     assert read_trc(write(trc(["1 0 1 2 3 4 5 6  "]))).present.all()
 
 
-def test_a_row_that_ends_early_is_told(write: Write) -> None:
+def test_a_row_that_ends_early_is_reported(write: Write) -> None:
     path = write(trc(["1 0.00 1 2 3", "2 0.01 7 8 9 10 11 12"]))
     with pytest.warns(UserWarning, match="1 rows end before the last of 8 columns.* line 7"):
         assert read_trc(path).present.tolist() == [[True, False], [True, True]]
@@ -254,7 +256,7 @@ def test_a_file_without_a_last_line_end_is_whole(write: Write) -> None:
     ("numbers", "uneven"), [((1, 2, 4), 1), ((1, 1, 2), 1), ((3, 2, 1), 2), ((90, 91, 92), 0)]
 )
 @pytest.mark.filterwarnings("error")
-def test_frame_numbers_that_skip_are_told(
+def test_frame_numbers_that_skip_are_reported(
     write: Write, numbers: tuple[int, ...], uneven: int
 ) -> None:
     rows = [f"{number} {row / 100} 1 2 3 4 5 6" for row, number in enumerate(numbers)]
@@ -266,7 +268,7 @@ def test_frame_numbers_that_skip_are_told(
         assert read_trc(path).frames == 3
 
 
-def test_times_that_contradict_the_rate_are_told(write: Write) -> None:
+def test_times_that_contradict_the_rate_are_reported(write: Write) -> None:
     rows = [f"{frame} {frame / 60:.2f} 1 2 3 4 5 6" for frame in range(300)]
     assert read_trc(write(trc(rows, DataRate="60"))).rate == 60
     with pytest.warns(UserWarning, match=r"lasts 4\.98 s, by DataRate 2\.99 s; DataRate counts"):

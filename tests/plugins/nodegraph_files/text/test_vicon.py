@@ -55,7 +55,7 @@ def test_units_become_millimetres(write: Write) -> None:
     assert read_csv(write(vicon(line_5=",,m,m,m,m,m,m"))).positions[0, 0, 0] == 1000
 
 
-def test_rows_that_end_early_and_frames_that_skip_are_told(write: Write) -> None:
+def test_rows_that_end_early_and_frames_that_skip_are_reported(write: Write) -> None:
     with (
         pytest.warns(UserWarning, match="1 rows end before the last of 8 columns"),
         pytest.warns(UserWarning, match="1 of 1 steps of Frame are not 1"),
@@ -72,7 +72,7 @@ def test_rows_that_end_early_and_frames_that_skip_are_told(write: Write) -> None
         (",,lip,,,nose,,,chin,,", "1 labels beyond the 2 markers .*: chin", ("lip", "nose")),
     ],
 )
-def test_names_that_lack_or_repeat_are_told(
+def test_names_that_lack_or_repeat_are_reported(
     write: Write, names: str, message: str, markers: tuple[str, ...]
 ) -> None:
     with pytest.warns(UserWarning, match=message):
@@ -98,6 +98,6 @@ def test_names_that_lack_or_repeat_are_told(
         ("\n".join([*HEADER, "", "Devices", ""]), ": no frames follow line 5"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_place(write: Write, text: str, message: str) -> None:
+def test_what_is_wrong_is_reported_with_its_place(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_csv(write(text))

@@ -66,7 +66,7 @@ def test_a_long_study_stays_small() -> None:
     assert len(packed(playback(*noisy))) * 4 / 3 < 7e6
 
 
-def test_a_head_that_several_share_is_told_once() -> None:
+def test_a_head_that_several_share_is_reported_once() -> None:
     first, second = animations()["complete"], animations()["gaps"]
     read = Read.of(playback(first, second))
     (head,) = read.head["heads"]
@@ -173,14 +173,14 @@ def test_the_colours_end_above_nearly_all_errors() -> None:
     assert error_scale(playback(animations()["complete"], truth=truth)) == 1.0
 
 
-def test_tiny_things_are_told_more_finely() -> None:
+def test_tiny_things_are_reported_more_finely() -> None:
     face = recordings()["complete"]
     assert step_of([panel(face)]) == 0.01
     assert step_of([panel(face, radius=1.0)]) == pytest.approx(1e-4)
     assert step_of([panel(face, radius=1.0), panel(face)]) == 0.01
 
 
-def test_a_sample_out_of_reach_is_told_as_missing() -> None:
+def test_a_sample_out_of_reach_is_reported_as_missing() -> None:
     face = recordings()["complete"]
     far = face.positions.copy()
     far[3, 2] = 1e9
