@@ -6,6 +6,7 @@ import hashlib
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import is_zipfile
 
 from pydantic import ValidationError
 
@@ -162,7 +163,12 @@ def _text(path: Path) -> str:
     except FileNotFoundError:
         raise NodegraphError(f"{path}: no such file; `nodegraph lock GRAPH` writes one") from None
     except (OSError, ValueError) as error:
-        raise NodegraphError(f"{path}: cannot be read as a lock: {error}") from error
+        reason = "cannot be read as a lock"
+        if isinstance(error, UnicodeDecodeError) and is_zipfile(path):
+            raise NodegraphError(
+                f"{path}: {reason}: it is an archive; unpack it, and name the lock in it"
+            ) from None
+        raise NodegraphError(f"{path}: {reason}: {error}") from error
 
 
 def _check(path: Path, text: str) -> None:

@@ -44,8 +44,8 @@ def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
     moved = np.linalg.norm(positions[changed] - recording.positions[changed], axis=1)
     share = count / np.count_nonzero(recording.present)
     warnings.warn(
-        f"{count} samples repaired ({100 * share:.2f} % of those present), moved by "
-        f"{moved.mean():.3g} mm on average, by {moved.max():.3g} mm at most",
+        f"{count} sample{'' if count == 1 else 's'} repaired ({100 * share:.3g} % of those "
+        f"present), moved by {moved.mean():.3g} mm on average, by {moved.max():.3g} mm at most",
         stacklevel=3,
     )
     sigma = None if recording.sigma is None else np.where(changed, np.nan, recording.sigma)

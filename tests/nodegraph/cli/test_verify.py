@@ -6,6 +6,7 @@ import hashlib
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
@@ -457,9 +458,16 @@ def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_rig
 
 
 @pytest.mark.parametrize(
-    ("lock", "reason"), [("nothing.lock", "no such file"), ("study.yaml", "this is not a lock")]
+    ("lock", "reason"),
+    [
+        ("nothing.lock", "no such file"),
+        ("study.yaml", "this is not a lock"),
+        ("study.zip", "cannot be read as a lock: it is an archive"),
+    ],
 )
 def test_a_file_that_is_not_a_lock_is_an_error(verified: Verified, lock: str, reason: str) -> None:
+    with ZipFile("study.zip", "w", ZIP_DEFLATED) as archive:
+        archive.writestr("study.lock", "a" * 999)
     status, _, err = verified(lock=lock)
     assert status == 2
     assert f"{lock}: {reason}" in err

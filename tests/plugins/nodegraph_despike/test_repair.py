@@ -146,7 +146,7 @@ def test_marks_counts_and_means() -> None:
     recording = noted(sigma=np.full((5, 2), 0.1))
     positions = recording.positions.copy()
     positions[2, 1], positions[3, 0] = [3.0, 0.0, 4.0], [0.0, 1.0, 0.0]
-    text = r"2 samples repaired \(22\.22 % of those present\), moved by 3 mm on average, by 5 mm"
+    text = r"2 samples repaired \(22\.2 % of those present\), moved by 3 mm on average, by 5 mm"
     with pytest.warns(UserWarning, match=text):
         despiked = repaired(recording, positions)
     assert np.argwhere(marks(despiked)).tolist() == [[2, 1], [3, 0]]
