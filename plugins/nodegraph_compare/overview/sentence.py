@@ -144,6 +144,8 @@ def _throughout(overview: Overview, stands: Sequence[GroupOverview], leaders: Se
         where = f" in {len(stands)} of {count} groups"
     elif count > 1:
         where = " throughout"
+    if all(np.count_nonzero(np.isfinite(group.mean)) == len(leaders) for group in stands):
+        return f"{names} have the same mean {escape(overview.metric.name)}{where}."
     tied = set.intersection(*(set(group.tied) for group in stands))
     if tied:
         first = stands[0]

@@ -337,6 +337,14 @@ def test_other_ends_of_a_metric(better: BetterEnd) -> None:
         assert "c 235 % 95 %: " in text
 
 
+def test_methods_of_equal_numbers_leave_nobody_behind() -> None:
+    scores = {name: cakes(np.arange(1.0, 9.0)) for name in ("plain", "rich")}
+    overview = compared(Across.of(scores, axis="recipe"), clusters=("cake",)).overview
+    text = text_of(rendered(overview).lead)
+    assert text.startswith("plain and rich have the same mean waste.")
+    assert "behind" not in text
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize(
     "values",
