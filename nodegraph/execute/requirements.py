@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import Problems
@@ -13,14 +14,17 @@ from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.state import State
 
-_STEPS_IN_MEMORY = 32  # in a plan, steps follow closely those that feed them
+_STEPS_IN_MEMORY = 4
+_LARGEST = 16 << 20
+"""Bytes of a file that is read: so many takes in memory must not be takes of an hour."""
 
 
 def check_requirements(plan: Plan, cache: StepCache, problems: Problems) -> None:
     """Note settings that do not fit the inputs of their nodes, and files that cannot be read.
 
-    Requirements are tried on inputs that are stored, that are read from files, or that come from
-    such through nodes that damage them. No other node is called, and nothing is stored.
+    Requirements are tried on inputs that are stored, that are read from files of up to 16 MB, or
+    that come from such through nodes that damage them. No other node is called, and nothing is
+    stored.
 
     Parameters
     ----------
@@ -32,7 +36,7 @@ def check_requirements(plan: Plan, cache: StepCache, problems: Problems) -> None
     inputs = _Inputs(plan, cache, problems)
     tried = set()
     with collecting_warnings():
-        for step in plan.steps:
+        for step in _by_source(plan):
             requires = step.method.node.requires
             if requires is None:
                 continue
@@ -54,6 +58,14 @@ def check_requirements(plan: Plan, cache: StepCache, problems: Problems) -> None
                 requires(**values, **settings)
             except Exception as error:
                 _note(problems, step, settings, failure(step.method.node, error).reason)
+
+
+def _by_source(plan: Plan) -> list[Step]:
+    """Return the steps, those that read the same values one after the other: few are kept."""
+    ways: list[tuple[int, ...]] = []
+    for step in plan.steps:
+        ways.append((*(ways[step.needed[0]] if step.needed else ()), step.index))
+    return sorted(plan.steps, key=lambda step: ways[step.index])
 
 
 class _Inputs:
@@ -85,6 +97,9 @@ class _Inputs:
             return self._cache.load(index) or ()
         files = [name for name, setting in node.settings.items() if setting.is_file]
         if not (node.damages if step.inputs else files):
+            return ()
+        paths = [Path(str(step.settings[name])) for name in files if step.settings.get(name)]
+        if any(path.stat().st_size > _LARGEST for path in paths):
             return ()
         inputs = self.of(step.inputs)
         if inputs is None:

@@ -133,6 +133,8 @@ def test_check_refuses_settings_that_do_not_fit_a_file(command: Command) -> None
         "part.yaml:6:44: c(length=4, seed=0): 4 of 3 lines",
         "part.yaml:7:44: d: 5 of 2 lines",
     ]
+    os.truncate("three", (16 << 20) + 1)  # too large to be read before a run
+    assert command("check", "part.yaml")[0] == 0
     Path("three").write_text("a b c d e f")
     assert command("check", "part.yaml")[0] == 0
     Path("three").write_bytes(b"\xff")
