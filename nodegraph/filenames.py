@@ -28,7 +28,7 @@ _MAX_BEFORE_DIGEST = _MAX_STEM - _DIGEST - 1
 _WITH_DIGEST = re.compile(rf"(.*-)?[0-9a-f]{{{_DIGEST}}}", re.DOTALL)
 _SUFFIX = re.compile(r"(?<=.)\.[A-Za-z0-9]{1,15}$")
 _HYPHENS = re.compile("-{2,}")
-_REFUSED = frozenset('<>:"/\\|?*')
+_RESERVED_CHARACTERS = frozenset('<>:"/\\|?*')
 _DEVICES = frozenset(
     {"con", "prn", "aux", "nul", "conin$", "conout$"}
     | {f"{port}{number}" for port in ("com", "lpt") for number in "0123456789¹²³"}
@@ -192,4 +192,4 @@ def _in_word(character: str) -> str:
 
 def _in_name(character: str) -> str:
     is_other = unicodedata.category(character)[0] in "CZ" and character != " "
-    return "-" if is_other or character in _REFUSED else character
+    return "-" if is_other or character in _RESERVED_CHARACTERS else character

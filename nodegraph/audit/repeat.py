@@ -24,7 +24,7 @@ from nodegraph.node.ports import Across
 from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packer, Unstorable
 
-_KEPT = re.compile(
+_ENVIRONMENT = re.compile(
     "PATH|HOME|USER|TMP|TEMP|SYSTEMROOT|APPDATA|LOCALAPPDATA|XDG_|LD_|DYLD_|PYTHON|VIRTUAL_ENV|CONDA"
     "|NODEGRAPH_|NUMBA_|OMP_|MKL_|OPENBLAS_|BLIS_|VECLIB_|MPL",
     re.IGNORECASE,
@@ -168,7 +168,7 @@ class Repeats:
 
 def _other_environment() -> dict[str, str]:
     """Return the variables by which Python, libraries and the system find their way."""
-    kept = {name: value for name, value in os.environ.items() if _KEPT.match(name)}
+    kept = {name: value for name, value in os.environ.items() if _ENVIRONMENT.match(name)}
     return {**kept, "TZ": "Pacific/Kiritimati", "LC_ALL": "C"}
 
 

@@ -19,7 +19,7 @@ from nodegraph.state import State
 
 FORMAT = 1
 _PROGRESS_EVENTS = 100
-"""How many progress events a run has, about."""
+"""Progress events of a run, about."""
 
 
 class EventKind(StrEnum):

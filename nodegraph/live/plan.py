@@ -15,7 +15,7 @@ from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Plan, Step, plan
 
 _WHOLE_TAKE = "needs the whole take"
-_UNBOUNDED = "looks ahead without bound"
+_NO_BOUND = "looks ahead without bound"
 _FRAMES = (1, 30)
 """Numbers that are tried to find a setting that bounds a look-ahead."""
 
@@ -350,7 +350,7 @@ class _Planner:
         lookahead = node.live_lookahead(step.settings)
         if lookahead is None:
             self._refuse(step)
-            return _UNBOUNDED
+            return _NO_BOUND
         feeds = {port: feed for port, feed in step.inputs.items() if isinstance(feed, Output)}
         streams = {port: feed for port, feed in feeds.items() if port in ports}
         values = {port: feed for port, feed in feeds.items() if port not in ports}
@@ -431,7 +431,7 @@ class _Planner:
             node, _ = split_name(self._plan.graph, name)
             for index in dict.fromkeys(self._plan.cells[node].values()):
                 step = self._plan.steps[index]
-                if index in self._cut and self._cut[index] != _UNBOUNDED:
+                if index in self._cut and self._cut[index] != _NO_BOUND:
                     reason = f"it {self._why(index)}"
                 elif index in self._cut or index in self._live or index == self._source.step:
                     continue

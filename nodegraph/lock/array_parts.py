@@ -14,7 +14,7 @@ from nodegraph.lock.sketch import first_weighted
 Axes = tuple[tuple[str, tuple[str, ...]], ...]
 """The first axes of an array: a word for their members, and the members' names."""
 
-_NAMED = 5
+_MOST_NAMES = 5
 """Members of an axis that are listed at most."""
 
 _ROUNDING = 2.0**-22
@@ -170,9 +170,9 @@ def _listed(spans: list[Span], word: str, names: tuple[str, ...], members: int) 
     if len(places) == members:
         return f"all {members} {several}"
     if names:
-        more = f" and {len(places) - _NAMED} more" if len(places) > _NAMED else ""
-        return f"{several} {', '.join(names[at] for at in places[:_NAMED])}{more}"
-    if len(ranges) > _NAMED:
+        more = f" and {len(places) - _MOST_NAMES} more" if len(places) > _MOST_NAMES else ""
+        return f"{several} {', '.join(names[at] for at in places[:_MOST_NAMES])}{more}"
+    if len(ranges) > _MOST_NAMES:
         return f"{len(places)} {several} between {places[0]} and {places[-1]}"
     texts = (str(first) if first == last else f"{first} to {last}" for first, last in ranges)
     return f"{several} {', '.join(texts)}"

@@ -21,7 +21,7 @@ from nodegraph.plan import Step
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.record import versions
 
-_SHOWN = 200
+_LONGEST = 200
 """Characters of a line in a message."""
 
 _DIGITS = 10
@@ -58,7 +58,7 @@ def refuse_paths(text: str, folders: Iterable[Path]) -> None:
         line = next((line for line in text.splitlines() if inside in line), "")
         if line and folder.resolve().parent != folder.resolve():
             raise NodegraphError(
-                f"the lock would hold the path {inside} of this machine: {line.strip()[:_SHOWN]}"
+                f"the lock would hold the path {inside} of this machine: {line.strip()[:_LONGEST]}"
             )
 
 

@@ -23,7 +23,7 @@ _SECTION = r"^{}\n-+\n(.*?)(?=^\w[\w ]*\n-+$|\Z)"
 _PARAMETERS = re.compile(_SECTION.format("Parameters"), re.MULTILINE | re.DOTALL)
 _EXAMPLES = re.compile(_SECTION.format("Examples"), re.MULTILINE | re.DOTALL)
 _NONE = re.compile(r"\b[Nn]one(?=:)")
-_QUOTED = re.compile(r"(?<!`)`{1,2}([^`]+)`{1,2}(?!`)")
+_CODE = re.compile(r"(?<!`)`{1,2}([^`]+)`{1,2}(?!`)")
 
 
 @dataclass(frozen=True)
@@ -252,7 +252,7 @@ def _documented_parameters(doc: str) -> dict[str, str]:
     from docstring_parser import DocstringStyle, parse
 
     return {
-        name.strip(): _QUOTED.sub(r"\1", " ".join((parameter.description or "").split()))
+        name.strip(): _CODE.sub(r"\1", " ".join((parameter.description or "").split()))
         for parameter in parse(doc, style=DocstringStyle.NUMPYDOC).params
         for name in parameter.arg_name.split(",")
     }

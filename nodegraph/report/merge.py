@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.study import Link, Section, SettingRow, Study, numbered
 
-_NAMED = re.compile(r'\s(?:id|name)="([^"]+)"')
+_ANCHOR = re.compile(r'\s(?:id|name)="([^"]+)"')
 
 
 def merged(studies: Mapping[str, Study]) -> Study:
@@ -109,7 +109,7 @@ def _with_own_ids(rendered: Rendered, number: int) -> Rendered:
     """Return a fragment whose ids and groups of buttons are those of no other run."""
     if number == 1:
         return rendered
-    names = dict.fromkeys(_NAMED.findall(rendered.html + rendered.lead))
+    names = dict.fromkeys(_ANCHOR.findall(rendered.html + rendered.lead))
     if not names:
         return rendered
     longest_first = sorted(names, key=len, reverse=True)

@@ -33,10 +33,10 @@ _TITLES: tuple[tuple[Kind, str, str], ...] = (
     ),
     (Kind.WARNING, "Warnings", "These steps ran, with warnings about their results."),
 )
-_QUOTED = re.compile(r"(?<!\w)(?:'[^']*'|\"[^\"]*\"|`[^`]*`)(?!\w)")
+_QUOTE = re.compile(r"(?<!\w)(?:'[^']*'|\"[^\"]*\"|`[^`]*`)(?!\w)")
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)", re.IGNORECASE)
 _NAME = re.compile(r"(?<![\w.])(?:\w*[A-Za-z]_?\d\w*|\w+_\w+)")
-_LISTED = re.compile(r"(?<=: )[^\s,;:]+(?:, (?:and )?[^\s,;:]+)*(?: more)?(?=[,;.]? |[;.]?$)")
+_LIST = re.compile(r"(?<=: )[^\s,;:]+(?:, (?:and )?[^\s,;:]+)*(?: more)?(?=[,;.]? |[;.]?$)")
 _SEVERAL = re.compile(r"…(?:(?:,? and|,|;)? …)+")
 _LONG = 5
 """Number of words of a template of which one may differ."""
@@ -221,8 +221,8 @@ def _words(note: StepNote) -> list[str]:
     """
     if note.kind is not Kind.WARNING:
         return [note.reason]
-    text = _NAME.sub("…", _NUMBER.sub("…", _QUOTED.sub("…", note.reason)))
-    return _SEVERAL.sub("…", _LISTED.sub("…", text)).split()
+    text = _NAME.sub("…", _NUMBER.sub("…", _QUOTE.sub("…", note.reason)))
+    return _SEVERAL.sub("…", _LIST.sub("…", text)).split()
 
 
 class _Template:

@@ -16,7 +16,7 @@ from nodegraph.report.axis_text import axis_text
 from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
-_KEPT = 32
+_MOST_VALUES = 32
 """Values kept in memory: the truth of a take, and what each method made of it."""
 
 
@@ -114,6 +114,6 @@ class RunOrigin:
         if output not in self._values:
             self._values[output] = self.run.values_of(output.step)[output.position]
         self._values.move_to_end(output)
-        while len(self._values) > _KEPT:
+        while len(self._values) > _MOST_VALUES:
             self._values.popitem(last=False)
         return self._values[output]

@@ -17,7 +17,7 @@ _FORMULA = re.compile(r"[=^<|]|\bsum\b|\bsqrt\b|[\w)] [-+*/] [\w(]")
 _FOOTNOTE = re.compile(r"^\.\. \[(\w+)\] ", re.MULTILINE)
 _FOOTNOTE_MARK = re.compile(r"\[(\d+)\]_")
 _ITEM = re.compile(r"^(?:- |\d+\. )", re.MULTILINE)
-_RULED = re.compile(r"^(?:=+ +)+=+$")
+_RULES = re.compile(r"^(?:=+ +)+=+$")
 _SYMBOLS = {
     "&lt;=": "&le;",
     "&gt;=": "&ge;",
@@ -114,7 +114,7 @@ def blocks_html(text: str) -> str:
 
 def _block(block: str) -> str:
     lines = block.splitlines()
-    if any(_RULED.match(line) for line in lines) or all(line.startswith("  ") for line in lines):
+    if any(_RULES.match(line) for line in lines) or all(line.startswith("  ") for line in lines):
         return code_html(textwrap.dedent(block))
     if _ITEM.match(block):
         items = (inline_html(item) for item in _ITEM.split(block) if item.strip())

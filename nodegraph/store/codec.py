@@ -614,7 +614,7 @@ def restorers(
     """Return the functions that restore each kind of list, by its first word."""
     by_name = {storage_name(storage): storage for storage in reversed(tuple(storages))}
     return {
-        **_RESTORED,
+        **_RESTORERS,
         **NUMPYS,
         "stored": partial(_restored, by_name),
         "value": partial(_restored_value, packages),
@@ -757,7 +757,7 @@ BASIC: dict[type, Way] = {
     dict: _dict,
 }
 
-_RESTORED: dict[str, Restorer] = {
+_RESTORERS: dict[str, Restorer] = {
     "int": lambda together, digits: int(digits, 16),
     "float": lambda together, content: struct.unpack("<d", bytes.fromhex(content))[0],
     "str": lambda together, content: bytes.fromhex(content).decode("utf-8", "surrogatepass"),

@@ -166,7 +166,7 @@ def _set_path(original: list[str]) -> None:
     sys.path[:] = original
 
 
-_written: dict[int, list[str]] = {}
+_written_paths: dict[int, list[str]] = {}
 """For each thread that is watched, the paths that it has opened to write."""
 
 
@@ -178,21 +178,21 @@ def _files_written() -> Iterator[list[str]]:
         _note_opened.is_installed = True  # type: ignore[attr-defined]
     paths: list[str] = []
     thread = threading.get_ident()
-    outer = _written.get(thread)
-    _written[thread] = paths
+    outer = _written_paths.get(thread)
+    _written_paths[thread] = paths
     try:
         yield paths
     finally:
-        del _written[thread]
+        del _written_paths[thread]
         if outer is not None:
-            _written[thread] = outer
+            _written_paths[thread] = outer
 
 
 def _note_opened(event: str, arguments: tuple[object, ...]) -> None:
-    if event != "open" or not _written:
+    if event != "open" or not _written_paths:
         return
     path, mode, flags = arguments
-    paths = _written.get(threading.get_ident())
+    paths = _written_paths.get(threading.get_ident())
     by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
     by_flags = isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR))
     if paths is not None and (by_mode or by_flags) and isinstance(path, (str, os.PathLike)):

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ROUNDS = 300
-_SETTLED = 1e-11
+_TOLERANCE = 1e-11
 """Movement of the mean shape in a round, relative to its size, below which it is found."""
 
 
@@ -84,7 +84,7 @@ def generalized(
         notes.append(f"{np.count_nonzero(~seen)} landmarks are missing in every frame")
         place = place.keep(np.array(names)[seen].tolist())
     fitting, movement = _mean_shape(place, fullest, scale)
-    if movement > _SETTLED:
+    if movement > _TOLERANCE:
         notes.append(
             f"after {_ROUNDS} rounds the mean shape still moves by {movement:.1e} of its size"
         )
@@ -128,7 +128,7 @@ def _mean_shape(place: Trajectories, fullest: int, scale: Scale) -> tuple[Fittin
         mean = _kept(mean, every, fitting.points[fullest], scale)
         movement = float(np.linalg.norm(mean - shape) / np.linalg.norm(mean - mean.mean(axis=0)))
         fitting = replace(fitting, shape=mean)
-        if movement <= _SETTLED:
+        if movement <= _TOLERANCE:
             break
     return fitting, movement
 

@@ -15,7 +15,7 @@ from nodegraph_align.reference import reference_of
 from nodegraph_mocap import Trajectories
 
 _ROUNDS = 200
-_SETTLED = 1e-9
+_TOLERANCE = 1e-9
 """Change of weights from one round to the next, below which a frame is done."""
 
 
@@ -94,7 +94,7 @@ def _settled(fitting: Fitting, width: float) -> tuple[Poses, int]:
     for _ in range(_ROUNDS):
         apart = fitting.some(active).distances(poses.some(active))
         wanted = width / np.maximum(apart, width)
-        changed = np.any(np.abs(wanted - weights[active]) > _SETTLED, axis=1)
+        changed = np.any(np.abs(wanted - weights[active]) > _TOLERANCE, axis=1)
         active = active[changed]
         if not len(active):
             break

@@ -35,7 +35,7 @@ FEWEST_SETTLED: Final = 8
 FEWEST_FLIPPED: Final = 6
 """With fewer units, the smallest p of sign flips is above 5 %."""
 
-_ENUMERATED = 12
+_MOST_ENUMERATED = 12
 _FLIPS = 4095
 _GRID = 80
 _LEAST = 1e-300
@@ -111,7 +111,7 @@ class Contrasts:
         from 0; of more than twelve units, of 4095 random ones.
         """
         count = self.d.shape[-2]
-        if count <= _ENUMERATED:
+        if count <= _MOST_ENUMERATED:
             places = np.arange(2 ** (count - 1))
             signs = 1.0 - 2.0 * ((places[:, np.newaxis] >> np.arange(count)) & 1)
         else:

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 MOST_GROUPS = 12
 """Groups that have a sentence each; of more, one sentence states the counts."""
 
-_LISTED = 8
+_MOST_GROUPS = 8
 _REASONS = 2
-_NOTED = 40
+_MOST_NOTES = 40
 _COMBINATION = re.compile(r"^([\w.]+)\(.*?\) (?=(?:failed|refused): )")  # of fill(k=1) failed: why
 _MOST_LACKING = 3
 
@@ -59,8 +59,8 @@ def left_out(
     empty = [] if groups else ["the tables have no rows"]
     if sentences or missing or empty:
         warnings.warn(shortened([*sentences, *missing, *empty]), stacklevel=3)
-    more = sum(map(len, [*same.values()][_NOTED:]))
-    noted = [*sentences[:_NOTED], *([f"and so in {more} more groups"] if more else [])]
+    more = sum(map(len, [*same.values()][_MOST_NOTES:]))
+    noted = [*sentences[:_MOST_NOTES], *([f"and so in {more} more groups"] if more else [])]
     return [
         *noted,
         *absences(scores.absent, question.compare),
@@ -140,8 +140,8 @@ def absences(absent: Iterable[Absent], compare: str | None) -> list[str]:
 
 
 def _few(groups: Sequence[str]) -> str:
-    more = len(groups) - _LISTED
-    return "; ".join([*groups[:_LISTED], *([f"and {more} more groups"] if more > 0 else [])])
+    more = len(groups) - _MOST_GROUPS
+    return "; ".join([*groups[:_MOST_GROUPS], *([f"and {more} more groups"] if more > 0 else [])])
 
 
 def start_text(label: Label) -> str:
@@ -151,9 +151,9 @@ def start_text(label: Label) -> str:
 
 def shortened(sentences: list[str]) -> str:
     """Return sentences as one text; of many, the first and the number of others."""
-    more = len(sentences) - _LISTED
+    more = len(sentences) - _MOST_GROUPS
     rest = f"; and {more} more, see the table's notes" if more > 0 else ""
-    return "; ".join(sentences[:_LISTED]) + rest
+    return "; ".join(sentences[:_MOST_GROUPS]) + rest
 
 
 def group_text(group: Group, question: Question) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from nodegraph import listed
 
-_LISTED = 10
+_MOST_NAMES = 10
 
 
 def unique_names(labels: Sequence[str], count: int) -> tuple[str, ...]:
@@ -57,4 +57,4 @@ def _without_subject(labels: list[str]) -> list[str]:
 
 
 def _warn(what: str, which: Sequence[str]) -> None:
-    warnings.warn(f"{what}: {listed(which, _LISTED)}", stacklevel=4)
+    warnings.warn(f"{what}: {listed(which, _MOST_NAMES)}", stacklevel=4)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 _LONGEST_TEXTS = 2**26
-_DEFLATED = 1032
+_MOST_INFLATION = 1032
 """Nothing that deflate packs comes out longer than this many times (zlib, technical details)."""
 
 
@@ -82,7 +82,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[
         size = stream.tell() + math.prod(shape) * kind.itemsize
         if kind.kind not in kinds:
             raise ValueError(f"array {name!r} is of type {kind}")
-        if size != member.file_size or size > _DEFLATED * member.compress_size:
+        if size != member.file_size or size > _MOST_INFLATION * member.compress_size:
             raise ValueError(f"array {name!r} is not of the size {shape} that it announces")
         if kind.kind == "U" and size > _LONGEST_TEXTS:
             raise ValueError(f"array {name!r} has {size} bytes of text")

@@ -24,7 +24,7 @@ _SHRINKAGE = 0.001
 _STRAIGHT = 0.03
 """What a step away from the straight line costs, relative to one away from the model."""
 _MOST_ROUNDS = 1000
-_SETTLED = 1e-13
+_TOLERANCE = 1e-13
 """How large, relative to all that is known, the last residual may be."""
 _SLIGHT = 1e-9
 """So that a cosine of the very frequency of the cut-off is kept, however that was rounded."""
@@ -144,7 +144,7 @@ def _completed(
     entries = Entries(missing)
     rest = -(straight - basis.nearest(straight))[missing]
     ahead, moved = rest.copy(), np.zeros_like(rest)
-    square, enough = rest @ rest, (_SETTLED * float(np.linalg.norm(straight))) ** 2
+    square, enough = rest @ rest, (_TOLERANCE * float(np.linalg.norm(straight))) ** 2
     for _ in range(_MOST_ROUNDS):
         if square <= enough:
             break

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Trajectories
 
 _FRAMES, _ROUNDS, _FEWEST = 600, 30, 4
-_SETTLED = 1e-6
+_TOLERANCE = 1e-6
 _HIGH = 90.0
 """Percentile that stands for a marker's motion: above a few impulses, not above all blinks."""
 
@@ -84,7 +84,7 @@ def _upright(shape: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _alike(first: NDArray[np.float64], second: NDArray[np.float64]) -> bool:
     return bool(
-        np.nanmax(np.abs(first - second)) <= _SETTLED * np.nanmax(np.nanstd(second, axis=0))
+        np.nanmax(np.abs(first - second)) <= _TOLERANCE * np.nanmax(np.nanstd(second, axis=0))
     )
 
 

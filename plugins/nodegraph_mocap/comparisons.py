@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-_NAMED = 5
+_MOST_NAMES = 5
 
 
 def comparisons() -> tuple[Comparison, ...]:
@@ -91,7 +91,7 @@ def _samples(where: NDArray[np.bool_], markers: Sequence[str]) -> str:
     """Return the number of samples with their frames and markers as text."""
     frames, columns = np.flatnonzero(where.any(axis=1)), np.flatnonzero(where.any(axis=0))
     count = int(np.count_nonzero(where))
-    names = listed((markers[column] for column in columns.tolist()), _NAMED)
+    names = listed((markers[column] for column in columns.tolist()), _MOST_NAMES)
     first, last = int(frames[0]), int(frames[-1])
     span = f"frame {first}" if first == last else f"frames {first} to {last}"
     return f"{count} sample{'s' if count > 1 else ''} ({span}; {names})"

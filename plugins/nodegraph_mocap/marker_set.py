@@ -22,7 +22,7 @@ class MarkerSet(Value):
     midline : tuple of str
     stable : tuple of str
         Landmarks that speech and expression hardly move.
-    edges : tuple of (one, other)
+    edges : tuple of (first, second)
         Lines to draw.
 
     Raises

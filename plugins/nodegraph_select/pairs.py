@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Trajectories
 
 Pairs = tuple[tuple[str, ...], ...]
-_LISTED = 6
+_MOST_NAMES = 6
 
 
 def pairs_of(recording: Trajectories, *, stacklevel: int = 3) -> Pairs:
@@ -81,6 +81,6 @@ def _warn(recording: Trajectories, alone: list[str], stacklevel: int) -> None:
         why = "the marker set has them in no pair with another marker, nor on the midline"
     warnings.warn(
         f"{len(alone)} of {len(recording.markers)} markers are chosen or left each by itself: "
-        f"{why}: {listed(alone, _LISTED)}",
+        f"{why}: {listed(alone, _MOST_NAMES)}",
         stacklevel=stacklevel,
     )

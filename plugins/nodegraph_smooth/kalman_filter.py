@@ -19,7 +19,7 @@ from nodegraph_smooth.present_runs import Runs, smooth_runs
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_CONVERGED = 1e-14
+_TOLERANCE = 1e-14
 """Of a gain: what changes by less from one frame to the next changes no more."""
 
 
@@ -147,7 +147,7 @@ def _gains(
     step, noise = transition(order, density_of(cutoff, rate, order))
     known, unknown = np.zeros((order, order)), np.eye(order)
     gains, variances = [np.zeros(order)], [np.inf]
-    while len(gains) <= order + 1 or np.abs(gains[-1] - gains[-2]).max() > _CONVERGED:
+    while len(gains) <= order + 1 or np.abs(gains[-1] - gains[-2]).max() > _TOLERANCE:
         if len(gains) > 1:
             known, unknown = step @ known @ step.T + noise, step @ unknown @ step.T
         if len(gains) <= order:

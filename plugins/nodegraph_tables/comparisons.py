@@ -14,7 +14,7 @@ from nodegraph_tables.types import Table
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_NAMED = 5
+_MOST_NAMES = 5
 
 
 def comparisons() -> tuple[Comparison, ...]:
@@ -88,7 +88,7 @@ def name_differences(what: str, before: Sequence[str], now: Sequence[str]) -> It
         ("only now", [name for name in now if name not in set(before)]),
     ):
         if names:
-            yield f"{what} {when}: {listed(names, _NAMED)}"
+            yield f"{what} {when}: {listed(names, _MOST_NAMES)}"
     if set(before) == set(now):
         yield f"{what} in another order"
 

@@ -15,8 +15,8 @@ from nodegraph_mocap.truth import truth_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-GROWN = 0.1
-"""By how much of its size a frame's box is grown on each side to hold its ghosts."""
+GHOST_MARGIN = 0.1
+"""Room for ghosts on each side of the box around a frame's points, as a share of its size."""
 
 
 class Scattered(NamedTuple):
@@ -103,7 +103,7 @@ def _ghosts(
     frame = seen[(drawn[:, 0] * len(seen)).astype(np.intp)]
     low = np.nanmin(recording.positions[frame], axis=1)
     high = np.nanmax(recording.positions[frame], axis=1)
-    return frame, low + (high - low) * (drawn[:, 1:] * (1.0 + 2.0 * GROWN) - GROWN)
+    return frame, low + (high - low) * (drawn[:, 1:] * (1.0 + 2.0 * GHOST_MARGIN) - GHOST_MARGIN)
 
 
 def _shuffled(

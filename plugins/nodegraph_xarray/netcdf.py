@@ -12,7 +12,7 @@ from nodegraph_mocap.recording import Trajectories
 from nodegraph_xarray.poses import from_xarray, require_xarray, to_xarray
 
 _CLASSIC = b"CDF"
-_DEFLATED = 1100
+_MOST_INFLATION = 1100
 """Bytes that one of a compressed file may stand for: no more than 1032, by deflate."""
 _SMALL = 1 << 24  # bytes, for which there is room in any case
 
@@ -65,7 +65,7 @@ def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO)
         if not is_classic:
             _visit(path)
         with xarray.open_dataset(source, engine=engine, decode_times=False, cache=False) as dataset:
-            if dataset.nbytes > max(_DEFLATED * path.stat().st_size, _SMALL):
+            if dataset.nbytes > max(_MOST_INFLATION * path.stat().st_size, _SMALL):
                 raise ValueError(f"it announces {dataset.nbytes} bytes, more than it can hold")
             dataset.load()
     except ImportError:

@@ -32,7 +32,7 @@ _TIE = 5e-14
 """Up to this share of `noise`, a gradient is not evidence about the bound that a weight is at."""
 
 _ROUNDS = 200
-_FREED = 20
+_MOST_RELEASES = 20
 """How many times each column may be freed."""
 
 
@@ -159,7 +159,7 @@ class System:
         squares = search_kernel.Squares(columns, lengths, low, high)
         weights = np.empty((len(targets), len(columns)))
         free = np.empty(weights.shape, dtype=np.bool_)
-        search_kernel.search(squares, targets, system, _FREED * len(columns), weights, free)
+        search_kernel.search(squares, targets, system, _MOST_RELEASES * len(columns), weights, free)
         unsolved = ~are_least(columns, targets, weights, low, high)
         lows, highs = _between(columns, targets, weights, low, high)
         several = np.any((lows < highs) & ~free, axis=1) & ~unsolved

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.overview.value import GroupOverview, Overview
 
 _MOST_COLUMNS = 6
-_NAMED = 3
+_MOST_NAMES = 3
 _MOST_ROWS = 60
 _MOST_SPOKEN = 20
 _ORDER = ("rest", "before", "tied", "worse", "best")
@@ -240,9 +240,9 @@ def _rows(overview: Overview, group: GroupOverview) -> list[tuple[str, str]]:
     if overview.is_sequence:
         return _step_rows(overview, group)
     order = sorted(group.tied, key=lambda place: abs(group.difference[place]))
-    tied = ", ".join(method_names(overview, order[:_NAMED]))
+    tied = ", ".join(method_names(overview, order[:_MOST_NAMES]))
     if order:
-        more = f" and {len(order) - _NAMED} more" if len(order) > _NAMED else ""
+        more = f" and {len(order) - _MOST_NAMES} more" if len(order) > _MOST_NAMES else ""
         mean, farthest = float(group.mean[group.best[0]]), abs(float(group.difference[order[-1]]))
         reach = signed(farthest, overview.metric.unit, mean).removeprefix("+")
         tied += f"{more}, within {reach.removeprefix('under ')}"

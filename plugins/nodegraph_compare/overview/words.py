@@ -27,7 +27,7 @@ MOST_CARDS = 8
 UNCLEAR = "with no clear change"
 
 _MOST_IN_SIGHT = 4
-_NAMED = 3
+_MOST_NAMES = 3
 
 
 def in_unit(values: Sequence[float], unit: str) -> str:
@@ -68,7 +68,7 @@ def _name(overview: Overview, label: Label) -> str:
     return str(label) if isinstance(label, str) else f"{overview.compare} {label}"
 
 
-def few(texts: Sequence[str], most: int = _NAMED) -> str:
+def few(texts: Sequence[str], most: int = _MOST_NAMES) -> str:
     """Return the first texts: ``a, b, c and 4 more``."""
     more = len(texts) - most
     return ", ".join(texts[:most]) + (f" and {more} more" if more > 0 else "")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.question import Question
     from nodegraph_compare.ranks.ranking import Ranking
 
-_NAMED = 4
+_MOST_NAMES = 4
 
 
 def lead_of(rankings: Sequence[Ranking], question: Question, blocks: str) -> Lead:
@@ -64,7 +64,7 @@ def _sentence(ranked: Sequence[Ranking], tested: Sequence[Ranking], question: Qu
     for first in firsts:
         groups = [group_text(each.group, question) for each in tested if each.first_names == first]
         joint = "." if first == [*firsts][-1] else "; "
-        parts += [first, f" ranks first for {listed(groups, _NAMED)}{joint}"]
+        parts += [first, f" ranks first for {listed(groups, _MOST_NAMES)}{joint}"]
     return tuple(parts)
 
 
@@ -89,7 +89,7 @@ def _card(ranking: Ranking, question: Question, blocks: str) -> Card:
         if near[place] and not first[place]
     ]
     facts = (
-        ("Tied", listed(names, _NAMED) if names else "none"),
+        ("Tied", listed(names, _MOST_NAMES) if names else "none"),
         ("Apart", f"{np.count_nonzero(~near & ~first)} methods"),
     )
     p = ranking.overall.p_f if len(first) > 2 else float(pairs.p[0])

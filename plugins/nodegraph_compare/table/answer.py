@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from nodegraph_compare.table.summary import Paired, Summary
     from nodegraph_compare.table.verdict import Verdict
 
-_NOTED = 20
-_TIED = 5
+_MOST_NOTES = 20
+_MOST_TIES = 5
 """Names in a sentence; the table marks all of them."""
 
 _MISSING = (
@@ -171,10 +171,10 @@ def _together(
         if text := remark(summary, comparison):
             name = group_text(summary.group, comparison.question)
             groups.setdefault(text, []).append(name)
-    more = len(groups) - _NOTED
+    more = len(groups) - _MOST_NOTES
     texts = [
         f"{'' if len(names) == len(summaries) > 1 else start_text('; '.join(names))}{text}."
-        for text, names in list(groups.items())[:_NOTED]
+        for text, names in list(groups.items())[:_MOST_NOTES]
     ]
     return texts + ([f"and so in {more} more groups"] if more > 0 else [])
 
@@ -243,7 +243,7 @@ def _suspects(summary: Summary, comparison: Comparison) -> str:
     other = without_suspects(summary)
     if other is None:
         return ""
-    names, more = summary.suspects[:_NOTED], len(summary.suspects) - _NOTED
+    names, more = summary.suspects[:_MOST_NOTES], len(summary.suspects) - _MOST_NOTES
     rest = f"; and {more} more" if more > 0 else ""
     change = change_to(summary, other) or "the answer is the same"
     return f"without suspect {comparison.blocks} {change} ({'; '.join(names)}{rest})"
@@ -315,7 +315,7 @@ def _apart(summary: Summary, verdict: Verdict) -> list[str]:
         return ["every other method is clearly behind"] if behind else []
     best = "them" if np.count_nonzero(verdict.best) > 1 else "it"
     rest = f"; the {'other' if behind == 1 else f'other {behind}'} clearly behind"
-    return [f"not clearly apart from {best}: {listed(close, _TIED)}{rest if behind else ''}"]
+    return [f"not clearly apart from {best}: {listed(close, _MOST_TIES)}{rest if behind else ''}"]
 
 
 def _numbers(summary: Summary, place: int, comparison: Comparison) -> str:

@@ -32,7 +32,7 @@ _ROW = 0.19
 _TALLEST = 7.6
 """Inches: a row of a method, and all rows of a panel at most."""
 
-_NUMBERED = 40
+_MOST_NUMBERS = 40
 """Methods up to which the mean of each is written next to its interval."""
 
 _GAP_ACROSS, _GAP_DOWN, _BELOW = 0.28, 0.42, 0.55
@@ -150,7 +150,7 @@ def _panel(axis: Axes, summary: Summary, methods: Sequence[Label], span: Span) -
                 fontsize=SMALL - 1, color=REST, style="italic",
             )  # fmt: skip
         else:
-            _method(axis, summary, column, row, size, span, numbered=len(methods) <= _NUMBERED)
+            _method(axis, summary, column, row, size, span, numbered=len(methods) <= _MOST_NUMBERS)
 
 
 def _method(

@@ -15,7 +15,7 @@ Count = Annotated[int, Field(ge=1)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 _Item = TypeVar("_Item")
 
-_SHOWN = 3
+_MOST_FAULTS = 3
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 _LEAVE_MESHES_ALONE = (
     "KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_mesh_quantization",
@@ -185,7 +185,7 @@ def _problems(error: ValidationError) -> str:
     faults = error.errors(include_url=False, include_context=False, include_input=False)
     problems = [
         f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}" if fault["loc"] else fault["msg"]
-        for fault in faults[:_SHOWN]
+        for fault in faults[:_MOST_FAULTS]
     ]
-    more = [f"and {len(faults) - _SHOWN} more"] if len(faults) > _SHOWN else []
+    more = [f"and {len(faults) - _MOST_FAULTS} more"] if len(faults) > _MOST_FAULTS else []
     return "; ".join(problems + more)

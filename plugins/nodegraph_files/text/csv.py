@@ -44,12 +44,12 @@ if TYPE_CHECKING:
 
 
 _DATE = re.compile(r"\d+-\d+-\d+|\d+:\d+")
-_LISTED = 10
+_MOST_NAMES = 10
 _COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
 _NUMBERED = re.compile(r"([xyz])_?(\d+)", re.IGNORECASE)
 _MEDIAPIPE = (468, 478)  # landmarks of a face, without and with the irises
 _AXIS = re.compile(r"([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
-_SHOWN = 8
+_MOST_CELLS = 8
 _MARKER = {"marker", "label", "name", "keypoint", "landmark", "bodypart", "marker_name"}
 _AXES = ("x", "y", "z")
 _EACH = "each marker"  # whose columns are the same
@@ -181,7 +181,7 @@ def warn_left_out(columns: Columns) -> None:
         shown = [columns.names[column] or f"column {column + 1}" for column in columns.left_out]
         warnings.warn(
             f"{len(columns.left_out)} columns are not coordinates and were left out: "
-            f"{listed(shown, _LISTED)}",
+            f"{listed(shown, _MOST_NAMES)}",
             stacklevel=4,
         )
 
@@ -226,7 +226,7 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
         else:
             columns.add_other(place)
     if not columns.markers:
-        shown = ", ".join(header.cells[:_SHOWN])
+        shown = ", ".join(header.cells[:_MOST_CELLS])
         weights = "; read.weights reads weights of blendshapes" if columns.left_out else ""
         raise ValueError(
             f"{table.path}:{header.line}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}"

@@ -40,7 +40,7 @@ MOST_FRAMES = 400
 MOST_POSES = 30
 """Frames in which the whole face is there; a view moves it evenly from one to the next."""
 
-_VIEWED = 60
+_VIEW_FRAMES = 60
 """Frames, evenly spaced over the take, that say where the front is."""
 
 _NEAR = np.cos(np.radians(30))
@@ -283,7 +283,7 @@ def _runs(flags: NDArray[np.bool_]) -> list[list[int]]:
 
 def _view(base: Trajectories) -> View:
     """Return from where the face of a take is seen."""
-    step = max(1, base.frames // _VIEWED)
+    step = max(1, base.frames // _VIEW_FRAMES)
     part = replace(base, positions=base.positions[::step], origin=base.origin[::step], sigma=None)
     return frontal(part, AUTO)
 

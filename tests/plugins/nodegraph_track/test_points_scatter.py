@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_track.points_scatter import GROWN, scatter
+from nodegraph_track.points_scatter import GHOST_MARGIN, scatter
 
 
 def recording(frames: int = 50, markers: int = 20) -> Trajectories:
@@ -52,7 +52,7 @@ def test_ghosts_lie_in_the_grown_box_of_their_frame() -> None:
     for frame, *place in ghosts:
         points = take.positions[int(frame)][take.present[int(frame)]]
         low, high = points.min(axis=0), points.max(axis=0)
-        edge = GROWN * (high - low) + 1e-9
+        edge = GHOST_MARGIN * (high - low) + 1e-9
         assert np.all(place >= low - edge)
         assert np.all(place <= high + edge)
 
