@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from nodegraph.plan import Plan
 
 _MOST_USES = 4
-HELP = "Validate a graph and show its plan."
+HELP = "Validate a graph, with the recordings that can be read at once, and show its plan."
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -23,7 +23,7 @@ from nodegraph_compare.question import (
 from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.axes import plain
-from nodegraph_tables.style import BEST, BLACK, REST, SHARE, STANDS_OUT, scale_of, unit_text
+from nodegraph_tables.style import BEST, BLACK, REST, STANDS_OUT, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -208,9 +208,7 @@ def _draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
     for axis in axes[len(drawn) :]:
         axis.remove()
     for axis, pair in zip(axes, drawn, strict=False):
-        _panel(axis, pair)
-        for part in (axis.xaxis, axis.yaxis) if unit == SHARE else ():
-            part.set_major_formatter(lambda value, _: f"{scale_of(unit) * value:g}")
+        _panel(axis, pair, scale_of(unit))
         place = group_text(pair.group, question)
         name = f"{figure_text(pair.first)} \N{MINUS SIGN} {figure_text(pair.second)}"
         axis.set_title(f"{figure_text(place)}\n{name}" if place else name, fontsize=9)
@@ -222,13 +220,16 @@ def _draw(question: Question, pairs: Sequence[Pair], unit: str) -> Figure:
     return figure
 
 
-def _panel(axis: Axes, pair: Pair) -> None:
+def _panel(axis: Axes, pair: Pair, scale: float) -> None:
     limits = pair.limits
     axis.axhline(0.0, color=REST, linewidth=0.8)
     axis.scatter(limits.middle, limits.difference, s=14, color=REST, linewidths=0, alpha=0.8)
-    _line(axis, limits.bias, limits.of_bias, BEST, "-", "bias")
-    _line(axis, limits.lower, limits.of_lower, STANDS_OUT, "--", "lower limit")
-    _line(axis, limits.upper, limits.of_upper, STANDS_OUT, "--", "upper limit")
+    _line(axis, limits.bias, limits.of_bias, BEST, "-", f"bias {scale * limits.bias:.3g}")
+    lower, upper = (f"{scale * limit:.3g}" for limit in (limits.lower, limits.upper))
+    _line(axis, limits.lower, limits.of_lower, STANDS_OUT, "--", f"lower limit {lower}")
+    _line(axis, limits.upper, limits.of_upper, STANDS_OUT, "--", f"upper limit {upper}")
+    for part in (axis.xaxis, axis.yaxis) if scale != 1.0 else ():
+        part.set_major_formatter(lambda value, _: f"{scale * value:g}")
     if limits.of_slope[0] > 0.0 or limits.of_slope[1] < 0.0:
         ends = np.array([limits.middle.min(), limits.middle.max()])
         heights = limits.bias + limits.slope * (ends - limits.middle.mean())
@@ -236,14 +237,14 @@ def _panel(axis: Axes, pair: Pair) -> None:
     plain(axis)
 
 
-def _line(axis: Axes, height: float, interval: Interval, colour: str, line: str, name: str) -> None:
+def _line(axis: Axes, height: float, interval: Interval, colour: str, line: str, text: str) -> None:
     if not math.isfinite(height):
         return
     axis.axhline(height, color=colour, linestyle=line, linewidth=1.2)
     if math.isfinite(interval[0]):
         axis.axhspan(*interval, color=colour, alpha=0.15, linewidth=0)
     axis.annotate(
-        f"{name} {height:.3g}", (1.0, height), xycoords=axis.get_yaxis_transform(),
+        text, (1.0, height), xycoords=axis.get_yaxis_transform(),
         xytext=(0, 2), textcoords="offset points", ha="right", va="bottom", fontsize=8,
         color=colour,
     )  # fmt: skip

@@ -11,6 +11,7 @@ from nodegraph_compare.blocks import unsuccessful
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.left_out import absences, start_text
 from nodegraph_compare.ties import at_most
+from nodegraph_tables.style import scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -192,7 +193,8 @@ class _Sentences:
         return ", not above the noise floor" if below else ""
 
     def _number(self, value: float) -> str:
-        return f"{self._axes.metric} {value:.3g} {self._curves.unit}".rstrip()
+        unit = self._curves.unit
+        return f"{self._axes.metric} {scale_of(unit) * value:.3g} {unit_text(unit)}".rstrip()
 
 
 def _name(points: Points) -> str:

@@ -15,14 +15,14 @@ from nodegraph_tables import TableInfo, info_of, with_info
 NAN = np.nan
 
 
-def study(count: int = 3, blocks: int = 20) -> Across[Table]:
+def study(count: int = 3, blocks: int = 20, unit: str = "mm") -> Across[Table]:
     random = np.random.default_rng(0)
     truth = random.uniform(1, 5, size=blocks)
     tables = {}
     for place in range(count):
         rmse = truth + place + random.normal(scale=0.2, size=blocks)
         table = pd.DataFrame({"gap": range(blocks), "rmse": rmse})
-        tables[f"m{place}"] = with_info(table, TableInfo(units={"rmse": "mm"}))
+        tables[f"m{place}"] = with_info(table, TableInfo(units={"rmse": unit}))
     return Across.of(tables, axis="fill")
 
 
@@ -90,6 +90,16 @@ def test_one_method_has_nothing_to_agree_with() -> None:
     assert list(info_of(result.table).answer) == ["there are no two labels to compare."]
     assert len(result.table) == 0
     assert not result.figure.axes
+
+
+def test_shares_are_in_percent() -> None:
+    result = agreement(study(2, unit="share"))
+    bias = f"bias {100 * result.table['bias'].iloc[0]:.3g}"
+    assert f"({bias} %, interval" in info_of(result.table).answer[0]
+    (axis,) = result.figure.axes
+    assert bias in [text.get_text() for text in axis.texts]
+    assert axis.yaxis.get_major_formatter()(-0.07) == "-7"
+    assert result.figure.get_supylabel() == "difference (%)"
 
 
 def test_panels_show_differences_over_means_with_bias_and_limits() -> None:

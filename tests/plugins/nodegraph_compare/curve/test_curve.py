@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -148,6 +149,15 @@ def test_each_curve_has_its_own_lowest_minimum() -> None:
     assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 35, "minimum"], ["JZ", 25, "knee"],
     ]  # fmt: skip
+
+
+def test_shares_are_in_percent() -> None:
+    info = TableInfo(units={"mse": "share"})
+    scores = swept(ME=VALLEY, JZ=VALLEY)
+    entries = tuple((labels, with_info(table, info)) for labels, table in scores)
+    result = drawn(replace(scores, entries=entries), mark="minimum")
+    assert "(mse 10 %)" in info_of(result.table).answer[0]
+    assert result.figure.axes[0].yaxis.get_major_formatter()(0.07) == "7"
 
 
 def test_a_straight_curve_has_nothing_to_mark() -> None:
