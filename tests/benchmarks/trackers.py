@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,9 @@ from nodegraph_mocap import Detections, Table, Trajectories
 from nodegraph_score.tracking import tracking
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_track.points_scatter import scatter
+from tests.studies import DATA
 
-DATA = Path(__file__).parents[2] / ".." / "shared" / "data" / "animface"
+ANIMFACE = DATA / "animface"
 SHORTEST = 3
 """Tracks of fewer points are left out of ours by default, and here as well."""
 
@@ -41,10 +41,10 @@ def scene(name: str) -> Scene:
     """Return a take with 2 % of its points dropped and 1 % ghosts added."""
     if name == "made face":
         take = synthesize_face().captured
-    elif not DATA.is_dir():
+    elif not ANIMFACE.is_dir():
         pytest.skip("the recordings are not here")
     else:
-        take = read_c3d(DATA / f"{name}.c3d")
+        take = read_c3d(ANIMFACE / f"{name}.c3d")
     return Scene(*scatter(take, dropout=0.02, ghosts=0.01))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,17 +16,16 @@ from nodegraph_align.trimmed import trimmed
 from nodegraph_files.c3d import read_c3d
 from nodegraph_files.npz import read_model_npz
 from nodegraph_mocap import HeadMotion, Trajectories
+from tests.studies import DATA, needs_recordings
 
 Array = NDArray[np.float64]
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"
+FOLDER = DATA / "facecap"
 LANDMARKS = (
     "M_brow2", "R_nose1", "L_eye1", "R_eye1", "L_nose1", "R_brow1", "L_brow1", "R_brow4",
 )  # fmt: skip
 """Those that move least: 1.0 to 1.8 mm, root mean square."""
 
-pytestmark = pytest.mark.skipif(
-    not FOLDER.exists(), reason="the recordings are not part of the package"
-)
+pytestmark = needs_recordings
 
 
 class Known(NamedTuple):

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +10,9 @@ from nodegraph_blendshapes.from_head import from_head
 from nodegraph_files.readers import read_head, read_marker_set, read_model
 from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
 from nodegraph_mocap.specimens import specimens
+from tests.studies import DATA, needs_recordings
 
-FACECAP = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"
+FACECAP = DATA / "facecap"
 MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
 HEAD: Head = specimens()[Head]()["complete"]
 SET: MarkerSet = specimens()[MarkerSet]()["complete"]
@@ -64,7 +64,7 @@ def test_a_morph_target_that_the_markers_do_not_see_is_reported() -> None:
         from_head(head)
 
 
-@pytest.mark.skipif(not FACECAP.is_dir(), reason="the recordings are not here")
+@needs_recordings
 @pytest.mark.filterwarnings("ignore:.*mm is taken, giving 235.7 mm")
 @pytest.mark.filterwarnings("ignore:1 of 52 shapes move no marker. tongueOut")
 def test_a_published_head_gives_its_published_model() -> None:

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,8 @@ from nodegraph_mocap import BlendshapeModel, Trajectories, Weights
 from nodegraph_mocap.promises import TURN
 from nodegraph_mocap.specimens import recordings
 from nodegraph_tables import info_of
+from tests.studies import DATA, needs_recordings
 
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 FACE = recordings()["complete"]
 
 
@@ -167,7 +166,7 @@ def test_more_components_than_there_are_is_refused(frames: int, markers: int, th
         from_pca(recording, components=there + 1)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 @pytest.mark.parametrize("take", ["jaw", "cheeks"])
 def test_a_recorded_face_has_few_directions(take: str) -> None:
     recording = read_c3d(DATA / "animface" / f"{take}.c3d")

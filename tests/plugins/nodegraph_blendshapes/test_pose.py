@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ from nodegraph_blendshapes.pose import pose
 from nodegraph_files import read_live_link, read_model_npz
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Weights
 from nodegraph_mocap.specimens import specimens
+from tests.studies import DATA, needs_recordings
 
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
 SET: MarkerSet = specimens()[MarkerSet]()["complete"]
 WEIGHTS: Weights = specimens()[Weights]()["complete"]
@@ -114,7 +113,7 @@ def test_least_squares_finds_the_weights_again(seed: int) -> None:
     np.testing.assert_allclose(actual, values, rtol=0, atol=1e-9)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 def test_a_recorded_performance_poses_a_published_model() -> None:
     model = read_model_npz(DATA / "facecap" / "model_60_markers.npz")
     weights = read_live_link(DATA / "livelink" / "actor_a_60fps.csv")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,17 +17,15 @@ from nodegraph_files.c3d import read_c3d
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_synthesize.impulses import add
 from tests.plugins.recordings import quietly
+from tests.studies import DATA, needs_recordings
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
-pytestmark = pytest.mark.skipif(
-    not FOLDER.exists(), reason="the recordings are not part of the package"
-)
+pytestmark = needs_recordings
 
 
 def take(name: str) -> Trajectories:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return read_c3d(FOLDER / name)
+        return read_c3d(DATA / name)
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,10 @@ from nodegraph_files import head_bytes
 from nodegraph_files.readers import read_head, read_model
 from nodegraph_mocap import Head
 from nodegraph_mocap.specimens import specimens
+from tests.studies import DATA, needs_recordings
 
 HERE = Path(__file__).parent
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"
+FACECAP = DATA / "facecap"
 HEAD: Head = specimens()[Head]()["complete"]
 TABLE = "marker,vertex\nnose,3\nchin,0\n"
 OBJ = (HERE / "head.obj").read_text()
@@ -95,12 +96,12 @@ def test_a_folder_without_head_says_what_is_there(tmp_path: Path) -> None:
         read_head(path=tmp_path)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 def test_a_real_head_is_its_own_model() -> None:
-    model = read_model(path=DATA / "model_60_markers.npz").model
-    table = DATA / "marker_vertices.csv"
+    model = read_model(path=FACECAP / "model_60_markers.npz").model
+    table = FACECAP / "marker_vertices.csv"
     with pytest.warns(UserWarning, match="would be .* long in m; mm is taken, giving 235.7 mm"):
-        head = read_head(path=DATA / "head.glb", marker_vertices=table)
+        head = read_head(path=FACECAP / "head.glb", marker_vertices=table)
     assert (head.names, head.markers) == (model.names, model.markers)
     np.testing.assert_array_equal(head.vertices[head.marker_vertices], model.neutral)
     # the file's morph targets went through half precision

@@ -8,8 +8,9 @@ import pytest
 
 from nodegraph_files import read_marker_set_yaml, sample_folder
 from nodegraph_files.readers import read_model
+from tests.studies import DATA, needs_recordings
 
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data" / "facecap"
+FACECAP = DATA / "facecap"
 
 
 @pytest.mark.parametrize("name", ["face", "actor_a", "actor_b", "actor_c"])
@@ -46,10 +47,10 @@ def test_a_folder_without_model_says_what_is_there(tmp_path: Path) -> None:
         read_model(path=tmp_path)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 def test_a_real_model_is_read() -> None:
-    path = DATA / "model_60_markers.npz"
-    model, neutral = read_model(path=path, marker_set=DATA / "markers.yaml")
+    path = FACECAP / "model_60_markers.npz"
+    model, neutral = read_model(path=path, marker_set=FACECAP / "markers.yaml")
     assert model.shapes.shape == (52, 60, 3)
     assert neutral.marker_set is not None
     with np.load(path) as stored:

@@ -23,12 +23,12 @@ from nodegraph_files import (
 )
 from nodegraph_files.readers import read_recording
 from nodegraph_mocap import MarkerSet, Trajectories
+from tests.studies import DATA, needs_recordings
 
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 SET = MarkerSet(markers=("é", "a"), pairs=(("a", "é"),))
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 @pytest.mark.parametrize(
     ("file", "message"),
     [

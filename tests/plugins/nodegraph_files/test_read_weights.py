@@ -8,8 +8,8 @@ import pytest
 from nodegraph_files import npz_bytes, read_live_link
 from nodegraph_files.readers import read_weights
 from nodegraph_mocap import Trajectories
+from tests.studies import DATA, needs_recordings
 
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 TABLE = "Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,1,0.25\n00:00:00:02.000,1,0.5\n"
 
 
@@ -55,7 +55,7 @@ def test_a_recording_is_refused(tmp_path: Path, gappy: Trajectories) -> None:
         read_weights(path=path)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 def test_a_real_take_is_read() -> None:
     path = DATA / "livelink" / "actor_a_60fps.csv"
     np.testing.assert_array_equal(read_weights(path=path).values, read_live_link(path).values)

@@ -12,8 +12,8 @@ import pytest
 
 from nodegraph_files import read_c3d, read_live_link, read_marker_set_yaml, write_c3d
 from nodegraph_files.readers import read_recording
+from tests.studies import DATA, needs_recordings
 
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 TAKES = {  # frames, markers, rate, missing samples
     "animface/jaw": (1590, 41, 60.0, 0),
     "animface/cheeks": (1499, 41, 60.0, 0),
@@ -22,7 +22,7 @@ TAKES = {  # frames, markers, rate, missing samples
 }
 
 pytestmark = [
-    pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here"),
+    needs_recordings,
     pytest.mark.filterwarnings("error"),
 ]
 

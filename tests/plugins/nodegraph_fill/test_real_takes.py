@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +12,9 @@ from nodegraph_fill.guenter import guenter
 from nodegraph_fill.muscle import muscle
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
+from tests.studies import DATA, needs_recordings
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "animface"
+FOLDER = DATA / "animface"
 EXPECTED = {
     ("jaw", 5): (0.27, 0.28),
     ("jaw", 15): (0.63, 0.63),
@@ -35,7 +35,7 @@ def error(take: Trajectories, length: int, seed: int) -> tuple[float, float]:
     return errors[0], errors[1]
 
 
-@pytest.mark.skipif(not FOLDER.exists(), reason="the recordings are not part of the package")
+@needs_recordings
 @pytest.mark.parametrize("name", ["jaw", "cheeks"])
 def test_muscles_and_plain_mean_come_as_near_as_is_known(name: str) -> None:
     with warnings.catch_warnings():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +16,9 @@ from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
 from tests.plugins.recordings import make_gappy, make_recording, quietly
+from tests.studies import DATA, needs_recordings
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data" / "animface"
+FOLDER = DATA / "animface"
 Positions = NDArray[np.float64]
 
 
@@ -120,7 +120,7 @@ def test_any_recording_can_be_filled() -> None:
         np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))
 
 
-@pytest.mark.skipif(not FOLDER.exists(), reason="the recordings are not part of the package")
+@needs_recordings
 @pytest.mark.parametrize(("name", "length", "most"), [("jaw", 15, 0.3), ("cheeks", 45, 0.9)])
 def test_a_real_face_is_filled_as_well_as_is_known(name: str, length: int, most: float) -> None:
     with warnings.catch_warnings():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,20 +16,18 @@ from numpy.typing import NDArray
 from nodegraph_files import read_c3d
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
+from tests.studies import DATA, needs_recordings
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 PATTERNS = ["random", "contiguous", "region", "end", "occlusion"]
 
-pytestmark = pytest.mark.skipif(
-    not FOLDER.exists(), reason="the recordings are not part of the package"
-)
+pytestmark = needs_recordings
 
 
 @cache
 def take(name: str) -> Trajectories:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return read_c3d(FOLDER / f"{name}.c3d")
+        return read_c3d(DATA / f"{name}.c3d")
 
 
 def gaps(missing: NDArray[np.bool_]) -> list[tuple[int, int, int]]:

@@ -6,13 +6,14 @@ import pytest
 
 from nodegraph_files import read_c3d
 from nodegraph_mocap import Trajectories
-from tests.plugins.nodegraph_markers.takes import FOLDER, quiet
+from tests.plugins.nodegraph_markers.takes import quiet
+from tests.studies import DATA
 
 
 @pytest.fixture
 def shoulder() -> Trajectories:
     """Read a take of a body."""
-    if not FOLDER.exists():
+    if not DATA.exists():
         pytest.skip("the recordings are not part of the package")
     with quiet():
-        return read_c3d(FOLDER / "vicon" / "shoulder.c3d")
+        return read_c3d(DATA / "vicon" / "shoulder.c3d")

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,8 +17,8 @@ from scipy.spatial.transform import Rotation
 from nodegraph_files import read_c3d, read_marker_set_yaml
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
+from tests.studies import DATA
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 TAKES = {
     "jaw": ("animface/jaw.c3d", "animface/markers.yaml"),
     "cheeks": ("animface/cheeks.c3d", "animface/markers.yaml"),
@@ -41,11 +40,11 @@ def face(**settings: Any) -> SyntheticFace:
 
 @cache
 def read_take(name: str) -> tuple[Trajectories, MarkerSet]:
-    if not FOLDER.exists():
+    if not DATA.exists():
         pytest.skip("the recordings are not part of the package")
     recording, marker_set = TAKES[name]
     with quiet():
-        return read_c3d(FOLDER / recording), read_marker_set_yaml(FOLDER / marker_set)
+        return read_c3d(DATA / recording), read_marker_set_yaml(DATA / marker_set)
 
 
 def without_names(recording: Trajectories, seed: int = 0) -> Trajectories:

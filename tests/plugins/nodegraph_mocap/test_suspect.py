@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +13,7 @@ from nodegraph_mocap.suspect import impulses
 from nodegraph_score.gaps import gaps
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_tables import info_of
-
-REAL = Path(__file__).parents[3] / ".." / "shared" / "data"
+from tests.studies import DATA, needs_recordings
 
 
 def blink(frames: int = 60) -> Trajectories:
@@ -70,11 +68,11 @@ def test_the_impulses_of_a_made_face_are_recognized() -> None:
 
 @cache
 def take(name: str) -> Trajectories:
-    recording: Trajectories = get_node("read.recording")(path=REAL / name)
+    recording: Trajectories = get_node("read.recording")(path=DATA / name)
     return recording
 
 
-@pytest.mark.skipif(not REAL.exists(), reason="the recordings are not part of the package")
+@needs_recordings
 @pytest.mark.parametrize(
     ("name", "most"),
     [("animface/jaw.c3d", 0), ("animface/cheeks.c3d", 0), ("facecap/take001.c3d", 1)],

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,9 +7,9 @@ from numpy.typing import NDArray
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_mocap.view import frontal
 from tests.plugins.nodegraph_plot import made_face
+from tests.studies import DATA, needs_recordings
 
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
-DATA = Path(__file__).parents[3] / ".." / "shared" / "data"
 
 # How the recording's axes can lie: rows are the images of left, up and forward.
 Z_UP = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], dtype=float)
@@ -76,7 +74,7 @@ def test_a_turned_head_is_seen_from_its_own_front(degrees: float) -> None:
     assert seen.right @ seen.up == pytest.approx(0, abs=1e-12)
 
 
-@pytest.mark.skipif(not DATA.exists(), reason="shared recordings are not here")
+@needs_recordings
 @pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks", "facecap/take001"])
 def test_real_faces_are_upright_without_a_marker_set(name: str) -> None:
     from nodegraph_files.c3d import read_c3d

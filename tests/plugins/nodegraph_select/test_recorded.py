@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,22 +18,22 @@ from nodegraph_select.pfa import pfa
 from nodegraph_select.qr import qr
 from nodegraph_select.random import random
 from nodegraph_select.variance import variance
+from tests.studies import DATA, needs_recordings
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 TAKES = ("jaw", "cheeks", "take001", "actor_a", "actor_b")
 
-pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="the recordings are not here")
+pytestmark = needs_recordings
 
 
 @cache
 def take(name: str) -> Trajectories:
     """Optical takes as they are, the others as their weights pose the head that holds still."""
     if name in ("jaw", "cheeks"):
-        marker_set = read_marker_set_yaml(FOLDER / "animface" / "markers.yaml")
-        recording = read_c3d(FOLDER / "animface" / f"{name}.c3d")
+        marker_set = read_marker_set_yaml(DATA / "animface" / "markers.yaml")
+        recording = read_c3d(DATA / "animface" / f"{name}.c3d")
         return replace(recording.keep(marker_set.markers), marker_set=marker_set)
     values, names, rate = weights(name)
-    model = read_model_npz(FOLDER / "facecap" / "model_60_markers.npz")
+    model = read_model_npz(DATA / "facecap" / "model_60_markers.npz")
     shapes = {shape.lower(): offsets for shape, offsets in zip(model.names, model.shapes)}  # noqa: B905
     known = [place for place, shape in enumerate(names) if shape.lower() in shapes]
     offsets = np.stack([shapes[names[place].lower()] for place in known])
@@ -42,16 +41,16 @@ def take(name: str) -> Trajectories:
         positions=model.neutral + np.einsum("tk,kmc->tmc", values[:, known], offsets),
         markers=model.markers,
         rate=rate,
-        marker_set=read_marker_set_yaml(FOLDER / "facecap" / "markers.yaml"),
+        marker_set=read_marker_set_yaml(DATA / "facecap" / "markers.yaml"),
     )
 
 
 def weights(name: str) -> tuple[Any, tuple[str, ...], float]:
     if name == "take001":
-        truth = np.load(FOLDER / "facecap" / "take001_truth.npz")
+        truth = np.load(DATA / "facecap" / "take001_truth.npz")
         return truth["weights"], tuple(map(str, truth["shape_names"])), 30.0
     file = {"actor_a": "actor_a_60fps.csv", "actor_b": "actor_b_30fps.csv"}[name]
-    read = read_live_link(FOLDER / "livelink" / file)
+    read = read_live_link(DATA / "livelink" / file)
     present = np.isfinite(read.values).all(axis=1)
     return read.values[present], read.names, read.rate
 

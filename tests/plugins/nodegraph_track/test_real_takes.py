@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,19 +15,17 @@ from nodegraph_track.assignment import assignment
 from nodegraph_track.nearest import nearest
 from nodegraph_track.neighbours import neighbours
 from nodegraph_track.points_scatter import scatter
+from tests.studies import DATA, needs_recordings
 
-FOLDER = Path(__file__).parents[3] / ".." / "shared" / "data"
 Tracker = Callable[..., Trajectories]
 
-pytestmark = pytest.mark.skipif(
-    not FOLDER.exists(), reason="the recordings are not part of the package"
-)
+pytestmark = needs_recordings
 
 
 def score(tracker: Tracker, name: str, dropout: float, ghosts: float) -> Table:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        detections, truth = scatter(read_c3d(FOLDER / name), dropout=dropout, ghosts=ghosts)
+        detections, truth = scatter(read_c3d(DATA / name), dropout=dropout, ghosts=ghosts)
         return tracking(tracker(detections), truth)
 
 

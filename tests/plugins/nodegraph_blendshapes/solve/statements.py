@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear, nnls
 
 from nodegraph_mocap import BlendshapeModel, Trajectories, Weights
+from tests.studies import DATA
 
 Matrix = NDArray[np.float64]
-FACECAP = Path(__file__).parents[4] / ".." / "shared" / "data" / "facecap"
+FACECAP = DATA / "facecap"
 
 
 def by_scipy(columns: Matrix, targets: Matrix, low: float, high: float) -> Matrix:

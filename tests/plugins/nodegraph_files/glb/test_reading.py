@@ -18,10 +18,11 @@ from nodegraph_files.glb.buffers import joined_glb, split_glb
 from nodegraph_files.glb.reading import read_glb
 from nodegraph_mocap import Head
 from nodegraph_mocap.specimens import specimens
+from tests.studies import DATA, needs_recordings
 
 HEAD: Head = specimens()[Head]()["complete"]
 CONTENT = head_bytes(HEAD)
-DATA = Path(__file__).parents[4] / ".." / "shared" / "data" / "facecap"
+FACECAP = DATA / "facecap"
 
 
 @pytest.fixture
@@ -167,9 +168,9 @@ def test_a_damaged_file_is_read_or_refused(tmp_path: Path, hits: list[tuple[int,
     assert not text or text.startswith(f"{path}: not a readable GLB head: ")
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+@needs_recordings
 def test_a_real_head_is_read() -> None:
-    head = read_glb(DATA / "head.glb")
+    head = read_glb(FACECAP / "head.glb")
     assert (head.vertices.shape, head.faces.shape, len(head.morphs)) == ((2659, 3), (5032, 3), 52)
     assert (head.unit, head.unit_stated) == ("m", False)
     assert head.extent == pytest.approx(235.66, abs=0.01)

@@ -10,8 +10,8 @@ import pytest
 from nodegraph_files import read_trc, trc_bytes
 from nodegraph_files.text import table
 from nodegraph_mocap import Trajectories
+from tests.studies import DATA
 
-DATA = Path(__file__).parents[4] / ".." / "shared" / "data"
 REAL = DATA / "vicon" / "comma_separated_truncated.trc"
 Write = Callable[..., Path]
 
