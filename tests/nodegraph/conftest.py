@@ -25,6 +25,8 @@ FILE = "toy.yaml"
 MARK = "@@"
 CALLS: list[str] = []
 
+ProblemsOf = Callable[..., list[Problem]]
+
 
 class Cut(NamedTuple):
     gappy: float
@@ -208,7 +210,7 @@ def run_of(graph_of: Callable[..., Graph]) -> Callable[..., Run]:
 
 
 @pytest.fixture
-def problems_of(graph_of: Callable[..., Graph]) -> Callable[..., list[Problem]]:
+def problems_of(graph_of: Callable[..., Graph]) -> ProblemsOf:
     """Return the mistakes of a graph, which must be those at the marks ``@@`` and no others."""
 
     def collect(text: str, **more: object) -> list[Problem]:

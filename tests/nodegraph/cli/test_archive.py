@@ -15,9 +15,9 @@ from urllib.parse import unquote
 
 import pytest
 
+from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record, steps_of
 
-Command = Callable[..., tuple[int, str, str]]
 READER = """
 
 from nodegraph import InputFile

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
+from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record
 
-Command = Callable[..., tuple[int, str, str]]
 ODD = """
 
 @node("odd.process")

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,8 @@ import pytest
 
 from nodegraph.cli import cache
 from nodegraph.store import About, Packer, Store
+from tests.nodegraph.cli.conftest import Command
 
-Command = Callable[..., tuple[int, str, str]]
 DAY = 86400
 
 

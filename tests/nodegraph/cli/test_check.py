@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from nodegraph.plugin import loading
+from tests.nodegraph.cli.conftest import Command
 
 FIVE_LINES = """\
 from nodegraph import node
@@ -21,7 +21,6 @@ READER = """
 def read(*, file: InputFile) -> float:
     return float(file.read_text())
 """
-Command = Callable[..., tuple[int, str, str]]
 
 
 def test_check_tells_what_would_run(command: Command) -> None:

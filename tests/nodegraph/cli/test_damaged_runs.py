@@ -6,7 +6,7 @@ import gzip
 import json
 import os
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,9 @@ from nodegraph.report import study
 from nodegraph.report.study import read_study
 from nodegraph.runs import folder
 from nodegraph.runs.saved_run import SavedRun
+from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record, write_steps
 
-Command = Callable[..., tuple[int, str, str]]
 Place = tuple[str | int, ...]
 OTHERS: tuple[object, ...] = (None, 7, "odd", [], {}, [7], {"odd": 7})
 READERS = (

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-Command = Callable[..., tuple[int, str, str]]
+from tests.nodegraph.cli.conftest import Command
+
 NODES = """
 from typing import Annotated
 from nodegraph import Deprecated, node

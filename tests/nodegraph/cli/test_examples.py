@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from nodegraph import hookimpl
 from nodegraph.plugin import loading
-
-Command = Callable[..., tuple[int, str, str]]
+from tests.nodegraph.cli.conftest import Command
 
 
 @pytest.fixture

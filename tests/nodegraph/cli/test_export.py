@@ -1,14 +1,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record
-
-Command = Callable[..., tuple[int, str, str]]
 
 WRITERS = """
 from nodegraph import Files

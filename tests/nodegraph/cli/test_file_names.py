@@ -6,16 +6,16 @@ import html
 import json
 import re
 import zipfile
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
 
+from tests.nodegraph.cli.conftest import Command
 from tests.nodegraph.cli.portable import check_portable, paths_in
 from tests.records import read_record
 
-Command = Callable[..., tuple[int, str, str]]
 NODES = """
 from nodegraph import Files, Rendered, Renderer, hookimpl
 from nodegraph.node.decorator import node_of

@@ -8,16 +8,16 @@ import resource
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.nodegraph.cli.conftest import Command
 from tests.nodegraph.cli.portable import paths_in
 from tests.records import read_record
 
-Command = Callable[..., tuple[int, str, str]]
 ROOT = Path(__file__).parents[3]
 NODES = """
 import os

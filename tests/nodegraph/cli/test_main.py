@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import types
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import pytest
 from nodegraph.cli import check
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
+from tests.nodegraph.cli.conftest import Command
 
 HOOK = """\
 from nodegraph import hookimpl
@@ -22,7 +22,6 @@ from nodegraph import hookimpl
 def nodegraph_nodes():
     raise KeyError("lost")
 """
-Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.mark.parametrize("name", ["check", "run", "draw"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -10,8 +9,7 @@ import pytest
 
 from nodegraph import hookimpl
 from nodegraph.plugin import loading
-
-Command = Callable[..., tuple[int, str, str]]
+from tests.nodegraph.cli.conftest import Command
 
 
 @pytest.fixture(autouse=True)

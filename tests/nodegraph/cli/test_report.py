@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import gzip
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-Command = Callable[..., tuple[int, str, str]]
+from tests.nodegraph.cli.conftest import Command
 
 
 @pytest.fixture

@@ -14,9 +14,8 @@ import nodegraph_dask
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Upkeep
+from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record
-
-Command = Callable[..., tuple[int, str, str]]
 
 FAILED = r"failed: fill\(length=[15], fill=strict\): too far"
 """Whichever of both ends first."""

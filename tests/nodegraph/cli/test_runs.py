@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from nodegraph.runs.folder import EVENTS, STUDY, RunFolder
-
-Command = Callable[..., tuple[int, str, str]]
+from tests.nodegraph.cli.conftest import Command
 
 
 def test_runs_are_listed_with_date_and_title(command: Command) -> None:

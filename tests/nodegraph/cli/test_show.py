@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
-
-Command = Callable[..., tuple[int, str, str]]
+from tests.nodegraph.cli.conftest import Command
 
 
 def test_nodes_are_listed(command: Command) -> None:

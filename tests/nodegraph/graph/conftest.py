@@ -13,6 +13,8 @@ from nodegraph.graph import Graph
 
 MARK = "@@"
 
+MessagesOf = Callable[..., list[str]]
+
 
 @pytest.fixture
 def files(tmp_path: Path) -> Callable[..., None]:
@@ -31,9 +33,7 @@ def files(tmp_path: Path) -> Callable[..., None]:
 
 
 @pytest.fixture
-def messages_of(
-    files: Callable[..., None], graph_of: Callable[..., Graph]
-) -> Callable[..., list[str]]:
+def messages_of(files: Callable[..., None], graph_of: Callable[..., Graph]) -> MessagesOf:
     """Return the error messages of a graph with graph files beside it.
 
     They must be those at the marks ``@@`` in any of the texts, and no others.

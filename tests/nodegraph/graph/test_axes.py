@@ -7,11 +7,9 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from nodegraph import Across
-from nodegraph.errors import Problem
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
-
-ProblemsOf = Callable[..., list[Problem]]
+from tests.nodegraph.conftest import ProblemsOf
 
 TEXT = """
 axes: {i: [1, 2], j: [10, 20], k: [100, 200]}

@@ -7,10 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from nodegraph import GraphError, node
-from nodegraph.errors import Problem
 from nodegraph.graph import Graph
-
-ProblemsOf = Callable[..., list[Problem]]
+from tests.nodegraph.conftest import ProblemsOf
 
 
 def test_two_axes_of_a_million_labels_are_an_error_with_their_sizes(

@@ -9,8 +9,8 @@ import networkx as nx
 import pytest
 
 from nodegraph import node
-from nodegraph.errors import Problem
 from nodegraph.graph import Gather, Graph
+from tests.nodegraph.conftest import ProblemsOf
 
 GOOD = """\
 inputs: {start: 3}
@@ -27,7 +27,6 @@ nodes:
   table: {use: compare.table, in: error}
 report: [table]
 """
-ProblemsOf = Callable[..., list[Problem]]
 
 
 def test_a_good_graph_is_typed_and_in_order(graph_of: Callable[..., Graph]) -> None:

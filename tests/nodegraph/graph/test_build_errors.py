@@ -9,8 +9,7 @@ import pytest
 from nodegraph import GraphError, InputFile, node
 from nodegraph.errors import Problem
 from nodegraph.graph import Graph
-
-ProblemsOf = Callable[..., list[Problem]]
+from tests.nodegraph.conftest import ProblemsOf
 
 
 @pytest.mark.parametrize(

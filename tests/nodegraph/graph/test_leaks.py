@@ -11,10 +11,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from nodegraph import GraphError, InputFile, Truth, node
-from nodegraph.errors import Problem
 from nodegraph.graph import Graph
-
-ProblemsOf = Callable[..., list[Problem]]
+from tests.nodegraph.conftest import ProblemsOf
 
 
 class Face(NamedTuple):

@@ -7,12 +7,11 @@ from collections.abc import Callable
 import pytest
 
 from nodegraph import Across, node
-from nodegraph.errors import GraphError, Problem
+from nodegraph.errors import GraphError
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.node.ports import Port
-
-ProblemsOf = Callable[..., list[Problem]]
+from tests.nodegraph.conftest import ProblemsOf
 
 
 @node("fill.twice")

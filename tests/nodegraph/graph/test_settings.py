@@ -10,12 +10,11 @@ import pytest
 from pydantic import Field
 
 from nodegraph import InputFile, Unit, node
-from nodegraph.errors import NodegraphError, Problem
+from nodegraph.errors import NodegraphError
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plugin.registry import Registry
-
-ProblemsOf = Callable[..., list[Problem]]
+from tests.nodegraph.conftest import ProblemsOf
 
 
 @node("set.all")

@@ -8,11 +8,9 @@ from typing import Annotated
 import pytest
 
 from nodegraph import Across, ColumnOf, Columns, GraphError, LabelOf, node
-from nodegraph.errors import Problem
 from nodegraph.graph import Graph
-
-ProblemsOf = Callable[..., list[Problem]]
-MessagesOf = Callable[..., list[str]]
+from tests.nodegraph.conftest import ProblemsOf
+from tests.nodegraph.graph.conftest import MessagesOf
 
 
 class Rows(dict[str, float]):

@@ -11,8 +11,7 @@ from nodegraph import GraphError, node
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
-
-MessagesOf = Callable[..., list[str]]
+from tests.nodegraph.graph.conftest import MessagesOf
 
 CLEAN = """
     inputs: {recording: float, factor: 2.0}
