@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import inspect
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from nodegraph.errors import Problems
+from nodegraph.errors import Place, Problems
 from nodegraph.execute.call import Call, collecting_warnings, failure, perform
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.state import State
+
+_Unmet = defaultdict[tuple[Place, str], list[Step]]
+"""The steps of which the same is wrong at the same place."""
 
 _STEPS_IN_MEMORY = 4
 _LARGEST = 16 << 20
@@ -33,7 +37,8 @@ def check_requirements(plan: Plan, cache: StepCache, problems: Problems) -> None
         The steps of the plan that are stored.
     problems
     """
-    inputs = _Inputs(plan, cache, problems)
+    unmet: _Unmet = defaultdict(list)
+    inputs = _Inputs(plan, cache, unmet)
     tried = set()
     with collecting_warnings():
         for step in _by_source(plan):
@@ -57,7 +62,10 @@ def check_requirements(plan: Plan, cache: StepCache, problems: Problems) -> None
             try:
                 requires(**values, **settings)
             except Exception as error:
-                _note(problems, step, settings, failure(step.method.node, error).reason)
+                _note(unmet, step, settings, failure(step.method.node, error).reason)
+    for (place, reason), steps in unmet.items():
+        more = f" and {len(steps) - 1} more of {steps[0].node}" if len(steps) > 1 else ""
+        problems.add(place, f"{steps[0].name}{more}: {reason}")
 
 
 def _by_source(plan: Plan) -> list[Step]:
@@ -71,10 +79,10 @@ def _by_source(plan: Plan) -> list[Step]:
 class _Inputs:
     """Values that are at hand without a run."""
 
-    def __init__(self, plan: Plan, cache: StepCache, problems: Problems) -> None:
+    def __init__(self, plan: Plan, cache: StepCache, unmet: _Unmet) -> None:
         self._plan = plan
         self._cache = cache
-        self._problems = problems
+        self._unmet = unmet
         self._outputs = lru_cache(_STEPS_IN_MEMORY)(self._find_outputs)
 
     def of(self, sources: Mapping[str, StepInput | None]) -> dict[str, Any] | None:
@@ -108,11 +116,12 @@ class _Inputs:
         call = Call(index, node, step.method.plugin, inputs, step.settings, registry=registry)
         outcome = perform(call)
         if outcome.state is State.FAILED:
-            _note(self._problems, step, files, outcome.message)
+            _note(self._unmet, step, files, outcome.message)
         return outcome.values
 
 
-def _note(problems: Problems, step: Step, settings: Iterable[str], reason: str) -> None:
+def _note(unmet: _Unmet, step: Step, settings: Iterable[str], reason: str) -> None:
+    """Note a reason at the first of these settings that is written, else at the node."""
     places = step.method.places
     place = next((places[name] for name in settings if name in places), step.method.place)
-    problems.add(place, f"{step.name}: {reason}")
+    unmet[place, reason].append(step)

@@ -139,6 +139,13 @@ def test_check_refuses_settings_that_do_not_fit_a_file(command: Command) -> None
     Path("three").write_bytes(b"\xff")
     err = command("check", "part.yaml")[2]
     assert "part.yaml:4:36: a: " in err
+    for name in ("three", "tres", "drei"):
+        Path(name).write_text("a b c")
+    edit = Path("part.yaml").read_text().replace("file: three", "file: $file")
+    Path("part.yaml").write_text(edit.replace("axes: {", "axes: {file: [three, tres, drei], "))
+    err = command("check", "part.yaml")[2]
+    assert "c(file=three, length=4, seed=0) and 2 more of c: 4 of 3 lines" in err
+    assert err.count("4 of 3 lines") == 1
 
 
 def test_check_takes_choices(command: Command) -> None:
