@@ -20,6 +20,10 @@ BLOCK = 512
 SECTION_BLOCKS = 20
 DEC, MIPS = 85, 86
 
+Write = Callable[..., Path]
+Build = Callable[..., Path]
+Damaged = Callable[[bytes, random.Random], bytes]
+
 
 @dataclass(frozen=True)
 class Machine:
@@ -122,7 +126,7 @@ def build(
 
 
 @pytest.fixture
-def build_c3d(tmp_path: Path) -> Callable[..., Path]:
+def build_c3d(tmp_path: Path) -> Build:
     """What writes a C3D file, see `build`, and returns its path."""
 
     def written(*arguments: Any, cut: int | None = None, **settings: Any) -> Path:
@@ -134,7 +138,7 @@ def build_c3d(tmp_path: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture
-def damaged() -> Callable[[bytes, random.Random], bytes]:
+def damaged() -> Damaged:
     """What changes, drops and adds bytes of a file, mostly near its start, or cuts it short."""
 
     def change(content: bytearray, chance: random.Random) -> None:
@@ -184,7 +188,7 @@ def gappy() -> Trajectories:
 
 
 @pytest.fixture
-def write(tmp_path: Path) -> Callable[..., Path]:
+def write(tmp_path: Path) -> Write:
     """What writes a text into a file, whose path it returns."""
 
     def write_text(text: str, name: str = "take.csv") -> Path:

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from nodegraph_files import c3d_bytes, read_c3d, write_c3d
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_files.conftest import Build, Damaged
 
-Build = Callable[..., Path]
 Samples = NDArray[np.float64]
-Damaged = Callable[[bytes, random.Random], bytes]
 
 
 def read_by_the_library(path: Path) -> tuple[Samples, list[str]]:

@@ -7,7 +7,6 @@ with each other.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,8 +20,8 @@ from numpy.typing import NDArray
 from nodegraph_files import read_c3d, write_c3d
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.specimens import recordings
+from tests.plugins.nodegraph_files.conftest import Build
 
-Build = Callable[..., Path]
 Samples = NDArray[np.float64]
 
 # py-c3d tells that a file has no analog channels.

@@ -1,8 +1,6 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +8,8 @@ from numpy.typing import NDArray
 
 from nodegraph_files import read_c3d
 from nodegraph_files.c3d_header import read_description
+from tests.plugins.nodegraph_files.conftest import Build
 
-Build = Callable[..., Path]
 Samples = NDArray[np.float64]
 
 

@@ -1,15 +1,12 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from nodegraph_files.c3d_header import TEXT, Parameter, Processor, read_parameters
+from tests.plugins.nodegraph_files.conftest import Build
 
-Build = Callable[..., Path]
 INTEL = Processor(84)
 
 

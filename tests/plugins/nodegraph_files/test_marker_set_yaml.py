@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from nodegraph_files import marker_set_text, read_marker_set_yaml
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_mocap import MarkerSet
+from tests.plugins.nodegraph_files.conftest import Damaged
 
 Write = Callable[[str], Path]
-Damaged = Callable[[bytes, random.Random], bytes]
 
 
 @pytest.fixture

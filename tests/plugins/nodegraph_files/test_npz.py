@@ -13,8 +13,8 @@ import pytest
 
 from nodegraph_files import npz_bytes, read_npz, write_npz
 from nodegraph_mocap import MarkerSet, Origin, Trajectories
+from tests.plugins.nodegraph_files.conftest import Damaged
 
-Damaged = Callable[[bytes, random.Random], bytes]
 ARRAYS: dict[str, Any] = {"positions": np.ones((4, 2, 3)), "markers": ["a", "b"], "rate": 60.0}
 
 

@@ -15,9 +15,9 @@ from hypothesis.extra import numpy as arrays
 
 from nodegraph_files import csv_bytes, read_csv, read_trc, trc_bytes, write_csv, write_trc
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_files.conftest import Write
 
 pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
-Write = Callable[[str], Path]
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t", ", "])

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from nodegraph_files import read_csv
+from tests.plugins.nodegraph_files.conftest import Write
 
 pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
-Write = Callable[[str], Path]
 RATE = "# rate: 60\n"
 
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from nodegraph_files import read_live_link
+from tests.plugins.nodegraph_files.conftest import Damaged, Write
 
-Write = Callable[[str], Path]
-Damaged = Callable[[bytes, random.Random], bytes]
 HEADER = "Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft"
 ROTATIONS = [
     f"{what}{axis}" for what in ("Head", "LeftEye", "RightEye") for axis in ("Yaw", "Pitch", "Roll")

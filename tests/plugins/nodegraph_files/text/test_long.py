@@ -1,17 +1,14 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from nodegraph_files import read_csv
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_files.conftest import Write
 
 pytestmark = pytest.mark.filterwarnings("ignore:no unit of length")
-Write = Callable[[str], Path]
 RATE = "# rate: 60\n"
 
 

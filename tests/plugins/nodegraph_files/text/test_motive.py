@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +7,8 @@ import numpy as np
 import pytest
 
 from nodegraph_files import read_csv
+from tests.plugins.nodegraph_files.conftest import Write
 
-Write = Callable[[str], Path]
 FACTS = {
     "Format Version": "1.23",
     "Take Name": "Take 1",

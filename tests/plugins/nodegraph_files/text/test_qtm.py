@@ -1,15 +1,13 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from nodegraph_files import read_csv
+from tests.plugins.nodegraph_files.conftest import Write
 
-Write = Callable[[str], Path]
 ROWS = ("1 2 3 4 5 6", "7 8 9 10 11 12")
 
 

@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,8 +11,7 @@ from nodegraph_files.text.table_recording import (
     unit_of_table,
 )
 from nodegraph_files.units import LengthUnit
-
-Write = Callable[[str], Path]
+from tests.plugins.nodegraph_files.conftest import Write
 
 
 def test_coordinates_become_positions_of_markers() -> None:

@@ -1,13 +1,9 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from nodegraph_files.text.table import filled_width, read_table
-
-Write = Callable[[str], Path]
+from tests.plugins.nodegraph_files.conftest import Write
 
 
 def test_the_first_line_with_a_separator_tells_it(write: Write) -> None:

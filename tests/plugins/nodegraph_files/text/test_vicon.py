@@ -1,13 +1,10 @@
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from nodegraph_files import read_csv
+from tests.plugins.nodegraph_files.conftest import Write
 
-Write = Callable[[str], Path]
 HEADER = (
     "Trajectories",
     "100",
