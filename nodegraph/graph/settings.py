@@ -176,7 +176,7 @@ class SettingsReader:
         try:
             model = node.model.model_validate_json(_encode(settings))
         except ValidationError as error:
-            for name, message, hint in _messages(pending.where, node, error):
+            for name, message, hint in _messages(pending.where, pending.method, node, error):
                 if name not in invalid:
                     wrong[name][message] = hint
             invalid |= {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
@@ -220,7 +220,9 @@ class SettingsReader:
         return written.folder or self._namespace.graph_folder
 
 
-def _messages(where: str, node: Node, error: ValidationError) -> Iterator[tuple[str, str, str]]:
+def _messages(
+    where: str, method: ResolvedMethod, node: Node, error: ValidationError
+) -> Iterator[tuple[str, str, str]]:
     """Yield the name of each invalid setting, what is wrong, and what the setting is."""
     names = set()
     for detail in error.errors():
@@ -239,7 +241,8 @@ def _messages(where: str, node: Node, error: ValidationError) -> Iterator[tuple[
         kinds = {other["type"] for other in error.errors() if other["loc"][:1] == (name,)}
         if kinds & _LIST_TYPES and isinstance(value, (str, int, float)):
             reason = "is a list" if kinds <= _LIST_TYPES else reason
-            hint = f"{hint}; write [{value}]"
+            written = method.settings[name].value
+            hint = f"{hint}; write [{written if isinstance(written, Variable) else value}]"
         elif isinstance(value, list) and len(detail["loc"]) == 1:
             axis = f"{name}: {value_text(value)}"
             hint = f"{hint}; several values are an axis: axes: {{{axis}}}, and ${name} here"

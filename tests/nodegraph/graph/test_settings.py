@@ -128,6 +128,12 @@ def test_all_invalid_settings_of_a_node_are_reported(problems_of: ProblemsOf) ->
     assert len(problems_of(text, more=[everything])) == 3
 
 
+def test_an_axis_of_what_should_be_lists_is_named_in_the_hint(problems_of: ProblemsOf) -> None:
+    text = "axes: {each: [3]}\nnodes: {a: {use: set.all, with: {many: @@$each}}}"
+    (problem,) = problems_of(text, more=[everything])
+    assert problem.instead == "expected: list of whole numbers; write [$each]"
+
+
 def test_a_setting_is_checked_at_every_label(problems_of: ProblemsOf) -> None:
     text = """
         axes: {k: [1, 5, 10, 12]}
