@@ -45,7 +45,7 @@ FLOORS = (  # from the top
         "import_time",
         "kernels",
         "state",
-        "validation",
+        "validation_errors",
     },
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}

@@ -44,7 +44,7 @@ def check(arguments: Namespace) -> int:
     """Print the steps of a graph, and how many of them are stored."""
     from nodegraph.cli.graphs import graph_of, left_out_lines, store_of
     from nodegraph.execute import StepCache
-    from nodegraph.execute.requirements import check_requirements
+    from nodegraph.execute.preflight import check_requirements
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)

@@ -20,7 +20,7 @@ from nodegraph.lock.provenance import FileNames, provenance, refuse_paths, relat
 from nodegraph.lock.results import Results, cells_of, recorded, scales
 from nodegraph.lock.sketch import TOLERANCE
 from nodegraph.lock.yaml_lines import yaml_lines
-from nodegraph.validation import first_error
+from nodegraph.validation_errors import first_error
 
 FORMAT = 1
 SUFFIX = ".lock"

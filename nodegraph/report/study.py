@@ -19,7 +19,7 @@ from nodegraph.formatting import number_of
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.foreign import passive, without_foreign_code
 from nodegraph.runs.folder import RECORD, STUDY, content_of
-from nodegraph.validation import first_error
+from nodegraph.validation_errors import first_error
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from nodegraph.errors import NodegraphError
 from nodegraph.runs.folder import RECORD, STEPS, content_of, lines_of
 from nodegraph.runs.record import FORMAT, Cell, NotShown, Record, RecordedStep
-from nodegraph.validation import first_error
+from nodegraph.validation_errors import first_error
 
 if TYPE_CHECKING:
     from pydantic import TypeAdapter

@@ -84,12 +84,14 @@ class System:
         NaN if they could not be found.
         """
         if len(self._columns) and np.isfinite(self._low) and self._plain:
-            from nodegraph_blendshapes.solve import kernel
+            from nodegraph_blendshapes.solve import pivoting_kernel
 
             if self._work is None:
-                self._work = kernel.new_work(self._squares)
+                self._work = pivoting_kernel.new_work(self._squares)
             weights = np.empty(len(self._columns))
-            if kernel.bounded_next(self._squares, target, self._work, _ROUNDS, KKT, weights):
+            if pivoting_kernel.bounded_next(
+                self._squares, target, self._work, _ROUNDS, KKT, weights
+            ):
                 return weights
             self._work = None
         return np.asarray(self.solve(target[None]).weights[0])
@@ -132,7 +134,7 @@ class System:
 
     def _by_normal_equations(self, targets: Matrix) -> tuple[Matrix, Flags]:
         """Return weights, and which of them are those of least squares."""
-        from nodegraph_blendshapes.solve import kernel
+        from nodegraph_blendshapes.solve import pivoting_kernel
 
         columns, squares = self._columns, None
         if len(targets) > columns.shape[1] > len(columns):
@@ -142,7 +144,9 @@ class System:
             squares = _squares(columns, self._low, self._high)
         targets = np.ascontiguousarray(targets)
         weights = np.empty((len(targets), len(columns)))
-        kernel.bounded(squares or self._squares, targets, targets @ columns.T, _ROUNDS, weights)
+        pivoting_kernel.bounded(
+            squares or self._squares, targets, targets @ columns.T, _ROUNDS, weights
+        )
         return weights, are_least(columns, targets, weights, self._low, self._high)
 
     def _searched(self, targets: Matrix) -> Answer:
@@ -172,10 +176,10 @@ class System:
 
 
 def _squares(columns: Matrix, low: float, high: float) -> Any:
-    from nodegraph_blendshapes.solve import kernel
+    from nodegraph_blendshapes.solve import pivoting_kernel
 
     lengths = np.linalg.norm(columns, axis=1)
-    return kernel.Squares(columns, columns @ columns.T, lengths, low, high)
+    return pivoting_kernel.Squares(columns, columns @ columns.T, lengths, low, high)
 
 
 def inwards(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> Matrix:

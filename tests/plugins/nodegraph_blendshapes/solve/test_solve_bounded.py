@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph_blendshapes.solve import bounded, kernel, search_kernel
+from nodegraph_blendshapes.solve import bounded, pivoting_kernel, search_kernel
 from nodegraph_blendshapes.solve.bounded import are_least, inwards, least_squares, noise
 from tests.plugins.nodegraph_blendshapes.solve.statements import (
     Matrix,
@@ -189,7 +189,7 @@ def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     columns, targets = problem(5, 12, 30, targets=20)
     targets[7] = 0.0
     monkeypatch.setattr(bounded, "_ROUNDS", 1)
-    monkeypatch.setattr(bounded, "_FREED", 0)
+    monkeypatch.setattr(bounded, "_MOST_RELEASES", 0)
     solution = least_squares(columns, targets, 0.0, 1.0)
     assert solution.unsolved.tolist() == [frame != 7 for frame in range(20)]
     np.testing.assert_array_equal(np.isnan(solution.weights).all(axis=1), solution.unsolved)
@@ -218,8 +218,8 @@ def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
     lengths = np.linalg.norm(columns, axis=1)
     theirs = by_scipy(columns, targets, 0.0, high)
     solution = np.empty_like(theirs)
-    first = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, high)
-    kernel.bounded(first, targets, targets @ columns.T, 200, solution)
+    first = pivoting_kernel.Squares(columns, columns @ columns.T, lengths, 0.0, high)
+    pivoting_kernel.bounded(first, targets, targets @ columns.T, 200, solution)
     np.testing.assert_allclose(solution, theirs, rtol=0, atol=1e-8)
     free = np.empty(solution.shape, dtype=bool)
     searched = search_kernel.Squares(columns, lengths, 0.0, high)
@@ -230,13 +230,13 @@ def test_either_kernel_alone_is_as_scipy(seed: int, high: float) -> None:
 
 def test_exchanging_one_at_a_time_ends_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Murty's rule alone, as when exchanging many at a time goes round in circles."""
-    monkeypatch.setattr(kernel, "_ROUNDS", -1)
-    compiled: Any = kernel._exchange
+    monkeypatch.setattr(pivoting_kernel, "_ROUNDS", -1)
+    compiled: Any = pivoting_kernel._exchange
     columns, targets = problem(8, 6, 10, targets=10)
     lengths = np.linalg.norm(columns, axis=1)
-    squares_of = kernel.Squares(columns, columns @ columns.T, lengths, 0.0, 1.0)
+    squares_of = pivoting_kernel.Squares(columns, columns @ columns.T, lengths, 0.0, 1.0)
     for target in targets:
-        work = kernel.new_work(squares_of)
+        work = pivoting_kernel.new_work(squares_of)
         compiled.py_func(squares_of, columns @ target, work, float(np.linalg.norm(target)), 500)
         expected = by_scipy(columns, target[None], 0.0, 1.0)[0]
         np.testing.assert_allclose(work.weights, expected, rtol=0, atol=1e-10)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from nodegraph.validation import first_error
+from nodegraph.validation_errors import first_error
 
 
 class Inner(BaseModel):

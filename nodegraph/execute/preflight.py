@@ -1,4 +1,4 @@
-"""What nodes require of their inputs, tried before a run as far as the inputs are at hand."""
+"""Before a run: whether settings fit the inputs of their nodes, as far as these are at hand."""
 
 from __future__ import annotations
 
