@@ -8,14 +8,13 @@ import traceback
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of, one_line, without_middle
-from nodegraph.execute.undeclared_reads import Reads, reads_of_call
+from nodegraph.execute.call_notes import Notes, notes_of_call
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Port
@@ -30,8 +29,6 @@ _READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
 
 _LONGEST_TRACE = 20_000
 """Characters of a traceback that a run keeps; its message may quote a whole array."""
-
-_warnings: ContextVar[list[str] | None] = ContextVar("_warnings", default=None)
 
 
 @dataclass(slots=True)  # not frozen, which would make it three times as slow to create
@@ -129,12 +126,10 @@ def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
     node, registry = call.node, call.registry
     is_ours = registry is None or call.plugin in registry.shipped
-    reads = None if is_ours else Reads(node, call.settings)
-    messages: list[str] = []
+    notes = Notes(node, call.settings, with_reads=not is_ours)
     # set and reset by hand: a context manager for each step would take three times as long
-    warned, used, noted = (
-        _warnings.set(messages), registry_of_call.set(registry), reads_of_call.set(reads)
-    )  # fmt: skip
+    noted = notes_of_call.set(notes)
+    used = None if registry_of_call.get() is registry else registry_of_call.set(registry)
     start = time.perf_counter()
     try:
         values = values_of(node, node.function(**call.inputs, **call.settings))
@@ -147,14 +142,16 @@ def perform(call: Call) -> Outcome:
     except BaseException as error:
         outcome = failure(node, error)
     finally:
-        _warnings.reset(warned)
-        registry_of_call.reset(used)
-        reads_of_call.reset(noted)
+        notes_of_call.reset(noted)
+        if used is not None:
+            registry_of_call.reset(used)
     outcome.seconds = time.perf_counter() - start
-    if reads is not None and reads.names:
-        outcome.undeclared_reads = tuple(map(printable, reads.names))
-    if messages:
-        outcome.warnings = tuple(dict.fromkeys(one_line(printable(text)) for text in messages))
+    if notes.reads:
+        outcome.undeclared_reads = tuple(map(printable, notes.reads))
+    if notes.warnings:
+        outcome.warnings = tuple(
+            dict.fromkeys(one_line(printable(text)) for text in notes.warnings)
+        )
     return outcome
 
 
@@ -196,11 +193,11 @@ def collecting_warnings() -> Iterator[None]:
         show = warnings.showwarning
 
         def collect(message: Warning | str, category: type[Warning], *rest: Any) -> None:
-            messages = _warnings.get()
-            if messages is None:
+            notes = notes_of_call.get()
+            if notes is None:
                 show(message, category, *rest)
             else:
-                messages.append(str(message))
+                notes.warnings.append(str(message))
 
         warnings.showwarning = collect  # type: ignore[assignment]
         yield

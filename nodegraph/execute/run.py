@@ -16,6 +16,7 @@ from nodegraph.execute.results import Run
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Plan
+from nodegraph.plugin.formats import formats_of
 from nodegraph.state import State
 from nodegraph.store import Packer, Store
 
@@ -75,7 +76,9 @@ def execute(
         )
         earlier = store.recall(_SECONDS) if store is not None and schedule.left else {}
         log.begin(lambda: len(schedule.left), map(plan.steps.__getitem__, schedule.left), earlier)
-        with collecting_warnings(), one_thread_each() if schedule.left else nullcontext():
+        registry = formats_of(plan.graph.registry)
+        threads = one_thread_each() if schedule.left else nullcontext()
+        with collecting_warnings(), registry, threads:
             for result in executor(schedule, how):
                 schedule.finish(*_checked(result, plan, how))
         if schedule.left:

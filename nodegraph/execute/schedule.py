@@ -142,7 +142,8 @@ class Schedule:
             copy = self.packer.copy
             try:
                 call.inputs = {port: copy(value) for port, value in call.inputs.items()}
-                call.settings = {name: copy(value) for name, value in call.settings.items()}
+                if call.settings:
+                    call.settings = {name: copy(value) for name, value in call.settings.items()}
             except Exception as error:
                 failed = failure(call.node, error, "its inputs cannot be copied")
                 return replace(failed, key=call.key)

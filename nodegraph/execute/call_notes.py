@@ -1,4 +1,7 @@
-"""Reads of a call that are in no key: files and folders no setting names, environment variables."""
+"""What is noted of a call while it is made: its warnings, and what it reads that is in no key.
+
+That is files and folders that no setting names, and environment variables.
+"""
 
 from __future__ import annotations
 
@@ -20,50 +23,62 @@ _BETWEEN = ("os", "collections.abc", "pathlib", "glob", __name__)
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
 
-reads_of_call: ContextVar[Reads | None] = ContextVar("reads_of_call", default=None)
-"""Of the call that is being made, if its reads are noted."""
+notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
+"""Of the call that is being made."""
 
 
-class Reads:
-    """The reads of a call that are not in its key, noted while it is in `reads_of_call`.
+class Notes:
+    """What a call warns of and reads, noted while this is in `notes_of_call`.
 
     What other threads or C code read is not seen.
 
+    Parameters
+    ----------
+    node
+    settings
+    with_reads
+        Whether reads are noted.
+
     Attributes
     ----------
-    names : dict of str to None
-        In the order in which they were read.
+    warnings : list of str
+    reads : dict of str to None
+        Names of what was read that is not in the call's key, in the order in which it was.
     """
 
-    __slots__ = ("_node", "_settings", "_written", "names")
+    # made for every call: what is seldom needed is a tuple, which costs nothing
+    __slots__ = ("_node", "_settings", "_written", "reads", "warnings", "with_reads")
 
-    def __init__(self, node: Node, settings: Mapping[str, object]) -> None:
-        _install()
-        self.names: dict[str, None] = {}
+    def __init__(self, node: Node, settings: Mapping[str, object], *, with_reads: bool) -> None:
+        if with_reads:
+            _install()
+        self.with_reads = with_reads
+        self.warnings: list[str] = []
+        self.reads: dict[str, None] = {}
         self._node = node
         self._settings = settings
-        self._written: set[str] = set()
+        self._written: tuple[str, ...] = ()
 
     def file(self, path: str, *, writes: bool) -> None:
         """Note that a file was opened."""
         if writes:
-            self._written.add(path)
+            self._written += (path,)
         elif not path.endswith(_CODE) and self._is_read(path):
-            self.names[os.path.basename(path)] = None
+            self.reads[os.path.basename(path)] = None
 
     def folder(self, path: str) -> None:
         """Note that a folder was listed, if the node's own package does."""
         if self._is_by_package() and self._is_read(path):
-            self.names[f"{os.path.basename(path)}{os.sep}"] = None
+            self.reads[f"{os.path.basename(path)}{os.sep}"] = None
 
     def new_folder(self, path: str) -> None:
         """Note a folder whose content is the call's own."""
-        self._written.add(path)
+        self._written += (path,)
 
     def variable(self, name: str) -> None:
         """Note an environment variable, if the node's own package reads it."""
         if self._is_by_package():
-            self.names[f"${name}"] = None
+            self.reads[f"${name}"] = None
 
     def _is_read(self, path: str) -> bool:
         kept = (*self._written, *self._in_key(), *_installed())
@@ -109,8 +124,8 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
     """``os.environ``, whose reads are noted."""
 
     def __getitem__(self, name: str) -> object:
-        if reads := reads_of_call.get():
-            reads.variable(name)
+        if notes := _noting_reads():
+            notes.variable(name)
         return super().__getitem__(name)
 
 
@@ -121,8 +136,13 @@ def _install() -> None:
     os.environ.__class__ = _Environment
 
 
+def _noting_reads() -> Notes | None:
+    notes = notes_of_call.get()
+    return notes if notes is not None and notes.with_reads else None
+
+
 def _note(event: str, arguments: tuple[object, ...]) -> None:
-    if event not in _EVENTS or not (reads := reads_of_call.get()):
+    if event not in _EVENTS or not (notes := _noting_reads()):
         return
     path, *how = arguments
     if path is None:  # that of a listing
@@ -130,11 +150,11 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
     if not isinstance(path, (str, os.PathLike)):
         return
     if event == "os.mkdir":
-        reads.new_folder(os.path.abspath(path))
+        notes.new_folder(os.path.abspath(path))
     elif event in _LISTINGS:
-        reads.folder(os.path.abspath(path))
+        notes.folder(os.path.abspath(path))
     else:
         mode, flags = how
         by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
         by_flags = isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR))
-        reads.file(os.path.abspath(path), writes=by_mode or by_flags)
+        notes.file(os.path.abspath(path), writes=by_mode or by_flags)
