@@ -18,7 +18,7 @@ from types import FrameType
 from nodegraph.node.decorator import Node
 
 _CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
-_BETWEEN = ("os", "collections.abc", "pathlib", "glob", __name__)
+_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", __name__)
 """Modules between a line that reads an environment variable or lists a folder, and this one."""
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
