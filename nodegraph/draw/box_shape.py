@@ -64,31 +64,31 @@ def _character_width(character: str, monospace: bool) -> float:
     return _MONOSPACE if monospace else _WIDTHS.get(character, 0.64)
 
 
-PADDING = 14.0
+PADDING = 12.0
 CHIP_HEIGHT = 19.0
 _CHIP_INSET = 8.0
 _CHIP_GAP = 5.0
 _CHIP_SIZE = 11.0
 _CHIPS = 14
-_WIDEST_ROW = 236.0
-_NARROWEST = 112.0
-_SOCKET_GAP = 14.0
+_WIDEST_ROW = 196.0
+_NARROWEST = 84.0
+_BETWEEN_SIDES = 18.0
 _ALL_SOCKETS = 3
 _NOTE = 26
 _SIZES = {"port": 11.0, "more": 9.5, "note": 10.0, "name": 15.0, "line": 11.5}
-_LEADING = {"port": 13.0, "more": 11.5, "note": 12.5, "name": 19.0, "line": 16.0}
+_LEADING = {"port": 15.0, "more": 13.0, "note": 12.5, "name": 19.0, "line": 16.0}
 
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """One line of text: its place is the middle or the start of its baseline."""
+    """One line of text: its place is the start, or the end, of its baseline."""
 
     style: str
     text: str
     x: float
     y: float
-    middle: bool = False
     hint: str = ""
+    at_end: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,10 +109,10 @@ class Shape:
 
     Attributes
     ----------
-    rules : tuple of float
-        Heights of the lines that part ports from the rest.
+    rule : float
+        Height of the line between the heading and the ports.
     inputs, outputs : mapping of port to float
-        How far from the left the port's arrows end or begin.
+        How far from the top the port's arrows end or begin.
     """
 
     box: Box
@@ -120,7 +120,7 @@ class Shape:
     height: float
     texts: tuple[Text, ...]
     chips: tuple[Chip, ...]
-    rules: tuple[float, ...]
+    rule: float
     inputs: Mapping[str, float]
     outputs: Mapping[str, float]
 
@@ -132,10 +132,6 @@ class _Slot:
     ports: tuple[str, ...]
     lines: tuple[tuple[str, str], ...]
     hint: str
-
-    @property
-    def width(self) -> float:
-        return max(width(text, _SIZES[style]) for style, text in self.lines)
 
 
 def shape(
@@ -156,30 +152,25 @@ def shape(
     label = label or box.name
     inputs = _slots(box.inputs, wired, notes)
     outputs = _slots(box.outputs, wired, {})
-    chips = _chip_texts(box)
-    inner = max(_NARROWEST, _heading_width(box, label), _strip_width(inputs), _strip_width(outputs))
-    flowing = [_flow(group, max(inner, _WIDEST_ROW)) for group in chips]
-    inner = max([inner, *(x + chip for row in flowing for x, _, chip in row)])
-    top, inputs_height = 6.0, _strip_height(inputs)
-    texts, in_places = _strip(inputs, inner, top)
-    y = top + inputs_height + (8.0 if inputs else 4.0)
-    rules = [top + inputs_height + 4.0] if inputs else []
-    heading, y = _heading(box, label, y)
-    drawn, y = _chips(chips, flowing, y)
-    y += 8.0
-    if outputs:
-        rules.append(y)
-    below, out_places = _strip(outputs, inner, y + 3.0)
-    height = y + (_strip_height(outputs) + 8.0 if outputs else 0.0)
+    sides = [_widest(inputs), _widest(outputs)]
+    inner = max(_NARROWEST, _heading_width(box, label), sum(sides) + _BETWEEN_SIDES * all(sides))
+    groups = _chip_texts(box)
+    flowing = [_flow(group, max(inner, _WIDEST_ROW)) for group in groups]
+    inner = max([inner, *(x + chip for places in flowing for x, _, chip in places)])
+    heading, y = _heading(box, label, 4.0)
+    chips, y = _chips(groups, flowing, y)
+    rule = y + 7.0
+    into, inputs_at, left_end = _side(inputs, PADDING, rule)
+    out, outputs_at, right_end = _side(outputs, PADDING + inner, rule, at_end=True)
     return Shape(
         box=box,
         width=inner + 2 * PADDING,
-        height=height,
-        texts=(*texts, *heading, *below),
-        chips=tuple(drawn),
-        rules=tuple(rules),
-        inputs=in_places,
-        outputs=out_places,
+        height=max(left_end, right_end) + 6.0,
+        texts=(*heading, *into, *out),
+        chips=tuple(chips),
+        rule=rule,
+        inputs=inputs_at,
+        outputs=outputs_at,
     )
 
 
@@ -207,28 +198,24 @@ def _slot(socket: Socket, notes: Sequence[str]) -> _Slot:
     return _Slot((socket.name,), tuple(lines), "; ".join((str(socket), *texts)))
 
 
-def _strip_width(slots: Sequence[_Slot]) -> float:
-    return sum(slot.width for slot in slots) + _SOCKET_GAP * max(0, len(slots) - 1)
+def _widest(slots: Sequence[_Slot]) -> float:
+    lines = [line for slot in slots for line in slot.lines]
+    return max((width(text, _SIZES[style]) for style, text in lines), default=0.0)
 
 
-def _strip_height(slots: Sequence[_Slot]) -> float:
-    return max((sum(_LEADING[style] for style, _ in slot.lines) for slot in slots), default=0.0)
-
-
-def _strip(slots: Sequence[_Slot], inner: float, top: float) -> tuple[list[Text], dict[str, float]]:
-    spare = (inner - _strip_width(slots)) / len(slots) if slots else 0.0
+def _side(
+    slots: Sequence[_Slot], x: float, y: float, *, at_end: bool = False
+) -> tuple[list[Text], dict[str, float], float]:
+    """Return the texts of the ports on one side, their heights, and the lower end."""
     texts: list[Text] = []
     places: dict[str, float] = {}
-    left = PADDING
     for slot in slots:
-        middle = left + (slot.width + spare) / 2
-        y = top
+        y += 3.0
+        places |= dict.fromkeys(slot.ports, y + _LEADING["port"] / 2)
         for style, text in slot.lines:
             y += _LEADING[style]
-            texts.append(Text(style, text, middle, y - 2.0, middle=True, hint=slot.hint))
-        places |= dict.fromkeys(slot.ports, middle)
-        left += slot.width + spare + _SOCKET_GAP
-    return texts, places
+            texts.append(Text(style, text, x, y - 3.5, slot.hint, at_end))
+    return texts, places, y
 
 
 def _heading_width(box: Box, label: str) -> float:
@@ -241,7 +228,7 @@ def _heading(box: Box, label: str, y: float) -> tuple[list[Text], float]:
     for style, text in [("name", label), *(("line", line) for line in box.lines)]:
         y += _LEADING[style]
         hint = clean(text) if shortened(text) != clean(text) else ""
-        texts.append(Text(style, shortened(text), PADDING, y - 3.0, hint=hint))
+        texts.append(Text(style, shortened(text), PADDING, y - 3.0, hint))
     return texts, y
 
 

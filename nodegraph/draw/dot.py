@@ -19,7 +19,7 @@ def dot(picture: Picture) -> str:
     boxes = {box.name: box for box in picture.boxes}
     lines = [
         "digraph {",
-        f"  graph [label={_quoted(picture.title)}, labelloc=t, rankdir=TB, fontname=Helvetica];",
+        f"  graph [label={_quoted(picture.title)}, labelloc=t, rankdir=LR, fontname=Helvetica];",
         "  node [shape=plain, fontname=Helvetica, fontsize=11];",
         "  edge [fontname=Helvetica, fontsize=9];",
     ]

@@ -11,7 +11,6 @@ from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
 from nodegraph.graphfile.spec import Reference
-from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label, Port
 
 _MOST_METHODS = 12
@@ -107,7 +106,7 @@ def _box(
         for port in ports.values()
         if (node.name, port.name) in fed
     ]
-    outputs = [_socket(port) for port in _outputs(described, node.name, read)]
+    outputs = [_socket(port) for port in described.outputs if (node.name, port.name) in read]
     labels = list(node.methods) if node.has_alternatives else []
     more = [f"and {len(labels) - _MOST_METHODS} more"] if len(labels) > _MOST_METHODS else []
     return Box(
@@ -121,11 +120,6 @@ def _box(
         ),
         kind=_kind(graph, node),
     )
-
-
-def _outputs(node: Node, name: str, read: set[tuple[str, str]]) -> list[Port]:
-    wired = [port for port in node.outputs if (name, port.name) in read]
-    return wired or list(node.outputs[:1])
 
 
 def _own_axes(graph: Graph, node: GraphNode) -> tuple[str, ...]:

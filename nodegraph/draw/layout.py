@@ -22,9 +22,8 @@ from nodegraph.draw.box_frames import (
     without_cycles,
 )
 from nodegraph.draw.box_shape import Shape, shape, shortened, width
-from nodegraph.draw.layers import PIN, Cell, Point, Wire
+from nodegraph.draw.layered import PIN, Cell, Point, Wire, arrange
 from nodegraph.draw.picture import Arrow, Box, Picture
-from nodegraph.draw.sugiyama import Arrangement, arrange
 
 LABEL_SIZE = 13.0
 LABEL_HEIGHT = 26.0
@@ -44,9 +43,9 @@ class Passing:
     target: Member | None
 
     @property
-    def key(self) -> tuple[str, str, bool]:
-        """Equal for arrows that may share a line: they leave one port."""
-        return self.arrow.source, self.arrow.source_port, self.arrow.truth
+    def key(self) -> tuple[str, str]:
+        """Equal for arrows that share a line: they leave one port."""
+        return self.arrow.source, self.arrow.source_port
 
     @property
     def begin(self) -> _End:
@@ -91,31 +90,43 @@ class FrameLayout:
 
 def lay_out(level: Level, cells: Mapping[Member, Cell]) -> FrameLayout:
     """Return the layout of a frame, given the cells of its members."""
-    label: list[_Slot] = [("label", level.frame)] if level.frame else []
     entries = _pins(passing.begin for passing in level.arrows if not passing.source)
     exits = _pins(passing.end for passing in level.arrows if not passing.target)
-    slots: list[_Slot] = [*label, *entries, *level.members, *exits]
+    slots: list[_Slot] = [*entries, *level.members, *exits]
     place = {slot: number for number, slot in enumerate(slots)}
-    shapes = [
-        *(_label_cell(level.frame) for _ in label),
-        *(PIN for _ in entries),
-        *(cells[member] for member in level.members),
-        *(PIN for _ in exits),
-    ]
+    shapes = [cells[slot] if slot in level.members else PIN for slot in slots]
     wires: dict[Wire, int] = {}
     wire_of = {
         passing.number: wires.setdefault(_wire(passing, place), len(wires))
         for passing in level.arrows
     }
-    arrangement = arrange(shapes, list(wires), len(label) + len(entries), len(exits))
+    arrangement = arrange(shapes, list(wires), len(entries), len(exits))
     padding = PADDING if level.frame else 0.0
+    right, down = padding, LABEL_HEIGHT + padding / 2 if level.frame else 0.0
+    label = width(shortened(last_part(level.frame)), LABEL_SIZE, bold=True)
+    wide = max(arrangement.width, label) + 2 * padding
+    levels = {slot: arrangement.corners[place[slot]][1] + PIN.height / 2 + down for slot in slots}
+    routes: dict[int, list[Point]] = {}
+    for passing in level.arrows:
+        points = arrangement.routes[wire_of[passing.number]]
+        routes[passing.number] = [(x + right, y + down) for x, y in points]
+        if not passing.source:
+            routes[passing.number].insert(0, (0.0, levels[passing.begin[0]]))
+        if not passing.target:
+            routes[passing.number].append((wide, levels[passing.end[0]]))
     return FrameLayout(
-        _cell_of(arrangement, place, padding),
-        {member: _moved(arrangement.corners[place[member]], padding) for member in level.members},
+        Cell(
+            wide,
+            arrangement.height + down + padding,
+            {key: levels["entry", key] for _, key in entries},
+            {key: levels["exit", key] for _, key in exits},
+        ),
         {
-            number: [_moved(point, padding) for point in arrangement.routes[wire]]
-            for number, wire in wire_of.items()
+            member: (x + right, y + down)
+            for member in level.members
+            for x, y in [arrangement.corners[place[member]]]
         },
+        routes,
     )
 
 
@@ -123,29 +134,9 @@ def _pins(ends: Iterable[_End]) -> list[_Slot]:
     return list(dict.fromkeys(slot for slot, _ in ends))
 
 
-def _label_cell(frame: Frame) -> Cell:
-    wide = width(shortened(last_part(frame)), LABEL_SIZE, bold=True)
-    return Cell(wide, LABEL_HEIGHT, {}, {})
-
-
 def _wire(passing: Passing, place: Mapping[_Slot, int]) -> Wire:
     (source, source_port), (target, target_port) = passing.begin, passing.end
-    return Wire(place[source], source_port, place[target], target_port, passing.arrow.truth)
-
-
-def _cell_of(arrangement: Arrangement, place: Mapping[_Slot, int], padding: float) -> Cell:
-    pins: dict[str, dict[Hashable, float]] = {"entry": {}, "exit": {}}
-    for (kind, key), number in place.items():
-        if kind in pins:
-            pins[kind][key] = arrangement.corners[number][0] + PIN.width / 2 + padding
-    below = 0.0 if pins["exit"] else padding
-    return Cell(
-        arrangement.width + 2 * padding, arrangement.height + below, pins["entry"], pins["exit"]
-    )
-
-
-def _moved(point: Point, right: float) -> Point:
-    return point[0] + right, point[1]
+    return Wire(place[source], source_port, place[target], target_port)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ def mermaid(picture: Picture) -> str:
     """
     ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
     title = clean(picture.title).replace("<", "&lt;").replace(">", "&gt;")
-    lines = ["---", f"title: {json.dumps(title, ensure_ascii=False)}", "---", "flowchart TD"]
+    lines = ["---", f"title: {json.dumps(title, ensure_ascii=False)}", "---", "flowchart LR"]
     lines += _nested(picture, ids)
     lines += [
         f'  {ids[arrow.source]} {_line(arrow)}|"{_label(arrow)}"| {ids[arrow.target]}'

@@ -70,7 +70,7 @@ class _Drawing:
         self._count += 1
         if kind == "text":
             self._text(element.text or "", x, y, look)
-        elif kind in ("rect", "circle", "line", "path"):
+        elif kind in ("rect", "line", "path"):
             self._shape(kind, x, y, look)
         below = {name: look[name] for name in _INHERITED if name in look}
         for inside in element:
@@ -85,7 +85,7 @@ class _Drawing:
             fontsize=float(look["font-size"]) * _POINTS,
             fontweight="bold" if "font-weight" in look else "normal",
             family="monospace" if look.get("font-family") == "monospace" else "DejaVu Sans",
-            ha="center" if look.get("text-anchor") == "middle" else "left",
+            ha={"middle": "center", "end": "right"}.get(look.get("text-anchor", ""), "left"),
             va="baseline",
             parse_math=False,
             zorder=self._count,
@@ -93,7 +93,7 @@ class _Drawing:
 
     def _shape(self, kind: str, x: float, y: float, look: dict[str, str]) -> None:
         from matplotlib.lines import Line2D
-        from matplotlib.patches import Circle, FancyBboxPatch, PathPatch
+        from matplotlib.patches import FancyBboxPatch, PathPatch
 
         stroke, fill = look.get("stroke", "none"), look.get("fill", "none")
         width = float(look.get("stroke-width", 1.0)) * _POINTS
@@ -119,10 +119,7 @@ class _Drawing:
             return
         alpha = float(look.get("fill-opacity", 1.0))
         style |= {"facecolor": "none" if fill == "none" else (fill, alpha), "edgecolor": stroke}
-        if kind == "circle":
-            centre = (x + float(look["cx"]), y + float(look["cy"]))
-            self._axis.add_patch(Circle(centre, float(look["r"]), **style))
-        elif kind == "path":
+        if kind == "path":
             self._axis.add_patch(PathPatch(_path(look["d"], x, y), **style))
         else:
             corner = (x + float(look.get("x", 0.0)), y + float(look.get("y", 0.0)))

@@ -1,20 +1,18 @@
-"""A picture as SVG: boxes in layers from the top, arrows downwards, light and dark."""
+"""A picture as SVG: boxes in columns, arrows from left to right, light and dark."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
-from itertools import pairwise
 
 from nodegraph.draw.box_shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
-from nodegraph.draw.layers import Point
+from nodegraph.draw.layered import Point
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, FrameBox, layout
 from nodegraph.draw.picture import Arrow, Picture
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
 _WIDE_HALF = 6.0
-_DOT, _WIDE_DOT = 3.0, 4.4
 _CORNER = 7.0
 
 
@@ -62,10 +60,10 @@ def line(points: Sequence[Point]) -> str:
     """Return the path of an arrow through its points.
 
     Between points below or beside each other it is straight, with round corners, else a curve
-    that begins and ends downwards. The last point is the tip; the line ends where the head begins.
+    that begins and ends level. The last point is the tip; the line ends where the head begins.
     """
     (tip_x, tip_y), rest = points[-1], points[:-1]
-    return _path([*rest, (tip_x, tip_y - HEAD_LENGTH + 1.0)])
+    return _path([*rest, (tip_x - HEAD_LENGTH + 1.0, tip_y)])
 
 
 def _path(points: Sequence[Point]) -> str:
@@ -73,8 +71,8 @@ def _path(points: Sequence[Point]) -> str:
     path = [f"M{_pair(points[0])}"]
     for before, point, after in zip(points, points[1:], [*points[2:], None], strict=False):
         if before[0] != point[0] and before[1] != point[1]:
-            half = (point[1] - before[1]) / 2
-            bends = ((before[0], before[1] + half), (point[0], point[1] - half), point)
+            half = (point[0] - before[0]) / 2
+            bends = ((before[0] + half, before[1]), (point[0] - half, point[1]), point)
             path.append("C" + " ".join(_pair(bend) for bend in bends))
         elif after is None or not _is_corner(before, point, after):
             path.append(f"L{_pair(point)}")
@@ -115,68 +113,13 @@ def _pair(point: Point) -> str:
 
 
 def head(x: float, y: float, *, truth: bool, gathers: bool) -> str:
-    """Return an arrow head whose tip is at a point, from above."""
+    """Return an arrow head whose tip is at a point, from the left."""
     half = _WIDE_HALF if gathers else _HEAD_HALF
-    left, right, base = number(x - half), number(x + half), number(y - HEAD_LENGTH)
+    above, below, base = number(y - half), number(y + half), number(x - HEAD_LENGTH)
     look = _LOOK["head truth" if truth else "head"]
-    return f'<path class="head" {look} d="M{left} {base}L{right} {base}L{number(x)} {number(y)}Z"/>'
-
-
-def dots(picture: Picture, routes: Sequence[Sequence[Point]]) -> list[str]:
-    """Return a dot wherever lines from one port part, or lines to one port meet."""
-    bundles: dict[tuple[str, str, str, bool], list[int]] = {}
-    for place, arrow in enumerate(picture.arrows):
-        for end in (
-            ("from", arrow.source, arrow.source_port),
-            ("to", arrow.target, arrow.target_port),
-        ):
-            bundles.setdefault((*end, arrow.truth), []).append(place)
-    radius: dict[tuple[Point, bool], float] = {}
-    for (*_, truth), members in bundles.items():
-        wide = any(picture.arrows[member].gathers for member in members)
-        for point in _junctions([routes[member] for member in members]):
-            radius[point, truth] = max(radius.get((point, truth), _DOT), _WIDE_DOT if wide else 0.0)
-    return [
-        f'<circle class="dot{" truth" * truth}" cx="{number(x)}" cy="{number(y)}" r="{size:g}"'
-        f" {_LOOK['head truth' if truth else 'head']}/>"
-        for ((x, y), truth), size in sorted(radius.items())
-    ]
-
-
-def _junctions(routes: Sequence[Sequence[Point]]) -> set[Point]:
-    """Return the corners of lines from which lines run in three directions or more."""
-    lines = [_without_stops([_rounded(point) for point in route]) for route in routes]
-    levels: dict[float, list[tuple[float, float]]] = {}
-    falls: dict[float, list[tuple[float, float]]] = {}
-    for line_points in lines:
-        for (x, y), (right, below) in pairwise(line_points):
-            if y == below:
-                levels.setdefault(y, []).append((min(x, right), max(x, right)))
-            elif x == right:
-                falls.setdefault(x, []).append((y, below))
-    corners = {point for points in lines for point in points[1:-1]}
-    return {point for point in corners if _directions(point, levels, falls) > 2}
-
-
-def _directions(
-    point: Point,
-    levels: Mapping[float, Sequence[tuple[float, float]]],
-    falls: Mapping[float, Sequence[tuple[float, float]]],
-) -> int:
-    x, y = point
-    beside, along = levels.get(y, ()), falls.get(x, ())
-    return sum(
-        (
-            any(low < x <= high for low, high in beside),
-            any(low <= x < high for low, high in beside),
-            any(low < y <= high for low, high in along),
-            any(low <= y < high for low, high in along),
-        )
+    return (
+        f'<path class="head" {look} d="M{base} {above}L{base} {below}L{number(x)} {number(y)}Z"/>'
     )
-
-
-def _rounded(point: Point) -> Point:
-    return round(point[0], 3), round(point[1], 3)
 
 
 _SAMPLE = 30.0
@@ -227,10 +170,10 @@ _SMALLEST_SCALE = 0.6
 def svg(picture: Picture) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
-    Boxes stand in layers, so that every arrow runs downwards; a tall picture is folded into
-    columns, and an arrow to the next column runs around. None runs through a box. Boxes whose
-    dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is wide,
-    and a dot joins lines of one port. Types of ports show on hover. Colours follow the reader's
+    Boxes stand in columns, so that arrows run to the right; a wide picture is broken into bands,
+    as a text is into lines, and an arrow to another band runs around. None runs through a box.
+    Boxes whose dotted names have a common prefix stand in a frame. Truth is dashed, a gathering
+    arrow is wide. Types of ports show on hover. Colours follow the reader's
     light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
 
@@ -243,7 +186,6 @@ def svg(picture: Picture) -> str:
     arrows = [
         _arrow(arrow, points) for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
     ]
-    arrows += dots(picture, drawing.routes)
     frames = [_frame(frame) for frame in drawing.frames]
     boxes = [_box(shape, x, y) for shape, (x, y) in drawing.boxes]
     explained, wide, high = legend(picture, 0.0, drawing.height + 18.0)
@@ -312,21 +254,21 @@ def _box(shape: Shape, x: float, y: float) -> str:
         tag("title", " ".join((shape.box.name, *shape.box.lines))),
         f'<rect class="shade" {_LOOK["shade"]} y="2" {size}/><rect class="frame" {look} {size}/>',
     ]
-    for rule in shape.rules:
+    if shape.inputs or shape.outputs:
         parts.append(
             f'<line class="rule" {_LOOK["rule"]} x1="1" x2="{number(shape.width - 1)}"'
-            f' y1="{number(rule)}" y2="{number(rule)}"/>'
+            f' y1="{number(shape.rule)}" y2="{number(shape.rule)}"/>'
         )
     parts += [_text(text) for text in shape.texts] + [_chip(chip) for chip in shape.chips]
     return "".join([*parts, "</g>"])
 
 
 def _text(text: Text) -> str:
-    middle = ' text-anchor="middle"' if text.middle else ""
+    anchor = ' text-anchor="end"' if text.at_end else ""
     hint = tag("title", text.hint) if text.hint else ""
     return (
         f'<text class="{text.style}" {_LOOK[text.style]}'
-        f' x="{number(text.x)}" y="{number(text.y)}"{middle}>'
+        f' x="{number(text.x)}" y="{number(text.y)}"{anchor}>'
         f"{escaped(text.text)}{hint}</text>"
     )
 

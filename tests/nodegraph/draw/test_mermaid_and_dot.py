@@ -48,7 +48,7 @@ def test_mermaid() -> None:
         "---",
         'title: "Two"',
         "---",
-        "flowchart TD",
+        "flowchart LR",
         '  n0(["a<br/>read.x"])',
         '  n1[["b<br/>lin #124; muscle<br/>k #215;3"]]',
         '  n0 -->|"out"| n1',
