@@ -81,6 +81,7 @@ def modules(*folders: Path) -> dict[str, Path]:
 
 
 MACHINE = modules(ROOT / "nodegraph")
+del MACHINE["nodegraph.site.reference"]  # mkdocs runs it, when the guides are built
 PLUGINS = modules(*(path.parent for path in (ROOT / "plugins").glob("nodegraph_*/__init__.py")))
 
 

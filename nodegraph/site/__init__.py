@@ -1,5 +1,1 @@
-"""A static site of what is installed and of runs: gallery, tutorial, reference."""
-
-from nodegraph.site.build import site_files
-
-__all__ = ["site_files"]
+"""A static gallery of runs; the guides, and how mkdocs builds them with the reference."""

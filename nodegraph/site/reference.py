@@ -1,0 +1,103 @@
+"""The pages of the reference, which mkdocs takes from the code as it is installed."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+from nodegraph.cli.main import all_parsers
+from nodegraph.graphfile import keys
+from nodegraph.node.description import describe_declaration, describe_settings, summary_of
+from nodegraph.plugin.bibliography import references
+from nodegraph.plugin.registry import Registered, Registry
+
+_KEYS: tuple[tuple[str, Mapping[str, keys.Key]], ...] = (
+    ("A graph file", keys.TOP_LEVEL),
+    ("A node", keys.NODE),
+    ("A method at a label of alternatives", keys.METHOD),
+    ("A family among alternatives", keys.FAMILY),
+    ("A reference with fixed axes", keys.FIXED_REFERENCE),
+    ("An entry of the report", keys.REPORT_ENTRY),
+)
+_DOCUMENTED = (
+    "nodegraph.plugin.hooks",
+    "nodegraph.plugin.hook_types",
+    "nodegraph.plugin.streaming",
+    "nodegraph.node.live_form",
+)
+_WITHOUT_HEADING = "    options: {show_root_heading: false, show_root_toc_entry: false}"
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pages of the reference; mkdocs calls it."""
+    for path, text in _pages():
+        files.append(File.generated(config, f"reference/{path}", content=text))
+    return files
+
+
+def _pages() -> Iterator[tuple[str, str]]:
+    """Yield the path and the Markdown of each page."""
+    registry = Registry.installed()
+    families: dict[str, list[Registered]] = defaultdict(list)
+    for entry in registry:
+        families[entry.node.family].append(entry)
+    cited = references(
+        registry.hooks.bibtex, sorted({key for e in registry for key in e.node.cite})
+    )
+    overview = [f"# Nodes\n\n{len(list(registry))} nodes in {len(families)} families."]
+    for family, entries in families.items():
+        rows = [
+            (f"[{each.node.name}]({family}.md#{_anchor(each.node.name)})", summary_of(each.node))
+            for each in entries
+        ]
+        overview += [f"## {family}", _table(("node", "purpose"), rows)]
+        yield f"{family}.md", "\n\n".join([f"# {family}", *(_node(e, cited) for e in entries)])
+    yield "nodes.md", "\n\n".join(overview)
+    yield (
+        "commands.md",
+        "\n\n".join(
+            ["# Commands"]
+            + [
+                f"## nodegraph {name}\n\n```\n{parser.format_help()}```"
+                for name, parser in all_parsers(registry).items()
+            ]
+        ),
+    )
+    tables = [
+        f"## {title}\n\n"
+        + _table(("key", "meaning"), [(f"`{name}`", key.meaning) for name, key in table.items()])
+        for title, table in _KEYS
+    ]
+    yield "keys.md", "\n\n".join(["# Keys of a graph file", *tables])
+    yield "hooks.md", "\n\n".join(["# Hooks", *(f"::: {module}" for module in _DOCUMENTED)])
+
+
+def _node(entry: Registered, cited: Mapping[str, str]) -> str:
+    node = entry.node
+    name = f"## {node.name} {{#{_anchor(node.name)}}}"
+    declared = " · ".join([f"plugin {entry.plugin}", *describe_declaration(node)])
+    ports = [("in", port) for port in node.inputs] + [("out", port) for port in node.outputs]
+    rows = [(row.name, row.default, row.unit, row.kind) for row in describe_settings(node)]
+    parts = [
+        name,
+        declared,
+        _table(("side", "port"), [(side, f"`{port}`") for side, port in ports]),
+        _table(("setting", "default", "unit", "values"), rows) if rows else "",
+        f"::: {node.function.__module__}.{node.function.__qualname__}\n{_WITHOUT_HEADING}",
+        *(f"- {cited[key]}" for key in node.cite),
+    ]
+    return "\n\n".join(filter(None, parts))
+
+
+def _anchor(name: str) -> str:
+    return name.replace(".", "-")
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+    )
