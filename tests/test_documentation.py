@@ -95,7 +95,7 @@ def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixt
     }
     runpy.run_path(str(tmp_path / "my_table.py"))
     check_own_type(tmp_path)
-    assert main(["nodes", "read", "--plugin", str(tmp_path / "my_format.py")]) == 0
+    assert main(["show", "read", "--plugin", str(tmp_path / "my_format.py")]) == 0
     assert "read.recording" in capsys.readouterr().out
     assert main(["lips", "take.c3d", "--plugin", str(tmp_path / "my_command.py")]) == 0
     assert capsys.readouterr().out == "Two lips in take.c3d\n"

@@ -37,9 +37,9 @@ def leave_what_an_earlier_version_left(place: Environment) -> None:
 def check_all_is_there(place: Environment) -> None:
     """Check that nodes and example graphs are listed."""
     assert {"fill.muscle", "fill.subspace_kalman"} <= set(
-        place.run("nodegraph", "nodes", "fill").split()
+        place.run("nodegraph", "show", "fill").split()
     )
-    assert "fill" in place.run("nodegraph", "examples").split()
+    assert "fill" in place.run("nodegraph", "new").split()
 
 
 def test_wheel_and_checkout_replace_each_other_and_a_run_writes_nothing_there(

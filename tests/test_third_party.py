@@ -196,12 +196,12 @@ def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheel: Path, through_sd
 
 
 def test_a_third_party_method_joins_the_comparison(place: Environment, tmp_path: Path) -> None:
-    listed = nodegraph(place, "nodes", "fill", cwd=tmp_path)
+    listed = nodegraph(place, "show", "fill", cwd=tmp_path)
     assert "fill.hold" in listed.stdout
     assert "Repeat the last measured position over each gap." in listed.stdout
     assert "Standing still" in nodegraph(place, "show", "fill.hold", cwd=tmp_path).stdout
 
-    nodegraph(place, "examples", "fill", cwd=tmp_path)
+    nodegraph(place, "new", "fill", cwd=tmp_path)
     labels = ("length=5", "recording=face_1,face_2", "fill=hold,muscle,linear")
     only = [word for label in labels for word in ("--only", label)]
     nodegraph(place, "run", "fill.yaml", *only, cwd=tmp_path)
@@ -245,7 +245,7 @@ def test_a_plugin_that_does_not_import_is_named_and_the_rest_goes_on(
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: nodegraph-broken\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text("[nodegraph]\nbroken = a_module_that_is_not_there\n")
     try:
-        listed = nodegraph(place, "nodes", "fill", cwd=tmp_path)
+        listed = nodegraph(place, "show", "fill", cwd=tmp_path)
     finally:
         shutil.rmtree(about)
     assert "plugin 'broken' is left out" in listed.stderr
@@ -264,14 +264,14 @@ def test_a_new_plugin_is_installed_and_passes_its_own_tests(
     (tmp_path / "pytest.ini").write_text("[pytest]\naddopts = --of-a-folder-above\n")
     shown = nodegraph(place, "show", "fill.hold_on", cwd=tmp_path).stdout
     assert "Whatever the method is published in" in shown
-    nodegraph(place, "examples", "hold_on", cwd=tmp_path)
+    nodegraph(place, "new", "hold_on", cwd=tmp_path)
     nodegraph(place, "check", "hold_on.yaml", cwd=tmp_path)
     # its tests run that graph
     result = run(str(place.python), "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=source)
     assert "3 passed" in result.stdout
     method = source / "hold_on" / "method.py"
     method.write_text(method.read_text("utf-8").replace("Repeat each", "Say again each"))
-    assert "Say again each" in nodegraph(place, "nodes", "fill", cwd=tmp_path).stdout
+    assert "Say again each" in nodegraph(place, "show", "fill", cwd=tmp_path).stdout
 
 
 def write_plugin(folder: Path, name: str, modules: dict[str, str]) -> Path:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Container, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_graph, add_store
 from nodegraph.cli.live import add_hold, lines_on
 from nodegraph.cli.output import columns
+from nodegraph.cli.why import why
 from nodegraph.errors import Problems, listed
 from nodegraph.formatting import number_of
 
@@ -25,6 +27,17 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
     add_graph(parser)
     add_store(parser)
+    parser.add_argument(
+        "--why",
+        metavar="NODE",
+        help="Explain instead why the steps of a node are not stored, or were computed again.",
+    )
+    parser.add_argument(
+        "--run",
+        type=Path,
+        metavar="DIR",
+        help="With --why: earlier run to compare with (default: runs/GRAPH).",
+    )
     parser.add_argument(
         "--live",
         nargs="?",
@@ -48,6 +61,9 @@ def check(arguments: Namespace) -> int:
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
+    if arguments.why:
+        why(graph, arguments)
+        return 0
     if arguments.live is not None:
         return _check_live(graph, arguments)
     planned = plan(graph)

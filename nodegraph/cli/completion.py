@@ -44,9 +44,8 @@ def completion(arguments: Namespace) -> int:
     registry = Registry.installed()
     nodes = [entry.node.name for entry in registry]
     operands = {
-        "show": nodes,
-        "nodes": list(registry.families),
-        "examples": list(registry.hooks.graphs),
+        "show": [*registry.families, *nodes],
+        "new": [*registry.hooks.templates, *registry.hooks.graphs],
     }
     parsers = all_parsers(registry)
     cases = []

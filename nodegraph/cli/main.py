@@ -25,9 +25,8 @@ if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
 
 COMMANDS = (
-    "run", "check", "live", "fetch", "draw", "nodes", "show", "examples", "new", "why", "diff",
-    "lock", "verify", "audit", "export", "open", "report", "runs", "site", "cite", "archive",
-    "cache", "schema", "completion",
+    "run", "check", "live", "fetch", "draw", "show", "new", "diff", "lock", "verify", "audit",
+    "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema", "completion",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 

@@ -1,24 +1,24 @@
-"""``nodegraph new``: write a plugin package, or a graph, to start from."""
+"""``nodegraph new``: write a plugin package, a graph or a shipped study to start from."""
 
 from __future__ import annotations
 
 import re
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 from importlib.machinery import PathFinder
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_plugin
-from nodegraph.cli.output import refuse_existing
+from nodegraph.cli.output import columns, refuse_existing
 from nodegraph.errors import NodegraphError, nearest
 
 if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
 
-HELP = "Write a plugin package, or a graph, to start from."
+HELP = "Write a plugin package, a graph or a shipped study to start from; without KIND, list them."
 
 _PACKAGE = re.compile(r"[a-z][a-z0-9_]*")
 _FILE = re.compile(r"\w([\w .-]*\w)?")
@@ -28,8 +28,18 @@ _SUFFIX = ".template"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.add_argument("kind", metavar="KIND", help="plugin, graph, or a plugin's template.")
-    parser.add_argument("name", metavar="NAME", help="Name of the package, or of the graph file.")
+    parser.add_argument(
+        "kind",
+        nargs="?",
+        metavar="KIND",
+        help="plugin, graph, or another template of a plugin; or a study, such as fill.",
+    )
+    parser.add_argument(
+        "name",
+        nargs="?",
+        metavar="NAME",
+        help="Name of the package, or of the graph file; a study keeps its own.",
+    )
     parser.add_argument(
         "--to",
         type=Path,
@@ -41,15 +51,25 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def new(arguments: Namespace) -> int:
-    """Write the files of a template under a name."""
+    """Write the files of a template under a name, or those of a study."""
     from nodegraph.plugin.registry import Registry
 
     registry = Registry.installed(arguments.plugin)
-    templates = registry.hooks.templates
+    templates, studies = registry.hooks.templates, registry.hooks.graphs
+    if arguments.kind is None:
+        _list(templates, studies)
+        return 0
+    study = arguments.kind.removesuffix(".yaml")
     if arguments.kind not in templates:
-        raise NodegraphError(
-            f"unknown template {arguments.kind!r}; {nearest(arguments.kind, templates)}"
-        )
+        if study not in studies:
+            hint = nearest(study, [*templates, *studies])
+            raise NodegraphError(f"no template or study {arguments.kind!r}; {hint}")
+        if arguments.name:
+            raise NodegraphError(f"a study keeps its name; write nodegraph new {study}")
+        _copy(studies[study], arguments.to)
+        return 0
+    if not arguments.name:
+        raise NodegraphError(f"write nodegraph new {arguments.kind} NAME")
     files = _files(templates[arguments.kind], arguments.name)
     if not files:
         folder = templates[arguments.kind]
@@ -66,6 +86,28 @@ def new(arguments: Namespace) -> int:
         target.write_text(text, encoding="utf-8")
         print(f"wrote {target}")
     return 0
+
+
+def _list(templates: Iterable[str], studies: Mapping[str, Path]) -> None:
+    from nodegraph.graphfile import read_graph_file
+
+    rows = [(name, read_graph_file(path).title) for name, path in studies.items()]
+    print(f"{columns(rows)}\n\nnodegraph new STUDY copies one of these to the current folder.")
+    print(f"nodegraph new KIND NAME writes an empty one; KIND is {', '.join(sorted(templates))}.")
+
+
+def _copy(path: Path, folder: Path) -> None:
+    from nodegraph.graphfile import read_graph_file
+
+    names = (path.name, *read_graph_file(path).included)
+    for name in names:
+        refuse_existing(folder / name)
+    for name in names:
+        target = folder / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes((path.parent / name).read_bytes())
+    first = folder / path.name
+    print(f"wrote {first}; run it with: nodegraph run {first}")
 
 
 def _check_package_name(name: str, registry: Registry) -> None:

@@ -1,63 +1,44 @@
-"""``nodegraph why``: explain why the steps of a node are not cached."""
+"""Explains why the steps of a node are not stored, for ``nodegraph check --why``."""
 
 from __future__ import annotations
 
 import re
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections import defaultdict
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_graph, add_store
 from nodegraph.cli.output import few, first_and_more
 from nodegraph.errors import NodegraphError, listed, nearest
 
 if TYPE_CHECKING:
+    from nodegraph.graph import Graph
     from nodegraph.runs.why import Explanation
-
-HELP = "Explain why the steps of a node are not cached."
 
 _MOST_STEPS = 3
 _AT_LABELS = re.compile(r"(([\w.]+)\(.*?\)): (.*)", re.DOTALL)
 
 
-def add_arguments(parser: ArgumentParser) -> None:
-    """Declare the arguments of the command."""
-    add_graph(parser)
-    parser.add_argument("node", metavar="NODE", help="Node of the graph.")
-    parser.add_argument(
-        "--run",
-        type=Path,
-        metavar="DIR",
-        help="Earlier run to compare with (default: runs/GRAPH).",
-    )
-    add_store(parser)
-
-
-def why(arguments: Namespace) -> int:
-    """Print which part of the key of each step changed since an earlier run."""
-    from nodegraph.cli.graphs import graph_of, run_folder, store_of
+def why(graph: Graph, arguments: Namespace) -> None:
+    """Print which part of the key of each step of a node changed since an earlier run."""
+    from nodegraph.cli.graphs import run_folder, store_of
     from nodegraph.execute import StepCache
     from nodegraph.plan import plan
     from nodegraph.runs.saved_run import SavedRun
     from nodegraph.runs.why import Why
 
-    graph = graph_of(arguments)
-    if arguments.node not in graph.nodes:
-        raise NodegraphError(
-            f"the graph has no node {arguments.node!r}; {nearest(arguments.node, graph.nodes)}"
-        )
+    node: str = arguments.why
+    if node not in graph.nodes:
+        raise NodegraphError(f"the graph has no node {node!r}; {nearest(node, graph.nodes)}")
     folder = arguments.run or run_folder(arguments)
     record = SavedRun(folder).record
     planned = plan(graph)
     cache = StepCache(planned, store_of(arguments, graph))
-    steps = list(Why(planned, cache, record).explain(arguments.node))
+    steps = list(Why(planned, cache, record).explain(node))
     stored = sum(step.stored for step in steps)
-    print(f"{arguments.node}: {stored} of {len(steps)} steps are stored; compared with {folder}")
+    print(f"{node}: {stored} of {len(steps)} steps are stored; compared with {folder}")
     for names, lines in _by_reason(steps):
         print("\n".join(["", listed(names, _MOST_STEPS), *(f"    {line}" for line in few(lines))]))
-    return 0
 
 
 def _by_reason(steps: list[Explanation]) -> Iterator[tuple[list[str], list[str]]]:

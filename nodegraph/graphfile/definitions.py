@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any
+from urllib.parse import quote
 
 from nodegraph.graphfile.keys import (
     FIXED_REFERENCE,
@@ -32,7 +33,7 @@ _REFERENCE: Schema = {
 
 def ref(name: str) -> Schema:
     """Return a reference to one of the shared definitions."""
-    return {"$ref": f"#/$defs/{name}"}
+    return {"$ref": f"#/$defs/{quote(name)}"}
 
 
 def one_of(words: Iterable[str]) -> Schema:

@@ -84,7 +84,7 @@ def _names(nodes: list[NodeSchema], registry: Registry) -> list[Schema]:
     full_names = [name for node in nodes for name in node.names[1:]]
     patterns = [_GRAPH_FILE, *([one_of(full_names)["pattern"]] if full_names else [])]
     patterns += [f"^{re.escape(scheme)}:." for scheme in registry.hooks.node_finders]
-    message = "no installed node has this name; nodegraph nodes lists them"
+    message = "no installed node has this name; nodegraph show lists them"
     rest = {"type": "string", "pattern": "|".join(patterns), "patternErrorMessage": message}
     return [*(node.constant() for node in nodes), rest]
 

@@ -19,7 +19,7 @@ CASE = "start-up of a process, ms"
 COMMANDS = {
     "nodegraph": ["nodegraph", "--help"],
     "nodegraph check": ["nodegraph", "check", str(ROOT / "graphs" / "fill.yaml")],
-    "nodegraph nodes": ["nodegraph", "nodes"],
+    "nodegraph show": ["nodegraph", "show"],
     "python -c pass": ["python", "-c", "pass"],
     "import argparse": ["python", "-c", "import argparse"],
     "import numpy": ["python", "-c", "import numpy"],

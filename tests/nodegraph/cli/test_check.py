@@ -184,7 +184,7 @@ def test_a_name_claimed_by_two_plugins_names_both(command: Command) -> None:
     assert "'fill.hold' is claimed by toys:fill.hold and my_hold:fill.hold" in err or (
         "'fill.hold' is claimed by my_hold:fill.hold and toys:fill.hold" in err
     )
-    status, out, _ = command("nodes", "fill", "--plugin", "my_hold.py")
+    status, out, _ = command("show", "fill", "--plugin", "my_hold.py")
     assert (status, out.count("fill.hold")) == (0, 2)
 
 

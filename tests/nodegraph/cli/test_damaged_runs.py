@@ -27,7 +27,7 @@ READERS = (
     ("export", "ran", "fill", "--at", "fill=hold,length=1", "--out", "new.raw", "--store", "kept"),
     ("diff", "whole", "ran", "--store", "kept"),
     ("diff", "ran", "whole", "--store", "kept"),
-    ("why", "toy.yaml", "fill", "--run", "ran", "--store", "kept"),
+    ("check", "toy.yaml", "--why", "fill", "--run", "ran", "--store", "kept"),
 )
 
 
@@ -72,7 +72,7 @@ def read_by(command: Command, readers: Iterable[tuple[str, ...]]) -> str:
     """Give commands that read the run; return what they say on stderr."""
     errors = ""
     for words in readers:
-        status, _, err = command(*words, nodes=words[0] == "why")
+        status, _, err = command(*words, nodes=words[0] == "check")
         assert "internal error" not in err, (words, err)
         assert status in (0, 1, 2)
         errors += err
@@ -115,7 +115,7 @@ def test_the_key_that_lacks_is_named(command: Command, ran: Path, key: str, at: 
     del data[key]
     (ran / "run.json").write_text(json.dumps(data))
     for words in READERS:
-        status, _, err = command(*words, nodes=words[0] == "why")
+        status, _, err = command(*words, nodes=words[0] == "check")
         assert status == 2
         assert f"ran/run.json cannot be read ({at})" in err
 

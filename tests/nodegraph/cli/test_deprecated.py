@@ -33,7 +33,7 @@ def _old() -> None:
 
 
 def test_lists_and_descriptions(command: Command) -> None:
-    assert "(deprecated: use toy.number) Give an old number." in command("nodes", "toy")[1]
+    assert "(deprecated: use toy.number) Give an old number." in command("show", "toy")[1]
     _, out, _ = command("show", "toy.old")
     assert "toy.old    plugin toys\n\ndeprecated: use toy.number\n" in out
     assert "(deprecated: use start) The number." in out

@@ -29,10 +29,10 @@ def examples(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 
 def test_examples_are_listed_and_copied(command: Command, examples: Path) -> None:
-    status, out, _ = command("examples")
+    status, out, _ = command("new")
     assert status == 0
     assert out.splitlines()[0] == "toy  A toy"
-    status, out, _ = command("examples", "toy", "--to", "new/folder")
+    status, out, _ = command("new", "toy", "--to", "new/folder")
     assert status == 0
     assert Path("new/folder/toy.yaml").read_text() == Path("toy.yaml").read_text()
     assert "nodegraph run new/folder/toy.yaml" in out
@@ -41,7 +41,7 @@ def test_examples_are_listed_and_copied(command: Command, examples: Path) -> Non
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (["toi"], "no example 'toi'; did you mean 'toy'"),
+        (["toi"], "no template or study 'toi'; did you mean 'toy'"),
         (["toy"], "toy.yaml already exists"),
         (["toy", "--to", "toys.py"], "toys.py"),
     ],
@@ -50,7 +50,7 @@ def test_an_example_never_overwrites(
     command: Command, examples: Path, words: list[str], reason: str
 ) -> None:
     Path("toy.yaml").write_text("mine")
-    status, _, err = command("examples", *words)
+    status, _, err = command("new", *words)
     assert status == 2
     assert reason in err
     assert Path("toy.yaml").read_text() == "mine"
@@ -62,10 +62,10 @@ def test_what_an_example_uses_comes_with_it(command: Command, examples: Path) ->
     (examples / "parts" / "inner.yaml").write_text(inner)
     outer = "nodegraph: 1\nnodes: {n: {use: ./parts/inner.yaml}, b: {use: fill.hold, in: n}}\n"
     (examples / "toy.yaml").write_text(outer)
-    assert command("examples", "toy", "--to", "new")[0] == 0
+    assert command("new", "toy", "--to", "new")[0] == 0
     assert Path("new/parts/inner.yaml").read_text() == inner
     status, out, err = command("run", "new/toy.yaml")
     assert (status, "3 steps: 3 computed" in out) == (0, True), err
     assert Path("runs/toy/parts/inner.yaml").read_text() == inner
     assert command("run", "runs/toy/graph.yaml")[0] == 0
-    assert command("examples", "toy", "--to", "new")[0] == 2
+    assert command("new", "toy", "--to", "new")[0] == 2

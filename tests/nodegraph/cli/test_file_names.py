@@ -217,7 +217,7 @@ def test_a_graph_file_may_have_any_name(command: Command, name: str) -> None:
     folders = [path.name for path in Path("runs").iterdir()]
     assert len(folders) == 3
     check_portable(folders)
-    assert command("why", f"{name}.yaml", "fill")[0] == 0
+    assert command("check", f"{name}.yaml", "--why", "fill")[0] == 0
     assert command("lock", f"{name}.yaml")[0] == 0
     assert command("verify", f"{name}.lock")[0] == 0
     assert command("run", "toy.yaml", "--out", name)[0] == 0

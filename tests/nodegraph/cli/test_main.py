@@ -223,7 +223,7 @@ def test_characters_that_the_terminal_lacks_are_not_an_error() -> None:
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_closed_pipe_is_not_an_error(unbuffered: str) -> None:
     root = Path(__file__).parents[3]
-    command = f"'{sys.executable}' -m nodegraph.cli.main nodes --plugin toys.py | true"
+    command = f"'{sys.executable}' -m nodegraph.cli.main show --plugin toys.py | true"
     environment = {**os.environ, "PYTHONPATH": str(root), "PYTHONUNBUFFERED": unbuffered}
     process = subprocess.run(
         ["bash", "-o", "pipefail", "-c", command], env=environment, capture_output=True, check=False

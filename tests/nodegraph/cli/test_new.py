@@ -54,7 +54,7 @@ def test_nothing_is_overwritten_and_nothing_written_by_halves(command: Command) 
 @pytest.mark.parametrize(
     ("kind", "name", "reason"),
     [
-        ("pear", "mine", "unknown template 'pear'; did you mean 'pair'"),
+        ("pear", "mine", "no template or study 'pear'; did you mean 'pair'"),
         ("pair", "Mine", "'Mine' cannot be the name of a package"),
         ("pair", "../up", "'../up' cannot be the name of a package"),
         ("pair", "class", "'class' cannot be the name of a package"),

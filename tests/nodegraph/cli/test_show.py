@@ -12,19 +12,19 @@ from tests.nodegraph.cli.conftest import Command
 
 
 def test_nodes_are_listed(command: Command) -> None:
-    status, out, _ = command("nodes")
+    status, out, _ = command("show")
     assert status == 0
     assert [line.split()[0] for line in out.splitlines()] == [
         "fill.hold", "fill.strict", "toy.cut", "toy.number", "toy.sum",
     ]  # fmt: skip
-    assert command("nodes", "fill")[1] == command("nodes", "fill.*")[1]
-    assert command("nodes", "toy")[1].count("\n") == 3
-    assert command("nodes", "HOLD")[1].split()[0] == "fill.hold"
-    status, out, err = command("nodes", "fill.hodl")
+    assert command("show", "fill")[1] == command("show", "fill.*")[1]
+    assert command("show", "toy")[1].count("\n") == 3
+    assert command("show", "HOLD")[1].split()[0] == "fill.hold"
+    status, out, err = command("show", "fill.hodl")
     assert (status, out) == (2, "")
     assert "did you mean 'fill.hold'" in err
-    assert "there is: fill, toy" in command("nodes", "lips")[2]
-    assert command("nodes", nodes=False)[0] == 0
+    assert "there is: fill, toy" in command("show", "lips")[2]
+    assert command("show", nodes=False)[0] == 0
 
 
 def test_a_node_is_shown(command: Command) -> None:

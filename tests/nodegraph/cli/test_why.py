@@ -22,7 +22,7 @@ def edit(file: str, old: str, new: str) -> None:
 
 def test_unchanged_steps_are_stored(command: Command) -> None:
     command("run", "toy.yaml")
-    status, out, err = command("why", "toy.yaml", "total")
+    status, out, err = command("check", "toy.yaml", "--why", "total")
     assert (status, err) == (0, "")
     assert out == "total: 1 of 1 steps are stored; compared with runs/toy\n"
 
@@ -43,7 +43,7 @@ def test_the_part_that_changed_is_named(
 ) -> None:
     command("run", "toy.yaml")
     edit(file, old, new)
-    status, out, _ = command("why", "toy.yaml", node)
+    status, out, _ = command("check", "toy.yaml", "--why", node)
     assert status == 0
     assert text in out
 
@@ -60,19 +60,21 @@ def test_another_file_and_other_content_are_distinguished(command: Command) -> N
     command("run", "read.yaml")
     assert (
         "a: file was 'one.txt', now 'two.txt'"
-        in command("why", "read.yaml", "a", "--set", "file=two.txt")[1]
+        in command("check", "read.yaml", "--why", "a", "--set", "file=two.txt")[1]
     )
     edit("one.txt", "1", "3")
-    assert "a: file: the content of one.txt changed" in command("why", "read.yaml", "a")[1]
+    assert (
+        "a: file: the content of one.txt changed" in command("check", "read.yaml", "--why", "a")[1]
+    )
 
 
 def test_only_edited_code_is_a_change(command: Command) -> None:
     command("run", "toy.yaml")
     edit("toys.py", "raise Refusal", "raise  Refusal")  # not a word of it is another
     edit("toys.py", "'''Hold on.'''", "'''Hold on, whatever comes.'''")
-    assert "4 of 4 steps are stored" in command("why", "toy.yaml", "fill")[1]
+    assert "4 of 4 steps are stored" in command("check", "toy.yaml", "--why", "fill")[1]
     edit("toys.py", "whatever comes.'''\n    return x", "whatever comes.'''\n    return -x")
-    _, out, _ = command("why", "toy.yaml", "fill")
+    _, out, _ = command("check", "toy.yaml", "--why", "fill")
     assert out.startswith("fill: 2 of 4 steps are stored")
     assert "fill.hold: code: toys:hold was edited" in out
     assert "strict" not in out.replace("toys:hold", "")
@@ -81,25 +83,25 @@ def test_only_edited_code_is_a_change(command: Command) -> None:
 def test_a_removed_result_is_not_in_the_store(command: Command) -> None:
     command("run", "toy.yaml")
     command("cache", "clear", nodes=False)
-    _, out, _ = command("why", "toy.yaml", "total")
+    _, out, _ = command("check", "toy.yaml", "--why", "total")
     assert "0 of 1 steps are stored" in out
     assert "the result is not in the store" in out
 
 
 def test_an_earlier_run_is_needed(command: Command) -> None:
-    status, out, err = command("why", "toy.yaml", "total")
+    status, out, err = command("check", "toy.yaml", "--why", "total")
     assert (status, out) == (2, "")
     assert "there is no finished run; run the graph" in err
     command("run", "toy.yaml", "--out", "elsewhere")
-    assert command("why", "toy.yaml", "total", "--run", "elsewhere")[0] == 0
-    status, _, err = command("why", "toy.yaml", "totla", "--run", "elsewhere")
+    assert command("check", "toy.yaml", "--why", "total", "--run", "elsewhere")[0] == 0
+    status, _, err = command("check", "toy.yaml", "--why", "totla", "--run", "elsewhere")
     assert status == 2
     assert "did you mean 'total'" in err
     Path("elsewhere/run.json").write_text('{"format": 0, "steps": []}')
-    status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
+    status, _, err = command("check", "toy.yaml", "--why", "total", "--run", "elsewhere")
     assert status == 2
     assert "elsewhere/run.json is of format 0" in err
     Path("elsewhere/run.json").write_text("{")
-    status, _, err = command("why", "toy.yaml", "total", "--run", "elsewhere")
+    status, _, err = command("check", "toy.yaml", "--why", "total", "--run", "elsewhere")
     assert status == 2
     assert "elsewhere/run.json cannot be read" in err

@@ -242,7 +242,7 @@ def test_no_other_file_is_taken_for_a_part_of_the_store(
         (("cache", "list"), 0, "toy.both"),
         (("cache", "prune", "--keep", "1GB"), 0, "removed"),
         (("check", "forged.yaml"), 0, "computed again"),
-        (("why", "forged.yaml", "a", "--run", "first"), 0, "computed again"),
+        (("check", "forged.yaml", "--why", "a", "--run", "first"), 0, "computed again"),
         (("lock", "forged.yaml"), 0, "computed again"),
         (("diff", "first", "other"), 1, "no longer stored"),
         (("export", "first", "a", "--at", "number=0", "--out", "a.csv"), 2, "not in the store"),
