@@ -2,6 +2,10 @@
 
 Paths are texts here, and calls go to the system directly: a result is looked up in some
 microseconds, of which paths as objects would take most.
+
+Several users may share a store, and each can put a symbolic link in the place of a folder. What is
+written, dated or removed is therefore named relative to an open `Folder`, which is reached without
+following links; what is only read is checked by its digest, and is named by its path.
 """
 
 from __future__ import annotations
@@ -10,6 +14,7 @@ import errno
 import hashlib
 import itertools
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterable
@@ -25,8 +30,16 @@ if TYPE_CHECKING:
 
 
 FORMAT = "format-1"
-UNFINISHED = ".part"
+ENTRIES, BLOBS, PACKS = "entries", "blobs", "packs"
+BLOB = re.compile("[0-9a-f]{62}")
+ENTRY = re.compile(r"[0-9a-f]{62}\.json")
+UNFINISHED = re.compile(r"[0-9a-f]{8}-\d+-\d+\.part")
+"""The name of a file that is not yet whole."""
+_FIRST = re.compile("[0-9a-f]{2}")
 _PIECE = 2**20
+_OPENS_FOLDERS = os.open in os.supports_dir_fd
+_DATES_LINKS = os.utime in os.supports_follow_symlinks
+_NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 # without waiting: a pipe in place of a file is empty
 _READ = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
 _LONGEST = 2**28
@@ -57,51 +70,168 @@ def read(path: str) -> tuple[bytes, float]:
 
 
 def write(folder: str, name: str, content: object) -> None:
-    """Write a file whole or not at all, over any that is there.
+    """Write a file whole or not at all, over any that is there; links to the folder are followed.
 
     Raises
     ------
     OSError
         If that is not possible; nothing of it is left then.
     """
-    write_parts(folder, name, (content,))
+    with Folder(os.path.realpath(folder), make=True) as opened:
+        opened.write(name, (content,))
 
 
-def write_parts(folder: str, name: str, parts: Iterable[object], *, durable: bool = False) -> None:
-    """Write a file, part after part, as `write` does.
+class Folder:
+    """An open folder. Its names mean the same files, whoever renames or links folders meanwhile.
 
     Parameters
     ----------
-    folder, name, parts
-    durable
-        Whether to return only when it would outlast a loss of power.
+    root
+        Its path, or that of a folder above it. The last name in it must not be a link.
+    *inner
+        Names that lead on from there. None of them may be a link.
+    make
+        Whether to make folders that are not there.
+
+    Attributes
+    ----------
+    path : str
+        For messages and for reading.
 
     Raises
     ------
     OSError
-        If that is not possible; nothing of it is left then.
+        If it cannot be opened, or is reached through a link.
     """
-    unfinished = f"{folder}/{_own}-{os.getpid()}-{next(_numbers)}{UNFINISHED}"
-    try:
-        opened = os.open(unfinished, _WRITE, 0o666)
-    except FileNotFoundError:
-        os.makedirs(folder, exist_ok=True)
-        opened = os.open(unfinished, _WRITE, 0o666)
-    try:
+
+    def __init__(self, root: str, *inner: str, make: bool = False) -> None:
+        self.path = root
+        self._number = self._opened(root, None, make=make)
+        for name in inner:
+            above, self.path = self._number, f"{self.path}/{name}"
+            try:
+                self._number = self._opened(name, above, make=make)
+            finally:
+                if above is not None:
+                    os.close(above)
+        self._before = f"{self.path}/" if self._number is None else ""
+
+    def __enter__(self) -> Folder:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._number is not None:
+            os.close(self._number)
+
+    def _opened(self, name: str, above: int | None, *, make: bool) -> int | None:
+        """Return the open folder, or None on a system that opens none: paths are used there."""
         try:
-            for part in parts:
-                _write_all(opened, part)
-            if durable:
-                os.fsync(opened)
-        finally:
-            os.close(opened)
-        os.replace(unfinished, f"{folder}/{name}")
-        if durable:
-            _sync_folder(folder)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(unfinished)
-        raise
+            try:
+                return _open_folder(name, above, self.path)
+            except FileNotFoundError:
+                if not make:
+                    raise
+            if above is None:
+                os.makedirs(self.path, exist_ok=True)
+            else:
+                with suppress(FileExistsError):
+                    os.mkdir(name, dir_fd=above)
+            return _open_folder(name, above, self.path)
+        except OSError as error:
+            if os.path.islink(self.path):
+                text = f"{self.path} is a symbolic link, which a store does not follow"
+                raise OSError(text) from error
+            raise
+
+    def open(self, name: str, flags: int) -> int:
+        """Open a file that is not a link, as `os.open` does."""
+        return os.open(f"{self._before}{name}", flags | _NO_LINK, 0o666, dir_fd=self._number)
+
+    def write(self, name: str, parts: Iterable[object], *, durable: bool = False) -> None:
+        """Write a file, part after part, whole or not at all, over any that is there.
+
+        Parameters
+        ----------
+        name, parts
+        durable
+            Whether to return only when it would outlast a loss of power.
+
+        Raises
+        ------
+        OSError
+            If that is not possible; nothing of it is left then.
+        """
+        unfinished = f"{_own}-{os.getpid()}-{next(_numbers)}.part"
+        try:
+            opened = self.open(unfinished, _WRITE)
+            try:
+                for part in parts:
+                    _write_all(opened, part)
+                if durable:
+                    os.fsync(opened)
+            finally:
+                os.close(opened)
+            os.replace(
+                f"{self._before}{unfinished}",
+                f"{self._before}{name}",
+                src_dir_fd=self._number,
+                dst_dir_fd=self._number,
+            )
+            if durable and self._number is not None:
+                with suppress(OSError):  # not every disk writes folders
+                    os.fsync(self._number)
+        except BaseException:
+            with suppress(OSError):
+                self.remove(unfinished)
+            raise
+
+    def status(self, name: str) -> os.stat_result:
+        """Return the status of a file."""
+        return os.stat(f"{self._before}{name}", dir_fd=self._number, follow_symlinks=False)
+
+    def size(self, name: str) -> int:
+        """Return the bytes of a file; 0 for one that is gone."""
+        try:
+            return self.status(name).st_size
+        except FileNotFoundError:
+            return 0
+
+    def touch(self, name: str) -> None:
+        """Note that a file is used now."""
+        path = f"{self._before}{name}"
+        os.utime(path, dir_fd=self._number, follow_symlinks=not _DATES_LINKS)
+
+    def remove(self, name: str) -> None:
+        """Remove a file, or a link itself."""
+        os.unlink(f"{self._before}{name}", dir_fd=self._number)
+
+    def names(self, form: re.Pattern[str]) -> list[str]:
+        """Return the names, of a form, of files in it."""
+        return [
+            item.name
+            for item in self._items()
+            if form.fullmatch(item.name) and item.is_file(follow_symlinks=False)
+        ]
+
+    def folders(self) -> list[str]:
+        """Return the names of the folders in it that are the first digits of keys or digests."""
+        return [
+            item.name
+            for item in self._items()
+            if _FIRST.fullmatch(item.name) and item.is_dir(follow_symlinks=False)
+        ]
+
+    def _items(self) -> list[os.DirEntry[str]]:
+        with os.scandir(self.path if self._number is None else self._number) as items:
+            return list(items)
+
+
+def _open_folder(name: str, above: int | None, path: str) -> int | None:
+    if _OPENS_FOLDERS:
+        return os.open(name, os.O_RDONLY | os.O_DIRECTORY | _NO_LINK, dir_fd=above)
+    if os.path.islink(path) or not os.path.isdir(path):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
+    return None
 
 
 def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
@@ -147,15 +277,6 @@ def unseal(content: bytes) -> bytes | None:
     return rest if whole and content[64:65] == b"\n" else None
 
 
-def _sync_folder(folder: str) -> None:
-    with suppress(OSError):  # not every system opens folders
-        opened = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(opened)
-        finally:
-            os.close(opened)
-
-
 def locked(file: IOBase, *, wait: bool = False) -> bool:
     """Lock a file for as long as it is open; return False if another program holds it.
 
@@ -176,32 +297,6 @@ def locked(file: IOBase, *, wait: bool = False) -> bool:
     return True
 
 
-def folders_in(folder: str) -> list[os.DirEntry[str]]:
-    """Return the folders that lie in one; none if it is not there."""
-    return [item for item in _inside(folder) if item.is_dir(follow_symlinks=False)]
-
-
-def files_in(folder: str) -> list[os.DirEntry[str]]:
-    """Return the files that lie in one folder; none if it is not there."""
-    return [item for item in _inside(folder) if item.is_file(follow_symlinks=False)]
-
-
-def size_of(item: os.DirEntry[str]) -> int:
-    """Return the bytes of a file; 0 for one that is gone."""
-    try:
-        return item.stat(follow_symlinks=False).st_size
-    except FileNotFoundError:
-        return 0
-
-
-def _inside(folder: str) -> list[os.DirEntry[str]]:
-    try:
-        with os.scandir(folder) as items:
-            return list(items)
-    except (FileNotFoundError, NotADirectoryError):
-        return []
-
-
 def _write_all(opened: int, content: Any) -> None:
     left = memoryview(content)
     while left:
@@ -209,10 +304,16 @@ def _write_all(opened: int, content: Any) -> None:
 
 
 class Blobs:
-    """A folder of such files."""
+    """Bytes in files that are named after their SHA-256.
 
-    def __init__(self, folder: str) -> None:
-        self.folder = folder
+    Parameters
+    ----------
+    root
+        The folder of the store's format.
+    """
+
+    def __init__(self, root: str) -> None:
+        self._root = root
 
     def put(self, name: str, content: memoryview | bytes) -> None:
         """Keep bytes under their SHA-256.
@@ -222,9 +323,9 @@ class Blobs:
         OSError
             If that is not possible.
         """
-        if self._there(name, len(content)):
-            return
-        write(f"{self.folder}/{name[:2]}", name[2:], content)
+        with Folder(self._root, BLOBS, name[:2], make=True) as folder:
+            if not _is_there(folder, name[2:], len(content)):
+                folder.write(name[2:], (content,))
 
     def get(self, name: str, size: int) -> NDArray[np.uint8]:
         """Return the bytes in memory that nobody can write to.
@@ -235,7 +336,7 @@ class Blobs:
             If they are not there, or not what they were, for which they are removed; or if there
             are more or fewer.
         """
-        path = self.path(name)
+        path = f"{self._root}/{BLOBS}/{name[:2]}/{name[2:]}"
         try:
             content = read_checked(path, size, name)
         except OSError as error:
@@ -244,23 +345,20 @@ class Blobs:
             with suppress(OSError):
                 # what is whole, and of another size than an entry says, is of use to others
                 if not is_whole(path, name):
-                    os.unlink(path)
+                    with Folder(self._root, BLOBS, name[:2]) as folder:
+                        folder.remove(name[2:])
             raise Unreadable(f"{path} is not what was written")
         return content
 
-    def path(self, name: str) -> str:
-        """Return the address of bytes in memory."""
-        return f"{self.folder}/{name[:2]}/{name[2:]}"
 
-    def _there(self, name: str, size: int) -> bool:
-        path = self.path(name)
-        try:
-            if os.stat(path).st_size != size:
-                return False
-            # so that nobody takes it for one that no entry needs, before the entry is written
-            os.utime(path)
-        except FileNotFoundError:
+def _is_there(folder: Folder, name: str, size: int) -> bool:
+    try:
+        if folder.status(name).st_size != size:
             return False
-        except PermissionError:
-            return True
+        # so that nobody takes it for one that no entry needs, before the entry is written
+        folder.touch(name)
+    except FileNotFoundError:
+        return False
+    except PermissionError:
         return True
+    return True

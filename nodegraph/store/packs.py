@@ -10,6 +10,7 @@ need no lock either, on any disk: what is torn or forged is caught by the checks
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import struct
 import time
@@ -22,7 +23,9 @@ from typing import NamedTuple
 
 from nodegraph.store import files
 
-_SUFFIX = ".pack"
+_NAME = re.compile(r"[0-9a-f]{16}\.pack")
+FILES = re.compile(rf"{_NAME.pattern}|lock")
+"""Names of packs, and of the file that is locked while they are written."""
 _HEADER = struct.Struct("<16sQ")
 _MAGIC = b"nodegraph pack 1"
 _KEY = 32
@@ -76,6 +79,11 @@ class Small:
 class Pack:
     """An open pack.
 
+    Parameters
+    ----------
+    folder
+    name
+
     Raises
     ------
     OSError
@@ -84,12 +92,13 @@ class Pack:
         If it is not a pack.
     """
 
-    def __init__(self, path: str) -> None:
-        self.path = path
+    def __init__(self, folder: files.Folder, name: str) -> None:
+        self.name = name
+        self.path = path = f"{folder.path}/{name}"
         try:
-            self._file = os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0))
+            self._file = folder.open(name, os.O_RDWR | getattr(os, "O_BINARY", 0))
         except OSError:  # nobody may write there
-            self._file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+            self._file = folder.open(name, os.O_RDONLY | getattr(os, "O_BINARY", 0))
         # not at the end of a block: a store may go on reading what another has replaced
         weakref.finalize(self, os.close, self._file)
         self.size = os.fstat(self._file).st_size
@@ -197,10 +206,16 @@ class Packed:
 
 
 class Packs:
-    """The packs in a folder, as other programs add and replace them."""
+    """The packs of a store, as other programs add and replace them.
 
-    def __init__(self, folder: str) -> None:
-        self.folder = folder
+    Parameters
+    ----------
+    root
+        The folder of the store's format.
+    """
+
+    def __init__(self, root: str) -> None:
+        self._root = root
         self._open: dict[str, Pack] = {}
         self._changed = -1
 
@@ -215,7 +230,7 @@ class Packs:
     def all(self) -> list[Pack]:
         """Return the packs that are there now."""
         try:
-            changed = os.stat(self.folder).st_mtime_ns
+            changed = os.stat(f"{self._root}/{files.PACKS}").st_mtime_ns
         except FileNotFoundError:
             changed = 0
         if changed != self._changed or time.time() - changed / 1e9 < _LATELY:
@@ -226,13 +241,27 @@ class Packs:
     def _opened(self) -> dict[str, Pack]:
         opened: dict[str, Pack] = {}
         left = _MOST_ENTRIES
-        # the smallest first: what claims the most is left alone
-        for item in sorted(files.files_in(self.folder), key=files.size_of):
-            pack = self._open.get(item.path) or _opened(item.path)
-            if pack is not None and len(pack) <= left and len(opened) < _MOST_PACKS:
-                opened[item.path] = pack
-                left -= len(pack)
+        try:
+            with self.folder() as folder:
+                # the smallest first: what claims the most is left alone
+                for name in sorted(folder.names(_NAME) if _CAN_PACK else (), key=folder.size):
+                    pack = self._open.get(name) or _opened(folder, name)
+                    if pack is not None and len(pack) <= left and len(opened) < _MOST_PACKS:
+                        opened[name] = pack
+                        left -= len(pack)
+        except (FileNotFoundError, NotADirectoryError):
+            pass
         return opened
+
+    def folder(self) -> files.Folder:
+        """Open their folder.
+
+        Raises
+        ------
+        OSError
+            If it is not there.
+        """
+        return files.Folder(self._root, files.PACKS)
 
     def add(self, entries: Iterable[Small]) -> None:
         """Write entries as one pack.
@@ -244,9 +273,10 @@ class Packs:
         """
         listed = sorted(entries, key=lambda entry: entry.key)
         if listed:
-            name = f"{secrets.token_hex(8)}{_SUFFIX}"
-            # what was packed is removed next
-            files.write_parts(self.folder, name, _parts(listed), durable=True)
+            name = f"{secrets.token_hex(8)}.pack"
+            with self.folder() as folder:
+                # what was packed is removed next
+                folder.write(name, _parts(listed), durable=True)
 
     @contextmanager
     def alone(self, *, wait: bool = False) -> Iterator[bool]:
@@ -257,16 +287,15 @@ class Packs:
         wait
             Whether to wait for a program that packs already.
         """
-        os.makedirs(self.folder, exist_ok=True)
-        with open(f"{self.folder}/lock", "ab") as lock:
+        with files.Folder(self._root, files.PACKS, make=True) as folder:
+            opened = folder.open("lock", os.O_WRONLY | os.O_CREAT)
+        with open(opened, "ab") as lock:
             yield files.locked(lock, wait=wait) and _CAN_PACK
 
 
-def _opened(path: str) -> Pack | None:
-    if not path.endswith(_SUFFIX) or not _CAN_PACK:
-        return None
+def _opened(folder: files.Folder, name: str) -> Pack | None:
     try:
-        return Pack(path)
+        return Pack(folder, name)
     except (OSError, ValueError):
         return None
 

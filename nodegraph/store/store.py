@@ -286,9 +286,8 @@ class Store:
         self._lock = threading.Lock()
         self._reported: set[str] = set()
         self._root = str(self.folder / files.FORMAT)
-        self._entries = f"{self._root}/entries"
-        self._packs = Packs(f"{self._root}/packs")
-        self._blobs = Blobs(f"{self._root}/blobs")
+        self._packs = Packs(self._root)
+        self._blobs = Blobs(self._root)
         self._make()
 
     def find(self, key: str, *, outputs: int | None = None) -> Entry | None:
@@ -314,7 +313,7 @@ class Store:
         except NotADirectoryError:
             return None
         except OSError as error:
-            self._tell(f"stored results cannot be read: {self.folder}: {error.strerror}")
+            self._tell(f"stored results cannot be read: {self.folder}: {error.strerror or error}")
             return None
         entry = read_entry(content, key, outputs)
         if entry is None:
@@ -325,7 +324,8 @@ class Store:
                 if packed is not None:
                     packed.touch()
                 else:
-                    os.utime(path)
+                    with self._folder(key) as folder:
+                        folder.touch(_name(key))
         return entry
 
     def load(self, entry: Entry, types: Iterable[type] = ()) -> tuple[Any, ...]:
@@ -376,7 +376,8 @@ class Store:
             packed = [self.packer.pack(value) for value in values]
             entry, content = entry_of(key, about, packed, self._blobs)
             # last: whoever finds the entry finds all blobs that it names
-            files.write(f"{self._entries}/{key[:2]}", f"{key[2:]}.json", content)
+            with self._folder(key, make=True) as folder:
+                folder.write(_name(key), (content,))
         except Unstorable as error:
             with self._lock:
                 self.unstorable[error.kind] += 1
@@ -392,7 +393,8 @@ class Store:
         """Keep a mapping of plain data, in place of what was kept under that name."""
         if self.writable:
             try:
-                files.write(self._root, f"{name}.json", files.seal(json.dumps(data)))
+                with files.Folder(self._root, make=True) as folder:
+                    folder.write(f"{name}.json", (files.seal(json.dumps(data)),))
             except OSError as error:
                 self._give_up(error)
 
@@ -414,7 +416,8 @@ class Store:
         if os.path.isdir(self._root):
             return
         try:
-            files.write(self._root, "README", _README.encode())
+            with files.Folder(self._root, make=True) as folder:
+                folder.write("README", (_README.encode(),))
         except OSError as error:
             self._give_up(error)
 
@@ -426,13 +429,17 @@ class Store:
         self.say(f"results are no longer kept: {self.folder}: {error.strerror or error}")
 
     def _path(self, key: str) -> str:
-        return f"{self._entries}/{key[:2]}/{key[2:]}.json"
+        return f"{self._root}/{files.ENTRIES}/{key[:2]}/{_name(key)}"
+
+    def _folder(self, key: str, *, make: bool = False) -> files.Folder:
+        return files.Folder(self._root, files.ENTRIES, key[:2], make=make)
 
     def _remove_damaged(self, key: str, text: str) -> None:
         path = self._path(key)
         with suppress(OSError):
             try:
-                os.unlink(path)
+                with self._folder(key) as folder:
+                    folder.remove(_name(key))
             except FileNotFoundError:
                 if (packed := self._packs.find(key)) is not None:
                     packed.remove()
@@ -445,6 +452,11 @@ class Store:
                 return
             self._reported.add(text)
         self.say(text)
+
+
+def _name(key: str) -> str:
+    """Return the name of an entry's file."""
+    return f"{key[2:]}.json"
 
 
 VARIABLE = "NODEGRAPH_STORE"

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import heapq
 import os
+import re
 import shutil
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from operator import itemgetter
 from pathlib import Path
 
 from nodegraph.formatting import size_text
 from nodegraph.store import files
-from nodegraph.store.packs import LONGEST, Pack, Packed, Packs, Small
+from nodegraph.store.packs import FILES, LONGEST, Pack, Packed, Packs, Small
 from nodegraph.store.store import Entry, read_entry
 
 _HOUR = 3600.0
-_ENTRY = ".json"
+_REMEMBERED = re.compile(r"(code|files|seconds|audit-[0-9a-f]+)\.json")
 _FEW = 4096
 """Entries that may lie in files of their own."""
 _MANY = 65536
@@ -51,7 +52,7 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class _Placed:
-    """An entry as pruning sees it, with its place: a path, or within a pack."""
+    """An entry as pruning sees it, with its place: the key of its own file, or within a pack."""
 
     place: str | Packed
     used: float
@@ -74,6 +75,7 @@ class Amount:
 
 
 _NONE = Amount()
+_File = tuple[files.Folder, str]
 
 
 class Upkeep:
@@ -82,9 +84,7 @@ class Upkeep:
     def __init__(self, folder: Path) -> None:
         self.folder = folder.absolute()
         self._root = str(self.folder / files.FORMAT)
-        self._entries = f"{self._root}/entries"
-        self._blobs = f"{self._root}/blobs"
-        self._packs = Packs(f"{self._root}/packs")
+        self._packs = Packs(self._root)
 
     def entries(self, most: int | None = None) -> Iterator[Kept]:
         """Yield entries that are whole, the last used first.
@@ -95,24 +95,24 @@ class Upkeep:
             How many are read; all by default.
         """
         places: list[tuple[float, str | Packed]] = [
-            (_changed(item), item.path) for item in self._entry_files()
+            (_changed(folder, name), _key(folder, name)) for folder, name in self._entries()
         ]
         places += [(packed.used, packed) for packed in self._packed()]
         count = len(places) if most is None else most
         for _, place in heapq.nlargest(count, places, key=itemgetter(0)):
-            kept = _kept(place) if isinstance(place, str) else _kept_in_pack(place)
+            kept = self._kept(place) if isinstance(place, str) else _kept_in_pack(place)
             if kept is not None:
                 yield kept
 
     def size(self) -> Amount:
         """Return the size of the store."""
         amount = _NONE
-        for entry in self._entry_files():
-            amount += Amount(1, 0, files.size_of(entry))
+        for folder, name in self._entries():
+            amount += Amount(1, 0, folder.size(name))
         for pack in self._packs.all():
             amount += Amount(sum(1 for _ in pack), 0, pack.size)
-        for blob in self._blob_files():
-            amount += Amount(0, 1, files.size_of(blob))
+        for folder, name in self._blobs():
+            amount += Amount(0, 1, folder.size(name))
         return amount
 
     def other_formats(self) -> list[str]:
@@ -171,7 +171,7 @@ class Upkeep:
         left = there[len(aged) :]
         more = _too_many(left, self._blob_sizes(), keep) if keep is not None else []
         gone = aged + more
-        removed = sum(map(_without, gone), _NONE)
+        removed = sum(map(self._without, gone), _NONE)
         needed = {name for entry in left[len(more) :] for name in entry.blobs}
         whole = {entry.place for entry in there if isinstance(entry.place, str)}
         removed += self._without_damaged(whole, now)
@@ -187,16 +187,15 @@ class Upkeep:
 
     def _cleared(self) -> Amount:
         removed = _NONE
-        for entry in self._entry_files():
-            removed += _removed(entry.path, Amount(1, 0, files.size_of(entry)))
-        counts = {pack.path: sum(1 for _ in pack) for pack in self._packs.all()}
-        for item in files.files_in(self._packs.folder):
-            removed += _removed(item.path, Amount(counts.get(item.path, 0), 0, files.size_of(item)))
-        for blob in self._blob_files():
-            removed += _removed(blob.path, Amount(0, 1, files.size_of(blob)))
-        for item in files.files_in(self._root):
-            if item.name.endswith(_ENTRY):  # what was remembered
-                removed += _removed(item.path, Amount(0, 0, files.size_of(item)))
+        for folder, name in self._entries():
+            removed += _removed(folder, name, Amount(1, 0, folder.size(name)))
+        counts = {pack.name: sum(1 for _ in pack) for pack in self._packs.all()}
+        for folder, name in self._files(FILES, files.PACKS):
+            removed += _removed(folder, name, Amount(counts.get(name, 0), 0, folder.size(name)))
+        for folder, name in self._blobs():
+            removed += _removed(folder, name, Amount(0, 1, folder.size(name)))
+        for folder, name in self._files(_REMEMBERED):
+            removed += _removed(folder, name, Amount(0, 0, folder.size(name)))
         return removed + self._without_unfinished(float("inf"))
 
     def _alone(self) -> AbstractContextManager[object]:
@@ -214,13 +213,13 @@ class Upkeep:
     def _pack_all(self, old: Set[Pack]) -> None:
         """Put entries together, and write packs from which entries were removed again."""
         left = self._small_files()
-        while (paths := list(islice(left, _MANY))) or old:
-            if old or len(paths) >= _FEW:
-                self._pack_together(paths, old)
+        while (keys := list(islice(left, _MANY))) or old:
+            if old or len(keys) >= _FEW:
+                self._pack_together(keys, old)
             old = set()
 
-    def _pack_together(self, paths: Sequence[str], old: Set[Pack]) -> None:
-        loose = {path: small for path in paths if (small := _small(path)) is not None}
+    def _pack_together(self, keys: Sequence[str], old: Set[Pack]) -> None:
+        loose = {key: small for key in keys if (small := self._small(key)) is not None}
         packs = self._packs.all()
         merged, count = set(old), len(loose)
         # packs of like sizes, so that there are few, and each entry is written few times
@@ -236,20 +235,21 @@ class Upkeep:
         }
         newest = {small.key: small for small in loose.values()}
         self._packs.add({**there, **newest}.values())
-        for key in newest:
+        for key, small in loose.items():
             for pack in packs:
-                if (former := pack.find(key)) is not None:
+                if (former := pack.find(small.key)) is not None:
                     former.remove()
-        for path in (*loose, *(pack.path for pack in merged)):
-            with suppress(FileNotFoundError):
-                os.unlink(path)
+            self._without_entry(key, _NONE)
+        with self._packs.folder() as folder:
+            for pack in merged:
+                _removed(folder, pack.name, _NONE)
 
     def _placed(self) -> Iterator[_Placed]:
-        for item in self._entry_files():
-            kept = _kept(item.path)
+        for folder, name in self._entries():
+            kept = self._kept(_key(folder, name))
             if kept is not None:
                 blobs = tuple(kept.entry.blobs())
-                yield _Placed(item.path, kept.used, kept.length, blobs)
+                yield _Placed(kept.entry.key, kept.used, kept.length, blobs)
         for packed in self._packed():
             has_blobs = packed.record.blobs > 0
             entry = read_entry(packed.content(), packed.key.hex()) if has_blobs else None
@@ -262,76 +262,102 @@ class Upkeep:
     def _packed(self) -> Iterator[Packed]:
         return (packed for pack in self._packs.all() for packed in pack)
 
-    def _entry_files(self) -> Iterator[os.DirEntry[str]]:
-        return (item for item in self._all(self._entries) if item.name.endswith(_ENTRY))
+    def _entries(self) -> Iterator[_File]:
+        return self._all(files.ENTRIES, files.ENTRY)
 
     def _small_files(self) -> Iterator[str]:
-        """Yield the paths of entries that share a pack with others."""
-        return (item.path for item in self._entry_files() if files.size_of(item) <= LONGEST)
+        """Yield the keys of entries that share a pack with others."""
+        for folder, name in self._entries():
+            if folder.size(name) <= LONGEST:
+                yield _key(folder, name)
 
-    def _blob_files(self) -> Iterator[os.DirEntry[str]]:
-        items = self._all(self._blobs)
-        return (item for item in items if not item.name.endswith(files.UNFINISHED))
+    def _blobs(self) -> Iterator[_File]:
+        return self._all(files.BLOBS, files.BLOB)
 
     def _blob_sizes(self) -> dict[str, int]:
-        return {_name(blob): files.size_of(blob) for blob in self._blob_files()}
+        return {_key(folder, name): folder.size(name) for folder, name in self._blobs()}
 
-    def _all(self, folder: str) -> Iterator[os.DirEntry[str]]:
-        return (item for inner in files.folders_in(folder) for item in files.files_in(inner.path))
+    def _all(self, part: str, form: re.Pattern[str]) -> Iterator[_File]:
+        """Yield the files, with names of a form, of a part of the store."""
+        try:
+            with files.Folder(self._root, part) as opened:
+                names = opened.folders()
+        except (FileNotFoundError, NotADirectoryError):
+            return
+        for name in names:
+            yield from self._files(form, part, name)
+
+    def _files(self, form: re.Pattern[str], *inner: str) -> Iterator[_File]:
+        """Yield the files, with names of a form, of a folder, which is open meanwhile."""
+        try:
+            with files.Folder(self._root, *inner) as folder:
+                for name in folder.names(form):
+                    yield folder, name
+        except (FileNotFoundError, NotADirectoryError):
+            return
+
+    def _without(self, entry: _Placed) -> Amount:
+        amount = Amount(1, 0, entry.length)
+        if isinstance(entry.place, str):
+            return self._without_entry(entry.place, amount)
+        entry.place.remove()
+        return amount
+
+    def _without_entry(self, key: str, amount: Amount) -> Amount:
+        with (
+            suppress(FileNotFoundError),
+            files.Folder(self._root, files.ENTRIES, key[:2]) as folder,
+        ):
+            return _removed(folder, f"{key[2:]}.json", amount)
+        return _NONE
 
     def _without_damaged(self, whole: Set[str], now: float) -> Amount:
         removed = _NONE
-        for entry in self._entry_files():
-            if entry.path not in whole and now - _past(_changed(entry), now) > _HOUR:
-                removed += _removed(entry.path, Amount(1, 0, files.size_of(entry)))
+        for folder, name in self._entries():
+            if _key(folder, name) not in whole and _is_old(folder, name, now):
+                removed += _removed(folder, name, Amount(1, 0, folder.size(name)))
         return removed
 
     def _without_unneeded(self, needed: Set[str], now: float) -> Amount:
         removed = _NONE
-        for blob in self._blob_files():
-            if _name(blob) not in needed and now - _past(_changed(blob), now) > _HOUR:
-                removed += _removed(blob.path, Amount(0, 1, files.size_of(blob)))
+        for folder, name in self._blobs():
+            if _key(folder, name) not in needed and _is_old(folder, name, now):
+                removed += _removed(folder, name, Amount(0, 1, folder.size(name)))
         return removed
 
     def _without_unfinished(self, now: float) -> Amount:
         """Remove what a program that was killed has left half written."""
-        items = [*self._all(self._entries), *self._all(self._blobs)]
-        items += [*files.files_in(self._packs.folder), *files.files_in(self._root)]
+        form = files.UNFINISHED
+        places = (self._all(files.ENTRIES, form), self._all(files.BLOBS, form))
         removed = _NONE
-        for item in items:
-            if item.name.endswith(files.UNFINISHED) and now - _past(_changed(item), now) > _HOUR:
-                removed += _removed(item.path, Amount(0, 0, files.size_of(item)))
+        for folder, name in chain(*places, self._files(form, files.PACKS), self._files(form)):
+            if _is_old(folder, name, now):
+                removed += _removed(folder, name, Amount(0, 0, folder.size(name)))
         return removed
 
+    def _kept(self, key: str) -> Kept | None:
+        content, used = self._content(key)
+        entry = read_entry(content, key)
+        return Kept(entry, used, len(content)) if entry is not None else None
 
-def _kept(path: str) -> Kept | None:
-    try:
-        content, used = files.read(path)
-    except OSError:
-        return None
-    entry = read_entry(content, _key(path))
-    return Kept(entry, used, len(content)) if entry is not None else None
+    def _small(self, key: str) -> Small | None:
+        content, used = self._content(key)
+        entry = read_entry(content, key)
+        if entry is None:
+            return None
+        return Small(bytes.fromhex(key), used, len(entry.blobs()), content)
+
+    def _content(self, key: str) -> tuple[bytes, float]:
+        """Return the content of an entry's file, empty if it cannot be read, and its date."""
+        try:
+            return files.read(f"{self._root}/{files.ENTRIES}/{key[:2]}/{key[2:]}.json")
+        except OSError:
+            return b"", 0.0
 
 
 def _kept_in_pack(packed: Packed) -> Kept | None:
     entry = read_entry(packed.content(), packed.key.hex())
     return Kept(entry, packed.used, packed.record.length) if entry is not None else None
-
-
-def _small(path: str) -> Small | None:
-    try:
-        content, used = files.read(path)
-    except OSError:
-        return None
-    entry = read_entry(content, _key(path))
-    if entry is None:
-        return None
-    return Small(bytes.fromhex(entry.key), used, len(entry.blobs()), content)
-
-
-def _key(path: str) -> str:
-    folder, name = os.path.split(path)
-    return os.path.basename(folder) + name.removesuffix(_ENTRY)
 
 
 def _past(changed: float, now: float) -> float:
@@ -354,29 +380,25 @@ def _too_many(there: Sequence[_Placed], sizes: Mapping[str, int], keep: int) -> 
     return gone
 
 
-def _without(entry: _Placed) -> Amount:
-    amount = Amount(1, 0, entry.length)
-    if isinstance(entry.place, str):
-        return _removed(entry.place, amount)
-    entry.place.remove()
-    return amount
-
-
-def _removed(path: str, amount: Amount) -> Amount:
+def _removed(folder: files.Folder, name: str, amount: Amount) -> Amount:
     try:
-        os.unlink(path)
+        folder.remove(name)
     except FileNotFoundError:  # another program was quicker
         return _NONE
     return amount
 
 
-def _name(blob: os.DirEntry[str]) -> str:
-    return os.path.basename(os.path.dirname(blob.path)) + blob.name
+def _key(folder: files.Folder, name: str) -> str:
+    """Return the key of an entry's file, or the digest of a blob's."""
+    return f"{os.path.basename(folder.path)}{name.partition('.')[0]}"
 
 
-def _changed(item: os.DirEntry[str]) -> float:
+def _is_old(folder: files.Folder, name: str, now: float) -> bool:
+    return now - _past(_changed(folder, name), now) > _HOUR
+
+
+def _changed(folder: files.Folder, name: str) -> float:
     try:
-        # not what the folder said of it when it was listed: it may be in use again since
-        return os.stat(item.path, follow_symlinks=False).st_mtime
+        return folder.status(name).st_mtime
     except FileNotFoundError:
         return 0.0

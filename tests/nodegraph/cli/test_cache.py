@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -140,3 +141,42 @@ def test_all_goes(command: Command, folder: Path) -> None:
     assert status == 0
     assert out == f"removed 3 results (4.0 MB, arrays in 1 file) from {folder}\n"
     assert command("cache", "--store", str(folder), nodes=False)[1].startswith("0 results (0 B")
+
+
+@pytest.mark.parametrize("part", ["", "entries", "entries/aa", "blobs", "packs"])
+@pytest.mark.parametrize(
+    "words",
+    [["cache", "clear"], ["cache", "prune", "--keep", "0B"], ["run", "toy.yaml", "--out", "run"]],
+    ids=" ".join,
+)
+def test_nothing_is_written_or_removed_through_a_link(
+    command: Command, folder: Path, words: list[str], part: str
+) -> None:
+    shutil.copytree(folder, "other")
+    theirs = Path("other/format-1", part)
+    theirs.mkdir(exist_ok=True)
+    linked = folder / "format-1" / part
+    shutil.rmtree(linked, ignore_errors=True)
+    linked.symlink_to(theirs.resolve())
+    before = files_below(Path("other"))
+    _, out, err = command(*words, "--store", str(folder), nodes=words[0] == "run")
+    assert files_below(Path("other")) == before
+    # a folder within, which only another user can have replaced, is left out
+    told = f"{linked} is a symbolic link, which a store does not follow" in out + err
+    assert told or "/" in part or (words[0] == "run" and part in ("blobs", "packs"))
+
+
+def test_the_folder_of_a_store_may_be_a_link(command: Command, folder: Path) -> None:
+    Path("linked").symlink_to(folder)
+    assert command("run", "toy.yaml", "--out", "run", "--store", "linked")[0] == 0
+    _, out, _ = command("cache", "--store", str(folder), nodes=False)
+    assert int(out.split()[0]) > 3
+    _, removed, _ = command("cache", "clear", "--store", "linked", nodes=False)
+    assert removed.startswith(f"removed {out.partition(' in /')[0]}")
+    _, out, _ = command("cache", "--store", str(folder), nodes=False)
+    assert out.startswith("0 results (0 B")
+
+
+def files_below(folder: Path) -> dict[Path, tuple[int, int]]:
+    paths = (path for path in folder.rglob("*") if path.is_file())
+    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in paths}

@@ -240,10 +240,10 @@ def test_entries_that_cannot_be_read_are_reported_once(
     kept(store)
     real = os.open
 
-    def refuse(path: Any, flags: int, *more: Any) -> int:
+    def refuse(path: Any, flags: int, *rest: int, **more: Any) -> int:
         if str(path).endswith(".json"):
             raise PermissionError(errno.EACCES, "Permission denied")
-        return real(path, flags, *more)
+        return real(path, flags, *rest, **more)
 
     monkeypatch.setattr(os, "open", refuse)
     assert store.find(KEY) is None

@@ -124,7 +124,7 @@ def test_a_program_that_ends_in_between_loses_nothing(
     for number in range(COUNT, COUNT + 6):
         save(packed, number)
 
-    def end(path: str) -> None:
+    def end(path: str, *, dir_fd: int) -> None:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
@@ -289,10 +289,10 @@ def test_a_pack_is_read_on_a_disk_where_nothing_can_be_written(
 ) -> None:
     opens = os.open
 
-    def refusing(path: str, flags: int, mode: int = 0o777) -> int:
+    def refusing(path: str, flags: int, *mode: int, dir_fd: int | None = None) -> int:
         if flags & os.O_RDWR:  # as a mount for reading does
             raise OSError(errno.EROFS, "Read-only file system")
-        return opens(path, flags, mode)
+        return opens(path, flags, *mode, dir_fd=dir_fd)
 
     monkeypatch.setattr(os, "open", refusing)
     assert values(Store(packed.folder, Packer(), pytest.fail)) == {

@@ -155,7 +155,7 @@ def test_what_a_killed_program_left_half_written_goes_after_an_hour(
     filled: Store, upkeep: Upkeep, files: Files, age: Age
 ) -> None:
     places = [files("entries")[0], files("blobs")[0], filled.folder / "format-1" / "README"]
-    half = [part.with_name(f"{number}.part") for number, part in enumerate(places)]
+    half = [part.with_name(f"{number:08x}-{number}-0.part") for number, part in enumerate(places)]
     for part in half:
         part.write_bytes(b"half")
     assert upkeep.prune(older_than=1000 * DAY) == Amount()
