@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import atexit
 import os
+import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from html import escape
+from pathlib import Path
+from threading import Thread
 
 from nodegraph.errors import NodegraphError
+
+_PAGE = (
+    '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>nodegraph</title>'
+    '<meta http-equiv="refresh" content="0; url={0}"><p><a href="{0}">Open the page</a></p></html>'
+)
 
 
 @contextmanager
@@ -24,9 +35,19 @@ def needing_pages() -> Iterator[None]:
 
 
 def show(address: str) -> None:
-    """Open an address in a browser, where there is a display."""
+    """Open an address that lets one browser in, where there is a display.
+
+    The command line of a browser can be read by every user of the machine, so that it names a file
+    which leads to the address, and which only this user can read. Returns at once: some browsers
+    end only when they are closed.
+    """
     is_desktop = sys.platform.startswith(("win", "darwin"))
     if is_desktop or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
         import webbrowser
 
-        webbrowser.open(address)
+        folder = tempfile.mkdtemp(prefix="nodegraph-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        page = Path(folder, "open.html")
+        page.touch(0o600)
+        page.write_text(_PAGE.format(escape(address)), encoding="utf-8")
+        Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()

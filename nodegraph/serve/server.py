@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 from collections.abc import Callable
 from contextlib import closing
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import uvicorn
 from starlette.types import ASGIApp
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.registry import Registry
@@ -21,6 +23,8 @@ _BACKLOG = 64
 _MOST_CONNECTIONS = 64
 _PATIENCE = 1
 """Seconds that answers have to end in when the server ends."""
+_SILENCE = 5.0
+"""Seconds in which a connection must send a whole request."""
 
 
 def serve(
@@ -85,7 +89,7 @@ class LocalServer:
         self._server = uvicorn.Server(
             uvicorn.Config(
                 guard,
-                http="h11",
+                http=_Connection,
                 ws="none",
                 lifespan="off",
                 log_config=None,
@@ -105,6 +109,47 @@ class LocalServer:
     def end(self) -> None:
         """Have `run` return; called from another thread."""
         self._server.should_exit = True
+
+
+class _Connection(H11Protocol):
+    """A connection that ends when no whole request has come for some seconds.
+
+    uvicorn waits without end for the first request and for the rest of any: connections on which
+    nothing comes would keep the browser out.
+    """
+
+    _deadline: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Wait for the first request."""
+        super().connection_made(transport)
+        self._wait()
+
+    def data_received(self, data: bytes) -> None:
+        """Wait for the rest of a request, or answer it."""
+        super().data_received(data)
+        self._wait()
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request."""
+        super().on_response_complete()
+        self._wait()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wait no longer."""
+        super().connection_lost(exc)
+        self._stop()
+
+    def _wait(self) -> None:
+        if self.cycle is not None and not self.cycle.response_complete:
+            self._stop()
+        elif self._deadline is None:
+            self._deadline = self.loop.call_later(_SILENCE, self.transport.close)
+
+    def _stop(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
 
 
 def _listening(port: int) -> socket.socket:

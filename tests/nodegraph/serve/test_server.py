@@ -2,30 +2,53 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import signal
+import socket
+import stat
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Thread
 from urllib.error import HTTPError
 from urllib.parse import urlsplit
 from urllib.request import urlopen
 
 import pytest
 from playwright.sync_api import Page
+from starlette.responses import PlainTextResponse
 
+from nodegraph.serve import server
 from tests.browser import until
 
-_COMMAND = (sys.executable, "-m", "nodegraph.cli.main", "open", "runs/toy", "--no-browser")
+_COMMAND = (sys.executable, "-m", "nodegraph.cli.main", "open", "runs/toy")
+_BROWSER = """\
+#!{python}
+# a browser that ends when it is closed
+import sys, time
+from pathlib import Path
+Path("opening").write_text(" ".join(sys.argv[1:]))
+Path("opening").rename("opened")
+for _ in range(300):
+    if Path("closed").exists():
+        break
+    time.sleep(0.1)
+"""
 
 
 @contextmanager
-def served(*words: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+def served(*words: str, **environment: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     """Start the command; yield the address that it prints."""
     with subprocess.Popen(
-        [*_COMMAND, *words], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [*_COMMAND, *words],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, **environment},
     ) as process:
         try:
             assert process.stdout is not None
@@ -36,7 +59,7 @@ def served(*words: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
 
 def test_a_browser_opens_the_address_once(folder: Path, tab: Page) -> None:
     shutil.rmtree("store")
-    words = ("--plugin", "toys.py", "--store", "store")
+    words = ("--plugin", "toys.py", "--store", "store", "--no-browser")
     with served(*words) as (address, process):
         host, _, _ = address.partition("/?token=")
         assert host.startswith("http://127.0.0.1:")
@@ -56,3 +79,47 @@ def test_a_browser_opens_the_address_once(folder: Path, tab: Page) -> None:
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate()
         assert (process.returncode, "Traceback" in errors) == (130, False)
+
+
+def test_a_browser_is_sent_to_the_address_by_a_private_file(folder: Path, tab: Page) -> None:
+    browser = folder / "browser"
+    browser.write_text(_BROWSER.format(python=sys.executable))
+    browser.chmod(0o700)
+    environment = {"BROWSER": str(browser), "DISPLAY": ":0", "TMPDIR": str(folder)}
+    with served("--plugin", "toys.py", **environment) as (address, process):
+        words = when_there(folder / "opened").read_text()
+        assert address.partition("=")[2] not in words
+        page = Path(urlsplit(words).path)
+        assert [stat.S_IMODE(each.stat().st_mode) for each in (page.parent, page)] == [0o700, 0o600]
+        tab.goto(words)  # is answered though the browser has not ended
+        tab.wait_for_selector(".served-bar")
+        process.send_signal(signal.SIGINT)
+        assert process.wait() == 130
+        assert not page.parent.exists()
+        (folder / "closed").touch()
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\n", b"GET / HTTP/1.1\r\n\r\nGET "])
+def test_a_connection_on_which_no_whole_request_comes_is_closed(
+    monkeypatch: pytest.MonkeyPatch, sent: bytes
+) -> None:
+    monkeypatch.setattr(server, "_SILENCE", 0.1)
+    served = server.LocalServer(PlainTextResponse("secret"))
+    answering = Thread(target=served.run)
+    answering.start()
+    with socket.create_connection((server.HOST, urlsplit(served.address).port or 0)) as silent:
+        silent.settimeout(30)
+        silent.sendall(sent)
+        while silent.recv(4096):
+            pass
+    assert urlopen(served.address).status == 200
+    served.end()
+    answering.join()
+
+
+def when_there(path: Path) -> Path:
+    for _ in range(300):
+        if path.exists():
+            return path
+        time.sleep(0.1)
+    raise AssertionError(f"{path} has not come")
