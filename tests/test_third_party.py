@@ -114,7 +114,7 @@ def nodegraph_formats():
     return [Format("LAB", Trajectories, (".lab",), read_lab)]
 
 
-def read_lab(path, *, zeros_missing, unit):
+def read_lab(path, *, zeros_missing, unit, rate):
     """Read one marker: a line of x, y and z in mm per frame, at 100 Hz."""
     import numpy as np
     from nodegraph_mocap import Trajectories

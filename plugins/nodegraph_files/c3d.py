@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import struct
 import warnings
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
@@ -32,6 +33,7 @@ from nodegraph_files.c3d_header import (
 )
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
+from nodegraph_files.rates import rate_from
 from nodegraph_files.units import AUTO, BODY, FACE, extent_of, unit_from
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_mocap.recording import Origin, Trajectories
@@ -135,13 +137,25 @@ def _lists(name: str, texts: Sequence[str]) -> Iterable[_Part]:
 _SMALLEST, _LARGEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
 
 
-def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
-    """Read the points of a C3D file; analog channels and events are left out.
+_MODEL_OUTPUTS = (
+    "ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS", "MODELED_MARKERS"
+)  # fmt: skip
+"""Parameters that list points which a model computed; TYPE_GROUPS may name others."""
 
-    Warnings say how many samples were partly missing or infinite, which markers lacked a name
-    or shared one, and that the unit of length is unknown. Where header and parameters give two
-    scales of integers, that of the parameters counts, unless only the other makes the markers as
-    large as a face or a body.
+
+def read_c3d(
+    path: Path, *, zeros_missing: bool = True, unit: str = AUTO, rate: float | None = None
+) -> Trajectories:
+    """Read the markers of a C3D file; analog channels and events are left out.
+
+    Points that a model computed, such as the angles, forces, moments and powers of joints, are
+    left out too, with a warning that counts them: those that the parameters POINT:ANGLES,
+    POINT:FORCES and their like list, or others that POINT:TYPE_GROUPS names.
+
+    Warnings also say how many samples were partly missing or infinite, which markers lacked a name
+    or shared one, that the unit of length is unknown, and where header and parameters contradict
+    each other. Of two scales of integers, that of the parameters counts, unless only the other
+    makes the markers as large as a face or a body.
 
     Parameters
     ----------
@@ -151,6 +165,8 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
         Of length, such as ``cm``; by default what the parameter POINT:UNITS states.
+    rate
+        Hz; by default what the parameter POINT:RATE states, or else the header.
 
     Returns
     -------
@@ -161,14 +177,19 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     Raises
     ------
     ValueError
-        If it is not a C3D file, is damaged or cut short, or holds no frames or no points.
+        If it is not a C3D file, is damaged or cut short, has no rate, or holds no frames or no
+        markers.
     """
     try:
         description = read_description(path)
-        positions, lost = _samples(path, description)
+        labels, points = _markers(description)
+        positions, lost = _samples(path, description, points)
+        used_rate = rate_from(rate, description.rate)
+        if used_rate is None:
+            raise ValueError("no positive number is its rate; set `rate` in Hz")
     except ValueError as error:
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
-    markers = unique_names(_labels(description.parameters), positions.shape[1])
+    markers = unique_names(labels, positions.shape[1])
     positions = mark_missing(positions, lost, markers, zeros_missing=zeros_missing)
     length_unit = unit_from(unit, _unit(description.parameters))
     if description.scales:
@@ -177,7 +198,7 @@ def read_c3d(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     return Trajectories(
         positions=positions,
         markers=markers,
-        rate=description.rate,
+        rate=used_rate,
     )
 
 
@@ -202,19 +223,48 @@ def c3d_bytes(recording: Trajectories) -> bytes:
     return stream.getvalue()
 
 
-def _samples(path: Path, description: Description) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _markers(description: Description) -> tuple[list[str], list[int]]:
+    """Return the labels, and which points are markers and no results of a model.
+
+    Raises
+    ------
+    ValueError
+        If there are no frames, or none is a marker.
+    """
+    layout, parameters = description.layout, description.parameters
+    types = (*_MODEL_OUTPUTS, *_texts_of(parameters, "TYPE_GROUPS")[::2])
+    type_of = {label: each for each in types for label in _texts_of(parameters, each) if label}
+    labels = _texts_of(parameters, "LABELS")
+    computed = [label in type_of for label in labels[: layout.points]]
+    markers = [place for place in range(layout.points) if not any(computed[place : place + 1])]
+    counts = Counter(type_of[label] for label in labels[: layout.points] if label in type_of)
+    left_out = ", ".join(f"{count} {each}" for each, count in counts.items())
+    if not layout.frames or not markers:
+        what = f", none of them a marker: {left_out}" if left_out else ""
+        raise ValueError(f"it holds {layout.frames} frames of {layout.points} points{what}")
+    if left_out:
+        warnings.warn(
+            f"{counts.total()} of {layout.points} points are results of a model, not markers, and "
+            f"were left out: {left_out}",
+            stacklevel=3,
+        )
+    there = [labels[place] for place in markers if place < len(labels)]
+    return [*there, *labels[layout.points :]], markers
+
+
+def _samples(
+    path: Path, description: Description, points: Sequence[int]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return (T, M, 3) positions as they are stored, and (T, M) whether they are missing."""
     layout = description.layout
-    if not layout.frames or not layout.points:
-        raise ValueError(f"it holds {layout.frames} frames of {layout.points} points")
-    positions = np.empty((layout.frames, layout.points, 3))
-    lost = np.empty((layout.frames, layout.points), dtype=np.bool_)
+    positions = np.empty((layout.frames, len(points), 3))
+    lost = np.empty((layout.frames, len(points)), dtype=np.bool_)
     # A NaN of the kind that is to give an alarm gives one; it is counted as a missing coordinate.
     with path.open("rb") as stream, np.errstate(invalid="ignore"):
         stream.seek(layout.start)
         for piece in chunks(layout.frames, layout.frame_bytes):
             content = stream.read((piece.stop - piece.start) * layout.frame_bytes)
-            numbers = _numbers(content, description)
+            numbers = _numbers(content, description)[:, points]
             for axis in range(3):
                 positions[piece, :, axis] = numbers[..., axis]
             np.less(numbers[..., 3], 0, out=lost[piece])
@@ -263,14 +313,14 @@ def _unit(parameters: Parameters) -> str:
     return next(iter(units.texts), "") if units else ""
 
 
-def _labels(parameters: Parameters) -> list[str]:
-    """Return POINT:LABELS, LABELS2, ... as one list."""
-    labels: list[str] = []
-    name, number = "LABELS", 2
-    while parameter := parameters.get(("POINT", name)):
-        labels += parameter.texts
-        name, number = f"LABELS{number}", number + 1
-    return labels
+def _texts_of(parameters: Parameters, name: str) -> list[str]:
+    """Return POINT:NAME, NAME2, ... as one list."""
+    texts: list[str] = []
+    each, number = name, 2
+    while parameter := parameters.get(("POINT", each)):
+        texts += parameter.texts
+        each, number = f"{name}{number}", number + 1
+    return texts
 
 
 def _head(recording: Trajectories) -> bytes:

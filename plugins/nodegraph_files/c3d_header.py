@@ -3,7 +3,7 @@
 A C3D file says most things twice, in its header and in its parameters, and writers do not
 always keep the two equal. The size of the file settles which is right; where it does not, the
 file is refused, because a wrong guess would shift every number. Of two rates, that of the
-parameters counts, with a warning; of two scales, see `nodegraph_files.c3d.read_c3d`.
+parameters counts, if it is one, with a warning; of two scales, see `nodegraph_files.c3d.read_c3d`.
 """
 
 from __future__ import annotations
@@ -230,8 +230,8 @@ class Description:
     layout : Layout
     parameters : mapping of group and name to Parameter
     processor : Processor
-    rate : float
-        Hz.
+    rate : float or None
+        Hz, if the file gives a positive number.
     scales : tuple of float
         What integers are multiplied by: that of the parameters first, and that of the header if
         it is another. None where samples are not integers.
@@ -240,7 +240,7 @@ class Description:
     layout: Layout
     parameters: Parameters
     processor: Processor
-    rate: float
+    rate: float | None
     scales: tuple[float, ...]
 
 
@@ -279,7 +279,7 @@ def read_description(path: Path) -> Description:
         parameters=parameters,
         processor=processor,
         rate=_rate(header, parameters),
-        scales=_scales(header, parameters) if layout.width == 2 else (),
+        scales=_scales(header, parameters, layout.width),
     )
 
 
@@ -364,28 +364,38 @@ def _checked(layout: Layout, size: int) -> Layout:
     return layout
 
 
-def _rate(header: _Header, parameters: Parameters) -> float:
+def _rate(header: _Header, parameters: Parameters) -> float | None:
     """Return the rate as the shortest decimal number that the file's 32 bits stand for."""
     stated = _number(parameters, "POINT", "RATE") or 0.0
-    if stated and header.rate > 0 and _differ(stated, header.rate):
-        warnings.warn(
-            f"the file's parameters give a rate of {stated:g}, its header {header.rate:g}; the "
-            "parameters count",
-            stacklevel=4,
-        )
-    rate = stated or header.rate
+    rate = stated if stated > 0 else header.rate
     if not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"its rate is {rate}; it must be a positive number of frames per second")
+        return None
+    if header.rate > 0 and _differ(stated, header.rate):
+        counts = "the parameters count" if stated > 0 else "the header counts"
+        _warn_two("rate", stated, header.rate, counts)
     return float(str(np.float32(rate)))
 
 
-def _scales(header: _Header, parameters: Parameters) -> tuple[float, ...]:
+def _scales(header: _Header, parameters: Parameters, width: int) -> tuple[float, ...]:
     stated = _number(parameters, "POINT", "SCALE") or 0.0
+    if width == 4:
+        if stated < 0 and header.scale < 0 and _differ(stated, header.scale):
+            _warn_two("scale", stated, header.scale, "the samples need neither, as they are stored")
+        return ()
     # a negative number stands for no integers
     scales = [scale for scale in (stated, header.scale) if np.isfinite(scale) and scale > 0]
     if not scales:
         raise ValueError(f"its samples are integers, and their scale is {header.scale}")
+    if not stated > 0:
+        _warn_two("scale", stated, header.scale, "the header counts")
     return tuple(scales) if _differ(scales[0], scales[-1]) else tuple(scales[:1])
+
+
+def _warn_two(what: str, stated: float, header: float, taken: str) -> None:
+    parameters = f"a {what} of {stated:g}" if stated else f"no {what}"
+    warnings.warn(
+        f"the file's parameters give {parameters}, its header {header:g}; {taken}", stacklevel=5
+    )
 
 
 def _differ(first: float, second: float) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from nodegraph import Format
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
+from nodegraph_files.rates import rate_from
 from nodegraph_files.units import AUTO, LengthUnit, unit_from
 from nodegraph_mocap.face_model import BlendshapeModel
 from nodegraph_mocap.frame_ranges import chunks
@@ -126,10 +127,12 @@ _KINDS = {
     "sigma": "fiu",
     "marker_set": "U",
 }
-_REQUIRED = ("positions", "markers", "rate")
+_REQUIRED = ("positions", "markers")
 
 
-def read_npz(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
+def read_npz(
+    path: Path, *, zeros_missing: bool = True, unit: str = AUTO, rate: float | None = None
+) -> Trajectories:
     """Read a recording from a NumPy archive.
 
     The archive holds ``positions`` (T, M, 3) in mm, ``markers`` (M,) and ``rate``, and may hold
@@ -144,6 +147,8 @@ def read_npz(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         ``origin``.
     unit
         Of length, such as ``cm``; by default mm, as this package writes.
+    rate
+        Hz; by default the archive's.
 
     Raises
     ------
@@ -152,7 +157,7 @@ def read_npz(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     """
     try:
         arrays = npz_arrays(path, _KINDS, _REQUIRED)
-        return _recording(arrays, zeros_missing, unit_from(unit, "mm"))
+        return _recording(arrays, zeros_missing, unit_from(unit, "mm"), rate)
     except (ValueError, TypeError, RecursionError) as error:
         raise ValueError(f"{path}: not a readable NPZ recording: {error}") from None
 
@@ -184,7 +189,9 @@ def _write(recording: Trajectories, target: IO[bytes]) -> None:
     np.savez_compressed(target, **arrays)
 
 
-def _recording(arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit) -> Trajectories:
+def _recording(
+    arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit, rate: float | None
+) -> Trajectories:
     positions = np.asarray(arrays["positions"], dtype=np.float64)
     if positions.ndim != 3 or positions.shape[2] != 3:
         raise ValueError(f"positions must be (frames, markers, 3), got {positions.shape}")
@@ -197,10 +204,13 @@ def _recording(arrays: dict[str, Any], zeros_missing: bool, unit: LengthUnit) ->
     if sigma is not None:
         unit.convert(sigma)
     described = arrays.get("marker_set")
+    used_rate = rate_from(rate, float(arrays["rate"]) if "rate" in arrays else None)
+    if used_rate is None:
+        raise ValueError("no array rate; set `rate` in Hz")
     return Trajectories(
         positions=positions,
         markers=markers,
-        rate=float(arrays["rate"]),
+        rate=used_rate,
         marker_set=None if described is None else marker_set_of(json.loads(str(described))),
         origin=arrays.get("origin"),  # type: ignore[arg-type]
         sigma=sigma,

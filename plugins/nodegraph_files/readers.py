@@ -15,6 +15,7 @@ from nodegraph import Format, InputFile, Truth, formats, node
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file
+from nodegraph_files.rates import FASTEST, SLOWEST, RateSetting
 from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
@@ -24,7 +25,7 @@ from nodegraph_mocap.recording import Trajectories
 
 _MARKER_SETS = ("markers.yaml",)
 _MARKER_VERTICES = ("marker_vertices.csv",)
-_SLOWEST, _FASTEST = 1e-3, 1e6  # Hz
+_SLOW, _FAST = 1.0, 1e5  # Hz, of recordings that are usual
 _FARTHEST = 1e9  # mm
 _START = 1024  # bytes
 _MODEL_RATE = 1.0
@@ -37,6 +38,7 @@ def read_recording(
     path: InputFile,
     marker_set: InputFile | None = None,
     unit: UnitSetting = AUTO,
+    rate: RateSetting = None,
     zeros_missing: bool = True,
 ) -> Trajectories:
     """Read a recording: C3D, TRC, MOT, CSV, NPZ or a plugin's format, by content, then by suffix.
@@ -52,6 +54,9 @@ def read_recording(
         Of length in the file. By default the one that the file states; if it states none, mm
         (Motive: m), or cm or m where that alone makes the markers span 40 to 5000 mm, as a face or
         a body does, with a warning.
+    rate
+        Frames per second. By default the file's own, and without one the file is refused, as a
+        table with nothing but frame numbers has none; a warning says both where they differ.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing, as many systems mean it.
 
@@ -63,12 +68,12 @@ def read_recording(
     Raises
     ------
     ValueError
-        If the file cannot be read, holds no samples, has a rate outside 0.001 to 1e6 Hz or a
+        If the file cannot be read, holds no samples, has no rate or one outside 0.001 to 1e6 Hz, a
         position beyond 1e9 mm, or lacks a marker that the set names.
     """
     known = formats(Trajectories)
     file = find_file(path, file_names("recording", known))
-    return _read(path, file, known, marker_set, unit=unit, zeros_missing=zeros_missing)
+    return _read(path, file, known, marker_set, unit=unit, rate=rate, zeros_missing=zeros_missing)
 
 
 def _read(
@@ -78,10 +83,11 @@ def _read(
     marker_set: Path | None,
     *,
     unit: str,
+    rate: float | None,
     zeros_missing: bool,
 ) -> Trajectories:
     read = format_of(file, known).read
-    recording: Trajectories = read(file, zeros_missing=zeros_missing, unit=unit)
+    recording: Trajectories = read(file, zeros_missing=zeros_missing, unit=unit, rate=rate)
     _check_recording(path, recording)
     return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
 
@@ -92,6 +98,7 @@ def read_truth(
     path: InputFile,
     marker_set: InputFile | None = None,
     unit: UnitSetting = AUTO,
+    rate: RateSetting = None,
     zeros_missing: bool = True,
 ) -> Truth[Trajectories]:
     """Read the noise-free recording beside a recording, or else the recording itself.
@@ -107,7 +114,7 @@ def read_truth(
         ``sample:NAME``, or a recording of which no truth is known.
     marker_set
         As of `read.recording`.
-    unit, zeros_missing
+    unit, rate, zeros_missing
         As of `read.recording`.
 
     Returns
@@ -129,11 +136,11 @@ def read_truth(
             "may carry noise and impulses of their own",
             stacklevel=2,
         )
-    return _read(path, file, known, marker_set, unit=unit, zeros_missing=zeros_missing)
+    return _read(path, file, known, marker_set, unit=unit, rate=rate, zeros_missing=zeros_missing)
 
 
 @node("read.weights")
-def read_weights(*, path: InputFile) -> Weights:
+def read_weights(*, path: InputFile, rate: RateSetting = None) -> Weights:
     """Read weights of blendshapes over time: CSV of Live Link Face, other CSV, a plugin's format.
 
     In Live Link Face's, frames that the timecode skips are rows of NaN, and the columns of head
@@ -144,6 +151,8 @@ def read_weights(*, path: InputFile) -> Weights:
     ----------
     path
         A file, or a folder that holds ``weights.csv``.
+    rate
+        Frames per second. By default the file's own; a warning says both where they differ.
 
     Returns
     -------
@@ -157,7 +166,7 @@ def read_weights(*, path: InputFile) -> Weights:
     """
     known = formats(Weights)
     file = find_file(path, file_names("weights", known))
-    weights: Weights = format_of(file, known).read(file)
+    weights: Weights = format_of(file, known).read(file, rate=rate)
     if np.isnan(weights.values).all():
         warnings.warn(f"{path}: every weight is missing", stacklevel=2)
     return weights
@@ -339,9 +348,14 @@ def with_marker_set(
 def _check_recording(path: Path, recording: Trajectories) -> None:
     if not recording.frames or not recording.markers:
         raise ValueError(f"{path}: the recording holds no samples")
-    if not _SLOWEST <= recording.rate <= _FASTEST:
+    if not SLOWEST <= recording.rate <= FASTEST:
         raise ValueError(
-            f"{path}: a rate of {recording.rate:g} Hz; {_SLOWEST:g} to {_FASTEST:g} Hz is possible"
+            f"{path}: a rate of {recording.rate:g} Hz; {SLOWEST:g} to {FASTEST:g} Hz is possible"
+        )
+    if not _SLOW <= recording.rate <= _FAST:
+        warnings.warn(
+            f"{path}: a rate of {recording.rate:g} Hz, at which no motion is captured; set `rate`?",
+            stacklevel=3,
         )
     if not recording.present.any():
         warnings.warn(f"{path}: every sample of the recording is missing", stacklevel=3)

@@ -44,7 +44,13 @@ def write_nc(recording: Trajectories, *, name: Name = "recording") -> Files:
     return file_named(name, ".nc", content)
 
 
-def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO) -> Trajectories:
+def read_nc(
+    path: Path,
+    *,
+    zeros_missing: bool = True,
+    unit: UnitSetting = AUTO,
+    rate: float | None = None,
+) -> Trajectories:
     """Read a recording from a netCDF file that holds a dataset of poses; see `from_xarray`.
 
     Raises
@@ -73,7 +79,7 @@ def read_nc(path: Path, *, zeros_missing: bool = True, unit: UnitSetting = AUTO)
     except Exception as error:  # of any kind: the libraries trust what a file says
         raise ValueError(f"{path}: not a readable netCDF file: {error}") from None
     try:
-        return from_xarray(dataset, unit=unit, zeros_missing=zeros_missing)
+        return from_xarray(dataset, unit=unit, rate=rate, zeros_missing=zeros_missing)
     except ValueError as error:
         raise ValueError(f"{path}: no recording: {error}") from None
 

@@ -17,6 +17,7 @@ import numpy as np
 from nodegraph import NodegraphError, listed
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
+from nodegraph_files.rates import rate_from
 from nodegraph_files.units import AUTO, UnitSetting, unit_from
 from nodegraph_mocap.recording import Origin, Trajectories
 
@@ -91,6 +92,7 @@ def from_xarray(
     *,
     individual: str | None = None,
     unit: UnitSetting = AUTO,
+    rate: float | None = None,
     zeros_missing: bool = False,
 ) -> Trajectories:
     """Return the recording that a dataset of poses of the package ``movement`` holds.
@@ -110,6 +112,8 @@ def from_xarray(
     unit
         Of length. By default what ``position.attrs["units"]`` states; if nothing, mm, or cm or m
         where that alone makes the keypoints span 40 to 5000 mm, with a warning.
+    rate
+        Hz. By default that of the attribute ``fps``, or of the times.
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing if there is no ``origin``.
 
@@ -152,7 +156,7 @@ def from_xarray(
     return Trajectories(
         positions=positions,
         markers=markers,
-        rate=_rate(poses),
+        rate=_rate(poses, rate),
         marker_set=None if described is None else marker_set_of(json.loads(str(described))),
         origin=None if origin is None else _origin(origin, positions),  # type: ignore[arg-type]
         sigma=sigma,
@@ -264,25 +268,30 @@ def _origin(origin: NDArray[np.float64], positions: NDArray[np.float64]) -> NDAr
     return marked
 
 
-def _rate(poses: xarray.Dataset) -> float:
+def _rate(poses: xarray.Dataset, setting: float | None) -> float:
     """Return the frames per second, which the times must agree with."""
     frames = poses.sizes["time"]
     times = _numbers("time", poses["time"]) if "time" in poses.coords else np.arange(frames) * 1.0
     counted = "time" not in poses.coords or poses.attrs.get("time_unit") == "frames"
     steps = np.diff(times)
-    rate = poses.attrs.get("fps")
-    if rate is None and not counted and len(steps):
-        rate = 1 / np.median(steps) if np.median(steps) > 0 else None
-    if not isinstance(rate, (int, float, np.number)) or not 0 < rate < np.inf:
+    fps = poses.attrs.get("fps")
+    if fps is None and not counted and len(steps):
+        fps = 1 / np.median(steps) if np.median(steps) > 0 else None
+    number = float(fps) if isinstance(fps, (int, float, np.number)) else np.nan
+    stated = number if 0 < number < np.inf else None
+    rate = rate_from(setting, stated)
+    if rate is None:
         raise ValueError(
-            f"no rate: the attribute fps is {rate!r}; set it to the number of frames per second"
+            f"no rate: the attribute fps is {fps!r}; set it, or `rate`, to the number of frames "
+            "per second"
         )
-    uneven = ~(np.abs(steps * (1 if counted else float(rate)) - 1) <= _MOST_JITTER)
+    spacing = stated or rate
+    uneven = ~(np.abs(steps * (1 if counted else spacing) - 1) <= _MOST_JITTER)
     if uneven.any():
         frame = int(np.argmax(uneven)) + 1
         raise ValueError(
-            f"the times are not evenly spaced at {rate:g} Hz: from {times[frame - 1]:g} to "
+            f"the times are not evenly spaced at {spacing:g} Hz: from {times[frame - 1]:g} to "
             f"{times[frame]:g} in frame {frame}, and so {np.count_nonzero(uneven)} of "
             f"{len(steps)} steps; reindex them, or correct the attribute fps"
         )
-    return float(rate)
+    return rate

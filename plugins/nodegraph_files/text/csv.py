@@ -120,7 +120,9 @@ class Columns:
         (self.counters if counts else self.left_out).append(column)
 
 
-def read_columns(columns: Columns, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_columns(
+    columns: Columns, *, zeros_missing: bool, unit: str, rate: float | None
+) -> Trajectories:
     """Read the recording whose columns are known.
 
     Warnings say which columns were left out, and how many steps of frame numbers or times are
@@ -140,10 +142,11 @@ def read_columns(columns: Columns, *, zeros_missing: bool, unit: str) -> Traject
     if not len(cells):
         raise ValueError(f"{table.path}: no frames follow line {columns.header.line}")
     places = {column: place for place, column in enumerate(wanted)}
+    counters = {counter: cells[:, places[counter]] for counter in columns.counters}
     return recording_of(
         _taken(cells, [places[column] for column in order]),
         list(columns.markers),
-        rate=_rate(columns, {counter: cells[:, places[counter]] for counter in columns.counters}),
+        rate=_rate(columns, counters, rate),
         unit=unit_of_table(table, unit, columns.unit),
         zeros_missing=zeros_missing,
     )
@@ -186,13 +189,15 @@ def warn_left_out(columns: Columns) -> None:
         )
 
 
-def _rate(columns: Columns, counters: dict[int, NDArray[np.float64]]) -> float:
+def _rate(
+    columns: Columns, counters: dict[int, NDArray[np.float64]], setting: float | None
+) -> float:
     times = None
     for column, values in counters.items():
         name = columns.names[column]
         warn_irregular(name, values)
         times = in_seconds(name, values) if times is None else times
-    return known_rate(columns.table, times)
+    return known_rate(columns.table, times, setting)
 
 
 def is_wide(table: Table) -> bool:
@@ -201,7 +206,7 @@ def is_wide(table: Table) -> bool:
     return True
 
 
-def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_wide(table: Table, *, zeros_missing: bool, unit: str, rate: float | None) -> Trajectories:
     """Read a recording whose first row names the columns ``NAME.X, NAME.Y, NAME.Z``.
 
     Also with ``_``, ``:`` or a blank before the letter, with a unit in brackets after it, and in
@@ -233,7 +238,7 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
             f"{weights}"
         )
     _warn_of_pictures(len(columns.markers), unit)
-    return read_columns(columns, zeros_missing=zeros_missing, unit=unit)
+    return read_columns(columns, zeros_missing=zeros_missing, unit=unit, rate=rate)
 
 
 def _warn_of_pictures(markers: int, unit: str) -> None:
@@ -255,7 +260,7 @@ def is_long(table: Table) -> bool:
     return bool(small & _MARKER) and "x" in axes and counted
 
 
-def read_long(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_long(table: Table, *, zeros_missing: bool, unit: str, rate: float | None) -> Trajectories:
     """Read a recording from columns frame or time, marker, x, y and z, in any order.
 
     A row that is not there is a missing sample, and so are those of frames that are skipped; a
@@ -288,7 +293,7 @@ def read_long(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     return recording_of(
         positions.reshape(len(positions), -1),
         list(names),
-        rate=known_rate(table, _times(columns, read)),
+        rate=known_rate(table, _times(columns, read), rate),
         unit=unit_of_table(table, unit, columns.unit),
         zeros_missing=zeros_missing,
     )
@@ -390,7 +395,9 @@ def is_levels(table: Table) -> bool:
     return _levels(table) > 0
 
 
-def read_levels(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_levels(
+    table: Table, *, zeros_missing: bool, unit: str, rate: float | None
+) -> Trajectories:
     """Read a recording whose columns have a marker's name in one row, and an axis in a later one.
 
     Levels in which all columns share a name, such as a scorer, are left out of the markers'
@@ -417,7 +424,7 @@ def read_levels(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
             columns.add_coordinate(label, axes.cells[column], column)
         else:
             columns.left_out.append(column)
-    return read_columns(columns, zeros_missing=zeros_missing, unit=unit)
+    return read_columns(columns, zeros_missing=zeros_missing, unit=unit, rate=rate)
 
 
 def _levels(table: Table) -> int:
@@ -465,7 +472,9 @@ def _labels(table: Table, levels: Sequence[Row], leading: int, width: int) -> li
 
 
 class _Read(Protocol):
-    def __call__(self, table: Table, *, zeros_missing: bool, unit: str) -> Trajectories: ...
+    def __call__(
+        self, table: Table, *, zeros_missing: bool, unit: str, rate: float | None
+    ) -> Trajectories: ...
 
 
 _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
@@ -478,7 +487,9 @@ _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
 )
 
 
-def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
+def read_csv(
+    path: Path, *, zeros_missing: bool = True, unit: str = AUTO, rate: float | None = None
+) -> Trajectories:
     """Read a recording from a table of text; its first rows decide the form.
 
     Exports of Qualisys Track Manager (TSV), OptiTrack Motive and Vicon Nexus; long tables of
@@ -503,6 +514,8 @@ def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
         Of length, such as ``cm``; by default what the file states.
+    rate
+        Hz; by default the file's own.
 
     Returns
     -------
@@ -518,7 +531,7 @@ def read_csv(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     """
     table = read_table(path)
     read = next(read for recognizes, read in _FORMS if recognizes(table))
-    return read(table, zeros_missing=zeros_missing, unit=unit)
+    return read(table, zeros_missing=zeros_missing, unit=unit, rate=rate)
 
 
 def write_csv(recording: Trajectories, path: Path) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Format
+from nodegraph_files.rates import rate_from
 from nodegraph_files.text.table import cell_numbers, check_distinct, text_lines
 from nodegraph_files.text.text_file import start_in_utf8
 from nodegraph_mocap.face_model import Weights
@@ -42,7 +43,7 @@ class _Times:
     counts: NDArray[np.float64]
 
 
-def read_live_link(path: Path) -> Weights:
+def read_live_link(path: Path, *, rate: float | None = None) -> Weights:
     """Read the weights of a CSV file by Live Link Face.
 
     The timecode ``hours:minutes:seconds:count`` counts 60 to the second, or what its own step
@@ -56,6 +57,8 @@ def read_live_link(path: Path) -> Weights:
     ----------
     path
         The file.
+    rate
+        Hz; by default that of the timecode.
 
     Returns
     -------
@@ -76,10 +79,10 @@ def read_live_link(path: Path) -> Weights:
     columns = _columns(path, names)
     values = _values(path, len(names), columns, rows)
     times = _times(path, rows)
-    rate, places = _places(times)
+    stated, places = _places(times)
     whole = np.full((places[-1] + 1, len(columns)), np.nan)
     whole[places] = values
-    return Weights(values=whole, names=tuple(columns), rate=rate)
+    return Weights(values=whole, names=tuple(columns), rate=rate_from(rate, stated))
 
 
 def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:

@@ -31,7 +31,9 @@ _ENDINGS = (("_tx", "_ty", "_tz"), ("_x", "_y", "_z"), (".x", ".y", ".z"), ("_1"
 _SCALAR, _POINT = ("", "double"), "vec3"
 
 
-def read_mot(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
+def read_mot(
+    path: Path, *, zeros_missing: bool = True, unit: str = AUTO, rate: float | None = None
+) -> Trajectories:
     """Read a recording from a MOT or STO file of points: locations of markers over time.
 
     Points are cells ``x,y,z``, or three columns each that end in ``_tx, _ty, _tz``, in
@@ -48,11 +50,13 @@ def read_mot(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         Of length. By default what a line ``Units=mm`` of the header says; if there is none, m, as
         OpenSim has it, or cm or mm where that alone makes the points span 40 to 5000 mm, with a
         warning.
+    rate
+        Hz; by default that of the column ``time``.
 
     Returns
     -------
     Trajectories
-        In millimetres, at the rate of the column ``time``.
+        In millimetres.
 
     Raises
     ------
@@ -85,7 +89,7 @@ def read_mot(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     return recording_of(
         cells[:, 1:],
         labels,
-        rate=known_rate(table, cells[:, 0]),
+        rate=known_rate(table, cells[:, 0], rate),
         unit=unit_from(unit, facts.get("units", ""), assumed="m"),
         zeros_missing=zeros_missing,
     )

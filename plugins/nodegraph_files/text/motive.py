@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from nodegraph_files.text.table import Row, Table, filled, read_rows
 from nodegraph_files.text.table_recording import (
-    positive_number,
+    rate_of_header,
     recording_of,
     stated_rate,
     warn_count,
@@ -45,7 +45,9 @@ def is_motive(table: Table) -> bool:
     return table.opening[0].cells[0] == _FIRST
 
 
-def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_motive(
+    table: Table, *, zeros_missing: bool, unit: str, rate: float | None
+) -> Trajectories:
     """Read the measured markers, labelled and unlabelled.
 
     Rigid bodies, bones and the places where these expect their markers are left out, which a
@@ -60,7 +62,7 @@ def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
         With file and line, and column where there is one: if the rows of the header, the rate or
         all markers lack, the unit is unknown, or a cell is not a number.
     """
-    rate = _rate(table)
+    used_rate = _rate(table, rate)
     length_unit = _unit(table, unit)
     header = _header(table)
     triples = _triples(table, header)
@@ -74,11 +76,11 @@ def read_motive(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories
         raise ValueError(f"{table.path}: no frames follow line {header.axes.line}")
     warn_count("frames", _fact(table, "Total Exported Frames")[0] or str(len(cells)), len(cells))
     warn_skipped("the frame number", cells[:, 0])
-    warn_other_rate(cells[:, 1], rate, "the header")
+    warn_other_rate(cells[:, 1], used_rate, "the header" if rate is None else "`rate`")
     return recording_of(
         cells[:, 2:],
         [header.names[first] for first in triples],
-        rate=rate,
+        rate=used_rate,
         unit=length_unit,
         zeros_missing=zeros_missing,
     )
@@ -93,18 +95,11 @@ def _fact(table: Table, name: str) -> tuple[str, str]:
     return first.cells[column], table.place(first, column)
 
 
-def _rate(table: Table) -> float:
-    stated = stated_rate(table)
-    if stated is not None:
-        return stated
-    for name in _RATES:
-        written, place = _fact(table, name)
-        rate = positive_number(written)
-        if rate is not None:
-            return rate
-        if written:
-            raise ValueError(f"{place}: {name} {written!r} is not a positive number")
-    raise ValueError(f"{table.path}: no {' or '.join(_RATES)}; add a line '# rate: 60'")
+def _rate(table: Table, setting: float | None) -> float:
+    comment = stated_rate(table)
+    name = next((name for name in _RATES if _fact(table, name)[0]), " or ".join(_RATES))
+    written, place = _fact(table, name)
+    return rate_of_header(setting, str(comment or written), place, name)
 
 
 def _unit(table: Table, setting: str) -> LengthUnit:

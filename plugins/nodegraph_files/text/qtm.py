@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
     is_number,
-    positive_number,
+    rate_of_header,
     recording_of,
     stated_rate,
     warn_count,
@@ -35,7 +35,7 @@ def is_qtm(table: Table) -> bool:
     return table.opening[0].cells[0] in _FIRST
 
 
-def read_qtm(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_qtm(table: Table, *, zeros_missing: bool, unit: str, rate: float | None) -> Trajectories:
     """Read a recording of three-dimensional data.
 
     What stands in the rows counts, not the numbers of the header. Warnings say where the two
@@ -51,7 +51,7 @@ def read_qtm(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     """
     facts, header = _header(table)
     _check_kind(table, facts)
-    rate = _rate(table, facts)
+    used_rate = _rate(table, facts, rate)
     labels = facts["MARKER_NAMES"].cells[1 : filled_width(facts["MARKER_NAMES"].cells)]
     leading, width = _shape(table, header, len(labels))
     cells = read_rows(table.below(header, width, range(width), lenient=True))
@@ -61,11 +61,11 @@ def read_qtm(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     _warn_facts(facts, len(cells), (width - leading) // 3)
     if leading:
         warn_skipped("the frame number", cells[:, 0])
-        warn_other_rate(cells[:, 1], rate, "FREQUENCY")
+        warn_other_rate(cells[:, 1], used_rate, "FREQUENCY" if rate is None else "`rate`")
     return recording_of(
         cells[:, leading:],
         labels,
-        rate=rate,
+        rate=used_rate,
         unit=unit_from(unit, "mm"),
         zeros_missing=zeros_missing,
     )
@@ -101,21 +101,12 @@ def _check_kind(table: Table, facts: Mapping[str, Row]) -> None:
         raise ValueError(f"{table.path}: no names follow MARKER_NAMES in the header")
 
 
-def _rate(table: Table, facts: Mapping[str, Row]) -> float:
-    rate = stated_rate(table)
-    if rate is not None:
-        return rate
+def _rate(table: Table, facts: Mapping[str, Row], setting: float | None) -> float:
+    comment = stated_rate(table)
     row = facts.get("FREQUENCY")
-    if row is None:
-        raise ValueError(f"{table.path}: no FREQUENCY in the header; add a line '# rate: 60'")
-    written = "".join(row.cells[1:2])
-    rate = positive_number(written)
-    if rate is None:
-        raise ValueError(
-            f"{table.place(row, 1)}: FREQUENCY {written!r} is not a positive number; add a line "
-            "'# rate: 60'"
-        )
-    return rate
+    written = "".join(row.cells[1:2]) if row else ""
+    place = table.place(row, 1) if row else str(table.path)
+    return rate_of_header(setting, str(comment or written), place, "FREQUENCY")
 
 
 def _shape(table: Table, header: Row, named: int) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import islice
@@ -139,6 +139,9 @@ class Rows:
         Of all columns, for messages; or none.
     lenient : bool
         Whether a row may end early, and may have empty cells beyond the last column.
+    beyond : int
+        Rows may have more cells than columns, which are left out: up to as many as the first row
+        has, or a multiple of this number.
     """
 
     text: TextFile
@@ -149,6 +152,7 @@ class Rows:
     wanted: Sequence[int]
     names: Sequence[str] = ()
     lenient: bool = False
+    beyond: int = 0
 
     def lines(self) -> Iterator[Line]:
         """Return the lines that are not blank; tabs are not blanks where they separate cells."""
@@ -159,7 +163,8 @@ class Rows:
 def read_rows(rows: Rows) -> NDArray[np.float64]:
     """Return the numbers of the wanted columns, a row per line; missing ones are NaN.
 
-    Warnings say how many rows end early, and that commas count as decimal points.
+    Warnings say how many rows end early, how many columns without names were left out, and that
+    commas count as decimal points.
 
     Raises
     ------
@@ -192,7 +197,13 @@ def _at_once(rows: Rows) -> NDArray[np.float64] | None:
     if numbers is None or not _all_as_wide(rows, width, numbers):
         return None
     count = len(rows.wanted)
-    return numbers[:, :count] if np.isnan(numbers[:, count:]).all() else None
+    row, column = (~np.isnan(numbers[:, count:])).nonzero()
+    beyond = dict(zip(row.tolist(), (column + 1).tolist(), strict=True)).values()
+    first = max((column[row == 0] + 1).tolist(), default=0)
+    if not all(_may_follow(rows, cells, first) for cells in beyond):
+        return None
+    _warn_beyond(rows, beyond)
+    return numbers[:, :count]
 
 
 def _is_special(rows: Rows) -> bool:
@@ -268,14 +279,19 @@ def _cell_by_cell(rows: Rows) -> NDArray[np.float64]:
 
 def _make_wide(rows: Rows, table: list[tuple[int, list[str]]]) -> None:
     """Give every row as many cells as there are columns, where it may have fewer or more."""
-    early = []
+    early, beyond = [], []
+    first = _known_width(table[0][1]) - rows.width if table else 0
     for line, cells in table:
         if len(cells) == rows.width:
             continue
-        if not rows.lenient or not all(map(is_missing, cells[rows.width :])):
+        there = _known_width(cells) if rows.lenient else len(cells)
+        more = max(there - rows.width, 0)
+        if not (rows.lenient and _may_follow(rows, more, first)):
             raise ValueError(
-                f"{rows.text.path}:{line}: {len(cells)} cells, but {rows.width} columns have names"
+                f"{rows.text.path}:{line}: {there} cells, but {rows.width} columns have names"
             )
+        if more:
+            beyond.append(more)
         if len(cells) < rows.width:
             early.append(line)
             if line == table[-1][0] and not rows.text.content.endswith(b"\n"):
@@ -286,6 +302,27 @@ def _make_wide(rows: Rows, table: list[tuple[int, list[str]]]) -> None:
             f"{len(early)} rows end before the last of {rows.width} columns; what they lack counts "
             f"as missing; the first is line {early[0]}",
             stacklevel=5,
+        )
+    _warn_beyond(rows, beyond)
+
+
+def _known_width(cells: Sequence[str]) -> int:
+    """Return the number of cells up to the last that is not missing."""
+    return max((index for index, cell in enumerate(cells, 1) if not is_missing(cell)), default=0)
+
+
+def _may_follow(rows: Rows, cells: int, first: int) -> bool:
+    """Return whether so many cells may follow the columns, as so many do in the first row."""
+    return cells == 0 or (rows.beyond > 0 and (cells <= first or cells % rows.beyond == 0))
+
+
+def _warn_beyond(rows: Rows, beyond: Collection[int]) -> None:
+    """Warn of cells that were left out, given how many of each row that has any."""
+    if beyond:
+        warnings.warn(
+            f"{max(beyond)} columns follow the {rows.width} that have names, with numbers in "
+            f"{len(beyond)} rows, and were left out",
+            stacklevel=6,
         )
 
 
@@ -390,6 +427,7 @@ class Table:
         *,
         names: Sequence[str] = (),
         lenient: bool = False,
+        beyond: int = 0,
     ) -> Rows:
         """Return the rows that follow a row of the header; see `Rows`.
 
@@ -405,6 +443,7 @@ class Table:
             wanted=wanted,
             names=names,
             lenient=lenient,
+            beyond=beyond,
         )
 
 

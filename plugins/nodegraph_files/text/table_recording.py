@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
+from nodegraph_files.rates import rate_from
 from nodegraph_files.text.table import Table
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
@@ -106,7 +107,7 @@ def warn_skipped(name: str, numbers: NDArray[np.float64]) -> None:
 
 
 def warn_other_rate(times: NDArray[np.float64], rate: float, fact: str) -> None:
-    """Warn of times that contradict the rate, which the file says under the name `fact`.
+    """Warn of times that contradict the rate, which stands under the name `fact`.
 
     Frames that were dropped do not.
     """
@@ -215,29 +216,49 @@ def stated_rate(table: Table) -> float | None:
     return rate
 
 
-def known_rate(table: Table, times: NDArray[np.float64] | None) -> float:
-    """Return the rate of a comment, or of a column of times in seconds.
+def rate_of_header(setting: float | None, written: str, place: str, fact: str) -> float:
+    """Return the rate that the user sets, or else what a header states under the name `fact`.
 
     Raises
     ------
     ValueError
-        If neither states one.
+        With the place, if neither is a positive number.
     """
-    rate = stated_rate(table)
-    even = times is not None and whole_steps(times) is not None
-    if rate is not None and times is not None and even:
-        warn_other_rate(times, rate, "the line '# rate'")
-    if rate is None and times is not None:
-        rate = rate_of_times(times)
-        if rate is not None and not even:
-            warnings.warn(
-                f"times are not whole steps apart; by the median step the rate is {rate:g} Hz, "
-                "a line '# rate: 60' would say it",
-                stacklevel=4,
-            )
+    rate = rate_from(setting, positive_number(written))
     if rate is None:
         raise ValueError(
-            f"{table.path}: no rate; add a line '# rate: 60' in Hz above the head, "
+            f"{place}: {fact} must be a positive number of frames per second, the header says "
+            f"{repr(written) if written else 'none'}; set `rate` in Hz"
+        )
+    return rate
+
+
+def known_rate(
+    table: Table, times: NDArray[np.float64] | None, setting: float | None = None
+) -> float:
+    """Return the rate that the user sets, or of a comment, or of a column of times in seconds.
+
+    Raises
+    ------
+    ValueError
+        If none of them states one.
+    """
+    stated = stated_rate(table)
+    even = times is not None and whole_steps(times) is not None
+    if stated is not None and times is not None and even:
+        warn_other_rate(times, stated, "the line '# rate'")
+    if stated is None and times is not None and (even or setting is None):
+        stated = rate_of_times(times)
+        if stated is not None and not even:
+            warnings.warn(
+                f"times are not whole steps apart; by the median step the rate is {stated:g} Hz, "
+                "which `rate` or a line '# rate: 60' would say",
+                stacklevel=4,
+            )
+    rate = rate_from(setting, stated)
+    if rate is None:
+        raise ValueError(
+            f"{table.path}: no rate; set `rate` in Hz, or add a line '# rate: 60' above the head "
             "or a column 'time' in seconds"
         )
     return rate

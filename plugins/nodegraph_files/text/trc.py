@@ -17,7 +17,7 @@ from nodegraph import Format
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
     is_number,
-    positive_number,
+    rate_of_header,
     recording_of,
     warn_count,
     warn_other_rate,
@@ -32,15 +32,16 @@ _FIRST_WORD = "PathFileType"
 _HEADER_LINES = 5
 
 
-def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Trajectories:
+def read_trc(
+    path: Path, *, zeros_missing: bool = True, unit: str = AUTO, rate: float | None = None
+) -> Trajectories:
     """Read a recording from a TRC file, whose cells tabs or commas separate.
 
     The columns and rows that are there count, not the numbers of the header. Warnings say where
-    the two differ, that names stand over other columns, that the row of X1, Y1, Z1, ... lacks or
-    is shorter than the others, which markers lacked a name or shared one, how many samples were
-    partly
-    missing, infinite or zero, how many rows end early, and whether frame numbers or times
-    contradict evenly spaced frames.
+    the two differ, that names stand over other columns, that the row of X1, Y1, Z1, ... lacks, how
+    many columns were left out as they follow the last of it, which markers lacked a name or shared
+    one, how many samples were partly missing, infinite or zero, how many rows end early, and
+    whether frame numbers or times contradict evenly spaced frames.
 
     Parameters
     ----------
@@ -50,11 +51,13 @@ def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
         Of length, such as ``cm``; by default what the header states.
+    rate
+        Hz; by default the header's DataRate.
 
     Returns
     -------
     Trajectories
-        In millimetres, at the header's DataRate; a sample whose cells are empty is missing. A
+        In millimetres; a sample whose cells are empty is missing. A
         subject's prefix (``subject:marker``) that all markers share is taken off their names.
 
     Raises
@@ -66,22 +69,25 @@ def read_trc(path: Path, *, zeros_missing: bool = True, unit: str = AUTO) -> Tra
     table = _table(path)
     header = _header(table)
     facts = header.facts
-    rate = _rate(path, facts)
-    markers, width = _shape(table, header)
+    used_rate = rate_of_header(rate, facts.get("datarate", ""), str(path), "DataRate")
+    markers = _count(table, header)
     labels = _labels(table, header.names, markers)
-    wanted = range(LEADING + 3 * markers)
-    cells = filled(read_rows(table.below(header.last, width, wanted, lenient=True)))
+    width = LEADING + 3 * markers
+    # trajectories without names; between commas, they may be the decimals of others
+    beyond = 0 if table.separator == "," else 3
+    rows = table.below(header.last, width, range(width), lenient=True, beyond=beyond)
+    cells = filled(read_rows(rows))
     if not len(cells):
         stated = facts.get("numframes") or "none"
         raise ValueError(f"{path}: no frames follow the header, whose NumFrames says {stated}")
     warn_count("frames", facts.get("numframes", str(len(cells))), len(cells))
     warn_count("markers", facts.get("nummarkers", str(markers)), markers)
     warn_skipped("Frame#", cells[:, 0])
-    warn_other_rate(cells[:, 1], rate, "DataRate")
+    warn_other_rate(cells[:, 1], used_rate, "DataRate" if rate is None else "`rate`")
     return recording_of(
         cells[:, LEADING:],
         labels,
-        rate=rate,
+        rate=used_rate,
         unit=unit_from(unit, facts.get("units", "")),
         zeros_missing=zeros_missing,
     )
@@ -174,31 +180,21 @@ def _header(table: Table) -> _Header:
     return _Header(facts, names, None if is_number(axes.cells[0]) else axes)
 
 
-def _shape(table: Table, header: _Header) -> tuple[int, int]:
-    """Return the number of markers, and that of the columns, which may be more than theirs."""
-    first = next(table.rows(header.last.end, header.last.line + 1), None)
-    there = filled_width(first.cells) if first else 0
+def _count(table: Table, header: _Header) -> int:
+    """Return the number of markers: of columns X1, Y1, Z1, ..., or of those that have numbers."""
     if header.axes is None:
+        rows = table.rows(header.last.end, header.last.line + 1)
+        there = max((filled_width(row.cells) for row in rows), default=0)
         if there <= LEADING or (there - LEADING) % 3:
             raise ValueError(
                 f"{table.path}:{header.last.line + 1}: no columns X1, Y1, Z1, ... and "
-                f"{there - LEADING} coordinates, which make no whole number of markers"
+                f"{max(there - LEADING, 0)} coordinates, which make no whole number of markers"
             )
         warnings.warn("no row X1, Y1, Z1, ... in the header; the cells count", stacklevel=3)
-        return (there - LEADING) // 3, there
+        return (there - LEADING) // 3
     # Some programs write the row without the cells that come first, or with more.
     leading = next(place for place, cell in enumerate(header.axes.cells) if cell)
-    markers = count_triples(table.path, header.axes.line, header.axes.cells, leading)
-    width = LEADING + 3 * markers
-    # Between commas, cells beyond the columns may be the decimals of others.
-    if there <= width or table.separator == ",":
-        return markers, width
-    warnings.warn(
-        f"{there - width} columns follow those of the {markers} markers in the header and were "
-        "left out",
-        stacklevel=3,
-    )
-    return markers, there
+    return count_triples(table.path, header.axes.line, header.axes.cells, leading)
 
 
 def _labels(table: Table, names: Row, markers: int) -> Sequence[str]:
@@ -211,17 +207,6 @@ def _labels(table: Table, names: Row, markers: int) -> Sequence[str]:
             raise
     warnings.warn("names do not stand over X columns; they are taken in order", stacklevel=3)
     return written
-
-
-def _rate(path: Path, facts: Mapping[str, str]) -> float:
-    written = facts.get("datarate", "")
-    rate = positive_number(written)
-    if rate is None:
-        raise ValueError(
-            f"{path}: DataRate must be a positive number of frames per second, the header says "
-            f"{written or 'none'}"
-        )
-    return rate
 
 
 def _is_trc(start: bytes) -> bool:

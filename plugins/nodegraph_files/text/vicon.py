@@ -14,7 +14,7 @@ from itertools import islice
 from pathlib import Path
 
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
-from nodegraph_files.text.table_recording import positive_number, recording_of, warn_skipped
+from nodegraph_files.text.table_recording import rate_of_header, recording_of, warn_skipped
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
 
@@ -78,7 +78,7 @@ def is_vicon(table: Table) -> bool:
     return table.opening[0].cells[0] in _SECTIONS
 
 
-def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
+def read_vicon(table: Table, *, zeros_missing: bool, unit: str, rate: float | None) -> Trajectories:
     """Read the section Trajectories; the others are left out.
 
     Warnings say which markers lacked a name or shared one, how many rows end early, and how many
@@ -94,11 +94,7 @@ def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     if len(rows) < _HEADER:
         raise ValueError(f"{table.path}: the section Trajectories ends within its header")
     rate_row, names, axes, units = rows
-    rate = positive_number(rate_row.cells[0])
-    if rate is None:
-        raise ValueError(
-            f"{table.place(rate_row, 0)}: the rate {rate_row.cells[0]!r} is not a positive number"
-        )
+    used_rate = rate_of_header(rate, rate_row.cells[0], table.place(rate_row, 0), "the rate")
     labels = labels_over(table.path, names.line, names.cells)
     markers = count_triples(table.path, axes.line, ["", "", *axes.cells[LEADING:]])
     width = LEADING + 3 * markers
@@ -111,7 +107,7 @@ def read_vicon(table: Table, *, zeros_missing: bool, unit: str) -> Trajectories:
     return recording_of(
         cells[:, 1:],
         labels,
-        rate=rate,
+        rate=used_rate,
         unit=_unit(table, units, width, unit),
         zeros_missing=zeros_missing,
     )

@@ -21,12 +21,12 @@ _STARTS = re.compile(rb"(?:#[^\n]*\n\s*)*\"?(?:time|frame)(?!code)", re.IGNORECA
 _COORDINATE = re.compile(r".*[._: ][xyz]|[xyz]_?\d+", re.IGNORECASE)
 
 
-def read_weights_table(path: Path) -> Weights:
+def read_weights_table(path: Path, *, rate: float | None = None) -> Weights:
     """Read weights from a table with a column per shape, its name in the first row.
 
-    An empty cell and ``NaN`` are missing. The rate comes from a line ``# rate: 60`` or from a
-    column ``time`` in seconds or ``timestamp``, as in `read_csv`; a warning counts irregular
-    steps of times or frame numbers.
+    An empty cell and ``NaN`` are missing. The rate (Hz), if it is not given, comes from a line
+    ``# rate: 60`` or from a column ``time`` in seconds or ``timestamp``, as in `read_csv`; a
+    warning counts irregular steps of times or frame numbers.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def read_weights_table(path: Path) -> Weights:
     return Weights(
         values=values,
         names=tuple(names[column] for column in shapes),
-        rate=known_rate(table, times),
+        rate=known_rate(table, times, rate),
     )
 
 

@@ -138,6 +138,33 @@ def test_labels_go_on_in_further_parameters(build_c3d: Build, samples: Samples) 
     assert read.markers == ("x", "y", "z")
 
 
+LISTS: dict[str, dict[str, object]] = {
+    "by name": {"ANGLES": ["y"], "FORCES": ["w"]},
+    "continued": {"ANGLES": ["y"], "ANGLES2": ["w"]},
+    "declared": {"TYPE_GROUPS": ["CURLS", "CURL"], "CURLS": ["w", "y"]},
+    "of parts": {"LABELS": ["S:y", "S:x"], "LABELS2": ["S:w", "S:z"], "POWERS": ["S:w", "S:y"]},
+}
+
+
+@pytest.mark.parametrize("lists", LISTS.values(), ids=LISTS)
+def test_results_of_a_model_are_left_out_and_counted(
+    build_c3d: Build, lists: dict[str, object]
+) -> None:
+    samples = np.arange(80.0).reshape(5, 4, 4)
+    path = build_c3d(samples, **{"LABELS": ["y", "x", "w", "z"], **lists})
+    with pytest.warns(UserWarning, match="2 of 4 points are results of a model") as caught:
+        read = read_c3d(path)
+    assert len(caught) == 1
+    assert read.markers == ("x", "z")
+    np.testing.assert_array_equal(read.positions, samples[:, [1, 3], :3])
+
+
+def test_a_file_of_nothing_but_results_is_refused(build_c3d: Build, samples: Samples) -> None:
+    path = build_c3d(samples, ["x", "y", "z"], SCALARS=["x", "y"], MOMENTS=["z"])
+    with pytest.raises(ValueError, match="3 points, none of them a marker: 2 SCALARS, 1 MOMENTS"):
+        read_c3d(path)
+
+
 @pytest.mark.parametrize(
     ("labels", "names", "message"),
     [

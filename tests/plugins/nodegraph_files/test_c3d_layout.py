@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import struct
+from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from nodegraph_files.c3d_header import read_description
 from tests.plugins.nodegraph_files.conftest import Build
 
 Samples = NDArray[np.float64]
+QUIET: AbstractContextManager[object] = nullcontext()
 
 
 def test_a_description_tells_what_was_written(build_c3d: Build, samples: Samples) -> None:
@@ -60,7 +62,9 @@ def test_a_dispute_that_the_size_does_not_settle_is_refused(
 def test_the_header_stands_in_for_a_parameter(
     build_c3d: Build, samples: Samples, lacking: str
 ) -> None:
-    read = read_c3d(build_c3d(samples, **{lacking: None}))
+    path = build_c3d(samples, **{lacking: None})
+    with pytest.warns(UserWarning, match="no rate, its header 60") if lacking == "RATE" else QUIET:
+        read = read_c3d(path)
     np.testing.assert_array_equal(read.positions, samples[..., :3])
     assert read.rate == 60.0
 
@@ -69,6 +73,8 @@ def test_of_two_rates_the_parameters_count(build_c3d: Build, samples: Samples) -
     path = build_c3d(samples, header={20: struct.pack("<f", 60.0)}, RATE=50.0)
     with pytest.warns(UserWarning, match="a rate of 50, its header 60; the parameters count"):
         assert read_description(path).rate == 50.0
+    with pytest.warns(UserWarning, match=r"a rate of -50, its header 0\.001; the header counts"):
+        assert read_description(build_c3d(samples, rate=0.001, RATE=-50.0)).rate == 0.001
     # what the header does not say is not a disagreement
     assert read_description(build_c3d(samples, header={20: bytes(4)}, RATE=50.0)).rate == 50.0
 
@@ -89,7 +95,17 @@ def test_of_two_scales_the_one_that_makes_a_body_counts(
 
 
 def test_the_header_alone_may_give_the_scale(build_c3d: Build, samples: Samples) -> None:
-    assert read_description(build_c3d(samples, scale=0.25, SCALE=0.0)).scales == (0.25,)
+    path = build_c3d(samples, scale=0.25, SCALE=0.0)
+    with pytest.warns(UserWarning, match=r"no scale, its header 0\.25; the header counts"):
+        assert read_description(path).scales == (0.25,)
+
+
+def test_two_scales_of_samples_that_need_none_are_reported(
+    build_c3d: Build, samples: Samples
+) -> None:
+    with pytest.warns(UserWarning, match=r"a scale of -0\.5, its header -1; the samples need"):
+        read = read_c3d(build_c3d(samples, SCALE=-0.5))
+    np.testing.assert_array_equal(read.positions, samples[..., :3])
 
 
 def test_a_big_endian_file_whose_last_entry_points_beyond_the_section(

@@ -19,7 +19,7 @@ from nodegraph import Format, hookimpl
 from nodegraph_mocap import Trajectories
 
 
-def read(path, *, zeros_missing, unit):
+def read(path, *, zeros_missing, unit, rate):
     text = path.read_text()
     if "bad" in text:
         raise {error}(f"{{path}}: bad toy")

@@ -56,7 +56,7 @@ def test_the_same_recording_gives_the_same_bytes(gappy: Trajectories) -> None:
     assert npz_bytes(gappy) == npz_bytes(gappy)
 
 
-@pytest.mark.parametrize("lacking", list(ARRAYS))
+@pytest.mark.parametrize("lacking", ["positions", "markers"])
 def test_an_array_that_lacks_is_reported_with_those_there_are(tmp_path: Path, lacking: str) -> None:
     there = ", ".join(name for name in ARRAYS if name != lacking)
     with pytest.raises(ValueError, match=rf"take\.npz.*no array {lacking}; there is {there}"):

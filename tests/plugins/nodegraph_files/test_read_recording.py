@@ -3,6 +3,7 @@ from __future__ import annotations
 import shutil
 from codecs import BOM_UTF8
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ SET = MarkerSet(markers=("é", "a"), pairs=(("a", "é"),))
     ("file", "message"),
     [
         ("livelink/actor_a_60fps.csv", "no columns NAME.X.*; read.weights reads weights"),
-        ("facecap/model_60_markers.npz", "no array positions, rate; there is"),
+        ("facecap/model_60_markers.npz", "no array positions; there is"),
         ("facecap/markers.yaml", r"markers\.yaml: .*C3D.*NPZ.*TRC.*\.csv"),
     ],
 )
@@ -154,6 +155,62 @@ def test_a_recording_of_nothing_but_gaps_is_read_and_reported(
         read = read_recording(path=tmp_path / "it.csv")
     assert read.positions.shape == (4, 2, 3)
     assert not read.present.any()
+
+
+@pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz, write_trc])
+def test_a_rate_that_is_set_counts_and_both_are_named(
+    gappy: Trajectories, tmp_path: Path, write: Callable[..., None]
+) -> None:
+    path = tmp_path / "it.csv"
+    write(gappy, path)
+    assert read_recording(path=path, rate=59.94).rate == 59.94
+    with pytest.warns(UserWarning, match="240 Hz is taken|by `rate`") as caught:
+        read = read_recording(path=path, rate=240.0)
+    assert "states a rate of 59.94 Hz; 240 Hz is taken" in str(caught[0].message)
+    assert read.rate == 240
+    np.testing.assert_allclose(read.positions, gappy.positions, rtol=1e-6)
+
+
+TRC = "PathFileType\t4\nDataRate\tUnits\n\tmm\nFrame#\tTime\ta\n\t\tX1\tY1\tZ1\n1\t0\t1\t2\t3\n"
+WITHOUT_RATE = {
+    "wide": "# unit: mm\nframe,a.x,a.y,a.z\n7,1,2,3\n8,1,2,3\n",
+    "long": "# unit: mm\nframe,marker,x,y,z\n7,a,1,2,3\n",
+    "levels": "# unit: mm\n,a,a,a\n,x,y,z\n7,1,2,3\n",
+    "QTM": "NO_OF_MARKERS\t1\nMARKER_NAMES\ta\n1\t2\t3\n",
+    "Motive": "Format Version,1.23,Length Units,Millimeters\n,,Marker,Marker,Marker\n,,a,a,a\n"
+    "Frame,Time,X,Y,Z\n0,0,1,2,3\n",
+    "Vicon": "Trajectories\nnone\n,,a\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3\n",
+    "TRC": TRC,
+    "MOT": "it\nUnits=mm\nendheader\ntime\ta_x\ta_y\ta_z\n0\t1\t2\t3\n",
+}
+
+
+@pytest.mark.parametrize("text", WITHOUT_RATE.values(), ids=WITHOUT_RATE)
+def test_a_file_without_a_rate_says_which_setting_gives_it(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "it.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"it\.csv.*(no rate|a positive number).*set `rate`"):
+        read_recording(path=path)
+    read = read_recording(path=path, rate=50.0)
+    assert (read.rate, read.positions[0].tolist()) == (50, [[1, 2, 3]])
+
+
+def test_an_archive_without_a_rate_says_which_setting_gives_it(tmp_path: Path) -> None:
+    np.savez(tmp_path / "it.npz", positions=np.ones((4, 1, 3)), markers=["a"])
+    with pytest.raises(ValueError, match=r"it\.npz.*no array rate; set `rate`"):
+        read_recording(path=tmp_path / "it.npz")
+    assert read_recording(path=tmp_path / "it.npz", rate=50.0).rate == 50
+
+
+@pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz, write_trc])
+@pytest.mark.parametrize("rate", [0.001, 0.1, 3e5])
+def test_a_rate_at_which_nothing_is_captured_is_reported(
+    gappy: Trajectories, tmp_path: Path, write: Callable[..., None], rate: float
+) -> None:
+    write(replace(gappy, rate=rate), tmp_path / "it")
+    (tmp_path / "it").rename(tmp_path / "it.csv")
+    with pytest.warns(UserWarning, match=f"a rate of {rate:g} Hz, at which no motion is"):
+        assert read_recording(path=tmp_path / "it.csv").rate == pytest.approx(rate)
 
 
 def test_zeros_may_be_positions(tmp_path: Path) -> None:

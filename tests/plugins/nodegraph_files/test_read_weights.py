@@ -48,6 +48,17 @@ def test_weights_that_are_all_missing_are_reported(tmp_path: Path) -> None:
         assert np.isnan(read_weights(path=path).values).all()
 
 
+def test_a_rate_that_is_set_counts(tmp_path: Path) -> None:
+    path = tmp_path / "it.csv"
+    path.write_text(TABLE)
+    with pytest.warns(UserWarning, match="a rate of 60 Hz; 24 Hz is taken"):
+        assert read_weights(path=path, rate=24.0).rate == 24
+    path.write_text("frame,jawOpen\n7,0.25\n8,0.5\n")
+    with pytest.raises(ValueError, match=r"it\.csv: no rate; set `rate`"):
+        read_weights(path=path)
+    assert read_weights(path=path, rate=24.0).rate == 24
+
+
 def test_a_recording_is_refused(tmp_path: Path, gappy: Trajectories) -> None:
     path = tmp_path / "it.npz"
     path.write_bytes(npz_bytes(gappy))

@@ -57,7 +57,9 @@ def test_dropped_frames_are_reported(write: Write, column: str) -> None:
 def test_without_a_rate_the_message_says_what_to_add(write: Write, lead: str) -> None:
     path = write(f"{lead}a.x,a.y,a.z\n{'1,' * bool(lead)}1,2,3\n")
     with (
-        pytest.raises(ValueError, match=r"take\.csv: no rate; add a line '# rate: 60'"),
+        pytest.raises(
+            ValueError, match=r"take\.csv: no rate; set `rate` in Hz, or add a line '# rate: 60'"
+        ),
         pytest.warns(UserWarning, match="left out") if lead == "seconds," else _quiet(),
     ):
         read_csv(path)

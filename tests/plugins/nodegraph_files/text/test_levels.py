@@ -96,7 +96,7 @@ def test_data_of_two_dimensions_are_refused(write: Write) -> None:
         (",lip,lip,lip\n,x,y,z\n0,1,2,three\n", r":3:4: 'three' is not a number \(column lip z\)"),
         (",lip,lip,lip\n,x,y,z\n0,1,2\n", ":3: 3 cells, but 4 columns"),
         (",lip,lip,lip\n,x,y,z\n", ": no frames follow line 2"),
-        (",lip,lip,lip\n,x,y,z\n0,1,2,3\n", ": no rate; add a line '# rate: 60'"),
+        (",lip,lip,lip\n,x,y,z\n0,1,2,3\n", ": no rate; set `rate` in Hz"),
     ],
 )
 def test_what_is_wrong_is_reported_with_its_place(write: Write, text: str, message: str) -> None:

@@ -94,7 +94,7 @@ def test_quoted_names_may_hold_separators(write: Write) -> None:
         ("frame,marker,x,y,z\n0,a,1,2,3\n1,,1,2,3\n", r":3: the row has no marker"),
         ("frame,marker,x,y,z\n0,a,1,two,3\n", r":2:4: 'two' is not a number \(column y\)"),
         ("frame,marker,x,y,z\n0,a,1,2\n", r":2: 4 cells, but 5 columns have names"),
-        ("frame,marker,x,y,z\n0,a,1,2,3\n", r": no rate; add a line '# rate: 60'"),
+        ("frame,marker,x,y,z\n0,a,1,2,3\n", r": no rate; set `rate` in Hz"),
         (
             "frame,marker,x,y,z\n0,a,1,2,3\n1,a,1,2,3\n1000000000000,a,1,2,3\n",
             r": the column 'frame' goes from 0 to 1e\+12, but only 3 frames have rows",

@@ -134,11 +134,11 @@ def test_a_header_that_lies_is_corrected_with_a_warning(write: Write) -> None:
 @pytest.mark.parametrize(
     ("facts", "message"),
     [
-        ({"Export_Frame_Rate": "fast"}, r":1:8: Export Frame Rate 'fast' is not a positive number"),
-        ({"Export_Frame_Rate": "0"}, r":1:8: Export Frame Rate '0' is not"),
+        ({"Export_Frame_Rate": "fast"}, r":1:8: Export Frame Rate must be .* 'fast'"),
+        ({"Export_Frame_Rate": "0"}, r":1:8: Export Frame Rate must be .* says '0'"),
         (
             {"Export_Frame_Rate": None, "Capture_Frame_Rate": None},
-            ": no Export Frame Rate or Capture Frame Rate; add a line '# rate: 60'",
+            ":1: Export Frame Rate or Capture Frame Rate must be .* says none; set `rate`",
         ),
         ({"Length_Units": "Furlongs"}, r":1:12: Length Units 'Furlongs'; there is um, mm"),
     ],

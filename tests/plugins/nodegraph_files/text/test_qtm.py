@@ -134,9 +134,9 @@ def test_names_that_are_not_as_many_as_columns_are_reported(
     ("facts", "message"),
     [
         ({"DATA_INCLUDED": "2D"}, r":7:2: DATA_INCLUDED is '2D'; only 3D data"),
-        ({"FREQUENCY": "EXT"}, r":4:2: FREQUENCY 'EXT' is not a positive number; add a line"),
-        ({"FREQUENCY": "0"}, r":4:2: FREQUENCY '0' is not a positive number"),
-        ({"FREQUENCY": None}, r": no FREQUENCY in the header; add a line '# rate: 60'"),
+        ({"FREQUENCY": "EXT"}, r":4:2: FREQUENCY must be a positive number.* 'EXT'; set `rate`"),
+        ({"FREQUENCY": "0"}, r":4:2: FREQUENCY must be .* says '0'"),
+        ({"FREQUENCY": None}, r": FREQUENCY must be .* says none; set `rate`"),
         ({"MARKER_NAMES": None}, r": no names follow MARKER_NAMES"),
         ({"MARKER_NAMES": ""}, r": no names follow MARKER_NAMES"),
     ],

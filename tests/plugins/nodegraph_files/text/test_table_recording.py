@@ -45,5 +45,5 @@ def test_a_rate_of_uneven_times_is_reported(write: Write) -> None:
     bare = read_table(write("a,b\n"))
     with pytest.warns(UserWarning, match="not whole steps apart; by the median step .* 2 Hz"):
         assert known_rate(bare, np.array([0, 0.5, 1, 1.5, 2.2])) == 2
-    with pytest.raises(ValueError, match=r"take\.csv: no rate; add a line '# rate: 60'"):
+    with pytest.raises(ValueError, match=r"take\.csv: no rate; set `rate` in Hz"):
         known_rate(bare, None)

@@ -215,12 +215,42 @@ def test_headers_that_are_shifted_or_padded_by_tabs(write: Write) -> None:
         ("  X1 Y1 Z1 X2 Z2 Y2", ":5:7: 'Z2' where Y2 is expected"),
         ("  X1 Y1 Z1 X2 Y2", ":5: 5 columns X1, Y1, Z1, ... make no whole number"),
         ("  X1 Y1 Z1  Y2 Z2", ":5:6: '' where X2 is expected"),
-        ("1 0.00 1 2 3 4 5", ":5: no columns X1, Y1, Z1, ... and 5 coordinates"),
+        ("1 0.00 1 2 3 4 5 6 7", ":5: no columns X1, Y1, Z1, ... and 7 coordinates"),
     ],
 )
 def test_columns_out_of_place_are_refused(write: Write, axes: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.trc{message}"):
         read_trc(write(trc(axes=axes)))
+
+
+@pytest.mark.parametrize("end", ["", "\t"])
+@pytest.mark.parametrize("more", [(3, 6), (0, 3), (3, 3), (6, 0)])
+def test_trajectories_without_columns_in_the_header_are_left_out_and_counted(
+    write: Write, end: str, more: tuple[int, int]
+) -> None:
+    named = ["1 0.00 1 2 3 4 5 6", "2 0.01 7 8 9 10 11 12"]
+    rows = [row + " 77" * cells + end for row, cells in zip(named, more, strict=True)]
+    with pytest.warns(UserWarning, match="columns follow the 8 that have names") as caught:
+        read = read_trc(write(trc(rows)))
+    assert f"{max(more)} columns" in str(caught[0].message)
+    assert f"in {2 - more.count(0)} rows" in str(caught[0].message)
+    assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
+
+
+def test_trajectories_that_have_no_names_at_all_are_named_and_counted(write: Write) -> None:
+    text = trc(
+        ["1 0.00 1 2 3 ", "2 0.01 7 8 9 10 11 12 "],
+        names="Frame# Time ",
+        axes="  ",
+        NumMarkers="0",
+    )
+    with pytest.warns(UserWarning, match=r"header|rows end|no label") as caught:
+        read = read_trc(write(text))
+    messages = " ".join(str(warning.message) for warning in caught)
+    assert "no row X1, Y1, Z1" in messages
+    assert "2 markers had no label" in messages
+    assert read.markers == ("unnamed_1", "unnamed_2")
+    assert read.present.tolist() == [[True, False], [True, True]]
 
 
 def test_a_row_longer_than_the_columns_is_refused(write: Write) -> None:

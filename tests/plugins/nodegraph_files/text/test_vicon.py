@@ -81,8 +81,8 @@ def test_names_that_lack_or_repeat_are_reported(
     [
         (vicon(line_1="Model Outputs"), ": no section Trajectories; there is Model Outputs"),
         ("Trajectories\n100\n", ": the section Trajectories ends within its header"),
-        (vicon(line_2="0"), ":2:1: the rate '0' is not a positive number"),
-        (vicon(line_2="fast"), ":2:1: the rate 'fast' is not a positive number"),
+        (vicon(line_2="0"), ":2:1: the rate must be .* says '0'"),
+        (vicon(line_2="fast"), ":2:1: the rate must be .* says 'fast'"),
         (vicon(line_3=",,lip,nose"), ":3:4: the name 'nose' is out of place"),
         (vicon(line_4="Frame,Sub Frame,X,Y,Z,X,Y"), ":4: 5 columns X1, Y1, Z1, ... make no whole"),
         (vicon(line_4="Frame,Sub Frame,X,Y,Z,RX,RY,RZ"), ":4:6: 'RX' where X2 is expected"),
