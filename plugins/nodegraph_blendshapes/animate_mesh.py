@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from nodegraph import StateForm, node
-from nodegraph_blendshapes.shape_matches import shapes_of
+from nodegraph_blendshapes.shape_matches import driving
 from nodegraph_mocap import Animation, AnimationFrame, Head, HeadMotion, HeadPose, Weights
+from nodegraph_mocap.shape_names import sides_as
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,10 +20,11 @@ class _Stream:
 
     def __init__(self, weights: Weights, head: Head, head_motion: HeadMotion | None = None) -> None:
         self.header = mesh(weights, head, head_motion)
-        self._columns = [weights.names.index(name) for name in self.header.weights.names]
+        self._sides = sides_as(weights.names, head.names)
+        self._columns = [self._sides.names.index(name) for name in self.header.weights.names]
 
     def push(self, weights: NDArray[np.float64], pose: HeadPose | None = None) -> AnimationFrame:
-        return AnimationFrame(weights[self._columns], pose)
+        return AnimationFrame(self._sides.of(weights)[self._columns], pose)
 
     def drain(self) -> Iterable[AnimationFrame]:
         return ()
@@ -39,10 +40,12 @@ def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) ->
 
     The morph targets of the head and the shapes whose weights were solved are parallel: what has
     the same name means the same expression, so the weights found on one face drive another [1]_.
-    Names match across conventions (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``). Weights
-    that the head has no morph target for are left out, and morph targets without weight stay at 0;
-    warnings count and name both. Missing weights (NaN) stay missing; ``write.glb`` says what it
-    does with them.
+    Names match across conventions (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``). A weight
+    without sides, such as ``browInnerUp``, drives the morph targets of both sides where the head
+    has these instead, and a morph target without sides gets the mean of the weights of both.
+    Weights that the head has no morph target for are left out, and morph targets without weight
+    stay at 0. Warnings count and name all of these. Missing weights (NaN) stay missing;
+    ``write.glb`` says what it does with them.
 
     Parameters
     ----------
@@ -72,7 +75,5 @@ def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) ->
     ----------
     .. [1] C. Curio et al., Semantic 3D motion retargeting for facial animation, APGV '06, 77-84.
     """
-    matches = tuple(shapes_of(weights, head.names, "head"))
-    columns = [weights.names.index(name) for name in matches]
-    driving = replace(weights, values=weights.values[:, columns], names=matches)
-    return Animation(head=head, weights=driving, head_motion=head_motion)
+    used, _ = driving(weights, head.names, "head")
+    return Animation(head=head, weights=used, head_motion=head_motion)

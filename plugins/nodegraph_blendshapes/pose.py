@@ -8,7 +8,7 @@ import numpy as np
 
 from nodegraph import node
 from nodegraph_blendshapes.model import with_markers
-from nodegraph_blendshapes.shape_matches import shapes_of
+from nodegraph_blendshapes.shape_matches import driving
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories, Weights
 
 
@@ -19,8 +19,10 @@ def pose(
     """Pose a model by weights: ``neutral + sum(weight * shape)`` in every frame.
 
     Weights and shapes are matched by name, whichever convention each is written in
-    (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``) [1]_. Weights that the model has no shape
-    for are left out, and shapes without weight stay at 0; warnings count and name both. A frame in
+    (``EyeBlinkLeft``, ``eyeBlinkLeft``, ``eyeBlink_L``) [1]_. A weight without sides, such as
+    ``browInnerUp``, drives the shapes of both sides where the model has these instead, and a shape
+    without sides gets the mean of the weights of both. Weights that the model has no shape for are
+    left out, and shapes without weight stay at 0. Warnings count and name all of these. A frame in
     which a weight of the model is missing (NaN) is missing as a whole, counted in a warning.
 
     Parameters
@@ -48,17 +50,16 @@ def pose(
     .. [1] J. P. Lewis et al., Practice and theory of blendshape facial models, Eurographics 2014,
        State of the Art Reports, 199-218.
     """
-    matches = shapes_of(weights, model.names, "model")
-    values = weights.values[:, [weights.names.index(name) for name in matches]]
-    shapes = model.shapes[[model.names.index(shape) for shape in matches.values()]]
-    lacking = np.asarray(np.isnan(values).any(axis=1))
+    used, driven = driving(weights, model.names, "model")
+    shapes = model.shapes[[model.names.index(shape) for shape in driven]]
+    lacking = np.asarray(np.isnan(used.values).any(axis=1))
     if lacking.any():
         warnings.warn(
             f"{np.count_nonzero(lacking)} of {len(lacking)} frames lack a weight, and are missing; "
             f"the first is frame {np.argmax(lacking)}",
             stacklevel=2,
         )
-    offsets = np.tensordot(values, shapes, axes=1)
+    offsets = np.tensordot(used.values, shapes, axes=1)
     offsets[lacking] = np.nan
     posed = Trajectories(
         positions=model.neutral + offsets, markers=model.markers, rate=weights.rate

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from dataclasses import replace
 
 from nodegraph import listed
 from nodegraph_mocap import Weights
-from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.shape_names import matched, sides_as
 
 
-def shapes_of(weights: Weights, names: tuple[str, ...], face: str) -> Mapping[str, str]:
-    """Return the shape that each weight drives; warn of weights and shapes that are left over.
+def driving(weights: Weights, names: tuple[str, ...], face: str) -> tuple[Weights, tuple[str, ...]]:
+    """Return the weights that drive a face, and the shape that each of them drives.
+
+    Shapes that only one of the two splits into left and right are split or joined. Warnings say
+    which, and which weights and shapes are left over.
 
     Parameters
     ----------
@@ -26,18 +29,21 @@ def shapes_of(weights: Weights, names: tuple[str, ...], face: str) -> Mapping[st
     ValueError
         If no weight has a shape, or one could have two.
     """
-    matches = matched(weights.names, names)
+    sides = sides_as(weights.names, names)
+    matches = matched(sides.names, names)
     if not matches:
         raise ValueError(
             f"weights and {face} have no shape in common: the weights have "
             f"{listed(weights.names)}, the {face} {listed(names)}"
         )
-    spare = [name for name in weights.names if name not in matches]
+    for note in sides.notes:
+        warnings.warn(note, stacklevel=3)
+    spare = [name for name in sides.names if name not in matches]
     driven = set(matches.values())
     still = [name for name in names if name not in driven]
     if spare:
         warnings.warn(
-            f"{len(spare)} of {len(weights.names)} weights have no shape on the {face}, and are "
+            f"{len(spare)} of {len(sides.names)} weights have no shape on the {face}, and are "
             f"left out: {listed(spare)}",
             stacklevel=3,
         )
@@ -47,4 +53,6 @@ def shapes_of(weights: Weights, names: tuple[str, ...], face: str) -> Mapping[st
             f"{listed(still)}",
             stacklevel=3,
         )
-    return matches
+    columns = [sides.names.index(name) for name in matches]
+    values = sides.of(weights.values)[:, columns]
+    return replace(weights, values=values, names=tuple(matches)), tuple(matches.values())

@@ -26,7 +26,7 @@ from nodegraph_live.datagrams import TIMEOUT, DatagramSink, DatagramSource
 from nodegraph_live.packet_reader import PacketReader
 from nodegraph_live.payloads import weights_frame, weights_header, weights_only
 from nodegraph_mocap import Weights
-from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.shape_names import matched, sides_as
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -165,8 +165,9 @@ class LiveLinkSource(DatagramSource):
 class LiveLinkSink:
     """Sends weights as the app does: ``livelink:HOST:PORT``.
 
-    Weights of which the names are not ARKit shapes are refused; shapes without weights are 0, and
-    so are the angles. A frame in which a weight is missing is sent as one without a face.
+    Weights of which the names are not ARKit shapes are refused; of the two sides of one that has
+    none, the mean is sent. Shapes without weights are 0, and so are the angles. A frame in which a
+    weight is missing is sent as one without a face.
     """
 
     def __init__(self, address: str) -> None:
@@ -177,14 +178,16 @@ class LiveLinkSink:
     def open(self, header: object) -> None:
         """Find the place of each weight in the packet."""
         header = weights_only(self._address, header)
-        shape_of = matched(header.names, SHAPES)
-        unknown = [name for name in header.names if name not in shape_of]
+        self._sides = sides_as(header.names, SHAPES)
+        names = self._sides.names
+        shape_of = matched(names, SHAPES)
+        unknown = [name for name in names if name not in shape_of]
         if unknown:
             raise NodegraphError(
                 f"{self._address}: {listed(unknown)} are not shapes of Live Link Face; there is "
                 f"{listed(SHAPES)}"
             )
-        self._places = [SHAPES.index(shape_of[name]) for name in header.names]
+        self._places = [SHAPES.index(shape_of[name]) for name in names]
         self._rate = Fraction(header.rate).limit_denominator(1001)
         self._datagrams.connect()
 
@@ -193,7 +196,7 @@ class LiveLinkSink:
         values = None
         if np.isfinite(frame.payload).all():
             values = np.zeros(VALUES)
-            values[self._places] = frame.payload
+            values[self._places] = self._sides.of(frame.payload)
         number = frame.index % max(round(self._rate * _DAY), 1)
         self._datagrams.send(encode(Face("nodegraph", number, self._rate, values)))
 

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from nodegraph import listed
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 _SIDES = {"l": "left", "r": "right"}
 _SIDE = re.compile(r"[_.\- ]([lr])$")
@@ -49,6 +57,64 @@ def matched(names: Iterable[str], others: Iterable[str]) -> Mapping[str, str]:
                 raise ValueError(f"shapes {taken[other]!r} and {name!r} both mean {other!r}")
             matches[name], taken[other] = other, name
     return matches
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Weights with shapes split into left and right, or joined, as another face has them.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the K weights after that.
+    columns : tuple of (int, int)
+        For each of them, the two weights before that of which it is the mean: mostly one twice.
+    notes : tuple of str
+        What was split and what was joined.
+    """
+
+    names: tuple[str, ...]
+    columns: tuple[tuple[int, int], ...]
+    notes: tuple[str, ...]
+
+    def of(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (..., K) weights, given those before that."""
+        first, second = ([pair[side] for pair in self.columns] for side in (0, 1))
+        return (values[..., first] + values[..., second]) / 2
+
+
+def sides_as(names: Sequence[str], others: Sequence[str]) -> Sides:
+    """Return how weights of these names become weights of shapes with the others' sides.
+
+    Programs differ in which shapes have a left and a right side: ARKit's ``browInnerUp`` and
+    ``cheekPuff`` are ``browInnerUp_L``, ``browInnerUp_R``, ``cheekPuff_L`` and ``cheekPuff_R`` in
+    ICT-FaceKit. A weight without sides counts for both of them, and two sides for their mean.
+    """
+    split, joined = _halves(names, others), _halves(others, names)
+    left_out = {half for halves in joined.values() for half in halves}
+    place = {name: number for number, name in enumerate(names)}
+    columns: dict[str, tuple[int, int]] = {}
+    for name in names:
+        if name not in left_out:
+            columns |= dict.fromkeys(split.get(name, (name,)), (place[name], place[name]))
+    columns |= {name: (place[left], place[right]) for name, (left, right) in joined.items()}
+    notes = (
+        f"{len(split)} weights without sides count for the left and the right shape: "
+        f"{listed(split)}" if split else "",
+        f"{len(joined)} shapes without sides get the mean of a left and a right weight: "
+        f"{listed(joined)}" if joined else "",
+    )  # fmt: skip
+    return Sides(tuple(columns), tuple(columns.values()), tuple(note for note in notes if note))
+
+
+def _halves(names: Sequence[str], others: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return the names that none of the others matches, but a left and a right one do."""
+    matches = matched(names, others)
+    spare = [name for name in names if name not in matches]
+    free = [other for other in others if other not in set(matches.values())]
+    sides = [matched([f"{name}_{side}" for name in spare], free) for side in "LR"]
+    pairs = {name: (sides[0].get(f"{name}_L"), sides[1].get(f"{name}_R")) for name in spare}
+    return {name: (left, right) for name, (left, right) in pairs.items() if left and right}
 
 
 def _plain(name: str) -> str:

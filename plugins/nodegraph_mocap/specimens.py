@@ -148,6 +148,9 @@ def weights() -> dict[str, Weights]:
         "weights of another program": replace(
             complete, names=("MouthSmile_R", "JawOpen", "TongueOut")
         ),
+        "weights without sides": replace(
+            complete, values=complete.values[:, :2], names=("jawOpen", "mouthSmile")
+        ),
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Weights
-from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.shape_names import matched, sides_as
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -49,8 +49,10 @@ def weights_mse(
     ========== =========================================================================
 
     Shapes are matched by name, whichever convention each is written in (``EyeBlinkLeft``,
-    ``eyeBlinkLeft``, ``eyeBlink_L``). Every shape of either counts: one that the other lacks is 0
-    there, as is one that no marker shows, so that it weighs on the error as it would on the face.
+    ``eyeBlinkLeft``, ``eyeBlink_L``). A weight without sides, such as ``browInnerUp``, is compared
+    with both sides where the reference has these instead, and the mean of two sides with one of
+    the reference. Every shape of either counts: one that the other lacks is 0 there, as is one
+    that no marker shows, so that it weighs on the error as it would on the face.
     Warnings and the table's notes count and name such shapes, and count the frames left out.
     Where the two come from models with other shapes, `mse` grows with the movement of those that
     one lacks, and falls with each that rests: compare methods by `shared_mse` then. `mse` is the
@@ -98,17 +100,19 @@ def _errors(
     estimate: Weights, reference: Weights
 ) -> tuple[NDArray[np.float64], tuple[str, ...], NDArray[np.bool_], list[str]]:
     """Return (T, K) differences, the shapes' names, which ones both have, and what one lacks."""
-    matches = matched(estimate.names, reference.names)
+    sides = sides_as(estimate.names, reference.names)
+    matches = matched(sides.names, reference.names)
     if not matches:
         raise ValueError(
             f"no shape is in both: estimate has {listed(estimate.names)}, reference "
             f"{listed(reference.names)}"
         )
-    spare = tuple(name for name in estimate.names if name not in matches)
+    spare = tuple(name for name in sides.names if name not in matches)
     names = (*reference.names, *spare)
     places = {name: number for number, name in enumerate(names)}
     errors = np.zeros((estimate.frames, len(names)))
-    errors[:, [places[matches.get(name, name)] for name in estimate.names]] = estimate.values
+    columns = [places[matches.get(name, name)] for name in sides.names]
+    errors[:, columns] = sides.of(estimate.values)
     errors[:, : len(reference.names)] -= reference.values
     driven = set(matches.values())
     lacking = tuple(name for name in reference.names if name not in driven)
@@ -118,7 +122,7 @@ def _errors(
         for what, absent in (("estimate", spare), ("reference", lacking))
         if absent
     ]
-    return errors, names, np.array([name in driven for name in names]), notes
+    return errors, names, np.array([name in driven for name in names]), [*sides.notes, *notes]
 
 
 def _table(

@@ -199,8 +199,8 @@ def _at_once(rows: Rows) -> NDArray[np.float64] | None:
     count = len(rows.wanted)
     row, column = (~np.isnan(numbers[:, count:])).nonzero()
     beyond = dict(zip(row.tolist(), (column + 1).tolist(), strict=True)).values()
-    first = max((column[row == 0] + 1).tolist(), default=0)
-    if not all(_may_follow(rows, cells, first) for cells in beyond):
+    at_first = max((column[row == 0] + 1).tolist(), default=0)
+    if not all(_may_follow(rows, cells, at_first) for cells in beyond):
         return None
     _warn_beyond(rows, beyond)
     return numbers[:, :count]

@@ -30,6 +30,19 @@ def test_weights_of_one_face_drive_another_by_name() -> None:
     np.testing.assert_array_equal(animation.morph_weights, WEIGHTS.values[:, [2, 0, 1]])
 
 
+@pytest.mark.filterwarnings("ignore:1 (weights|shapes) without sides")
+@pytest.mark.parametrize("split", [False, True])
+def test_sides_are_split_and_joined(*, split: bool) -> None:
+    names = ("jawOpen", "mouthSmile")
+    weights, head = WEIGHTS, replace(HEAD, names=names, morphs=HEAD.morphs[:2])
+    if split:
+        weights, head = replace(WEIGHTS, values=WEIGHTS.values[:, :2], names=names), HEAD
+    animation = mesh(weights, head)
+    assert animation.weights.names == head.names
+    smiles = WEIGHTS.values[:, [1, 1]] if split else WEIGHTS.values[:, 1:].mean(axis=1)[:, None]
+    np.testing.assert_array_equal(animation.morph_weights[:, 1:], smiles)
+
+
 def test_what_has_no_counterpart_is_left_out_and_named() -> None:
     weights = replace(WEIGHTS, names=("TongueOut", "jawOpen", "browInnerUp"))
     with pytest.warns(UserWarning) as caught:  # noqa: PT030  (two of them, both below)

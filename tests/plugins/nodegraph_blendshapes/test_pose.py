@@ -54,6 +54,21 @@ def test_what_has_no_counterpart_is_left_out_and_named() -> None:
     np.testing.assert_allclose(posed.positions, expected, rtol=0, atol=1e-12)
 
 
+def test_a_shape_with_or_without_sides_moves_what_its_counterparts_move() -> None:
+    whole = Weights(values=WEIGHTS.values[:, :2], names=("jawOpen", "mouthSmile"), rate=60)
+    with pytest.warns(UserWarning, match="count for the left and the right shape: mouthSmile"):
+        posed = pose(whole, MODEL)
+    both = replace(WEIGHTS, values=WEIGHTS.values[:, [0, 1, 1]])
+    np.testing.assert_array_equal(posed.positions, pose(both, MODEL).positions)
+
+    one = replace(MODEL, shapes=MODEL.shapes[:2], names=("jawOpen", "mouthSmile"))
+    with pytest.warns(UserWarning, match="get the mean of a left and a right weight: mouthSmile"):
+        posed = pose(WEIGHTS, one)
+    mean = WEIGHTS.values[:, 1:].mean(axis=1)
+    halves = replace(whole, values=np.stack([WEIGHTS.values[:, 0], mean], axis=1))
+    np.testing.assert_array_equal(posed.positions, pose(halves, one).positions)
+
+
 def test_nothing_in_common_is_an_error() -> None:
     weights = replace(WEIGHTS, names=("a", "b", "c"))
     message = "no shape in common: the weights have a, b, c, the model jawOpen, mouthSmileLeft, mou"

@@ -96,21 +96,26 @@ def test_other_packets_are_refused(packet: bytes, message: str) -> None:
 
 
 def test_weights_are_sent_by_the_names_of_the_app() -> None:
-    weights = Weights(values=np.empty((0, 2)), names=("jawOpen", "EyeBlink_L"), rate=29.97)
+    shapes = ("jawOpen", "EyeBlink_L", "cheekPuff_L", "cheekPuff_R")
+    weights = Weights(values=np.empty((0, 4)), names=shapes, rate=29.97)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind((HOST, 0))
         receiver.settimeout(5)
         sink = SINK(f"{HOST}:{receiver.getsockname()[1]}")
         sink.open(weights)
-        sink.write(Frame(3, 0, 1, np.array([0.5, 0.75])))
-        sink.write(Frame(4, 0, 1, np.array([0.5, np.nan])))
+        sink.write(Frame(3, 0, 1, np.array([0.5, 0.75, 1, 0.25])))
+        sink.write(Frame(4, 0, 1, np.array([0.5, np.nan, 1, 1])))
         sink.close()
         packet, without_face = receiver.recv(2048), receiver.recv(2048)
     start = len(names("nodegraph", "nodegraph"))
     assert packet[:start] == names("nodegraph", "nodegraph")
     frame, _, numerator, denominator, count, *sent = struct.unpack_from(">ifiiB61f", packet, start)
     assert (frame, count, numerator / denominator) == (3, 61, pytest.approx(29.97))
-    assert {place: value for place, value in enumerate(sent) if value} == {0: 0.75, 17: 0.5}
+    assert {place: value for place, value in enumerate(sent) if value} == {
+        0: 0.75,
+        17: 0.5,
+        46: 0.625,
+    }
     assert struct.unpack_from(">ifiiB", without_face, start)[4] == 0
 
     with pytest.raises(NodegraphError, match="grin are not shapes of Live Link Face"):

@@ -1,8 +1,9 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
-from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.shape_names import matched, sides_as
 
 LIVE_LINK = ("EyeBlinkLeft", "BrowInnerUp", "MouthRight", "MouthSmileRight")
 ARKIT = ("mouthSmileRight", "eyeBlinkLeft", "mouthRight", "browInnerUp")
@@ -58,3 +59,37 @@ def test_two_names_for_one_other_are_an_error(names: list[str]) -> None:
     message = f"'{names[0]}' and '{names[1]}' both mean '{other}'"
     with pytest.raises(ValueError, match=message):
         matched(names, [other])
+
+
+@pytest.mark.parametrize("shape", ["BrowInnerUp", "cheekPuff", "mouthPucker", "noseSneer"])
+@pytest.mark.parametrize(("left", "right"), [("_L", "_R"), ("Left", "Right"), (".l", ".r")])
+def test_a_shape_that_one_convention_splits_into_sides(shape: str, left: str, right: str) -> None:
+    whole, halves = ["jawOpen", shape], [shape.lower() + right, "JawOpen", shape.lower() + left]
+    split = sides_as(whole, halves)
+    assert split.names == ("jawOpen", halves[2], halves[0])
+    assert split.of(np.array([[1.0, 0.25], [np.nan, 3.0]])).tolist()[0] == [1, 0.25, 0.25]
+    assert split.notes == (
+        f"1 weights without sides count for the left and the right shape: {shape}",
+    )
+    joined = sides_as(halves, whole)
+    assert joined.names == ("JawOpen", shape)
+    assert joined.of(np.array([0.5, 0.75, 1.0])).tolist() == [0.75, 0.75]
+    assert joined.notes == (
+        f"1 shapes without sides get the mean of a left and a right weight: {shape}",
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "others"),
+    [
+        (["browInnerUp"], ["browInnerUp_L"]),
+        (["browInnerUp", "browInnerUp_L"], ["browInnerUp_L", "browInnerUp_R"]),
+        (["browInnerUp_L", "browInnerUp_R"], ["BrowInnerUp", "BrowInnerUpLeft"]),
+        (["mouthLeft", "mouthRight"], ["mouth_L", "mouth_R"]),
+    ],
+)
+def test_sides_are_only_made_where_both_are_free(names: list[str], others: list[str]) -> None:
+    sides = sides_as(names, others)
+    assert (sides.names, sides.notes) == (tuple(names), ())
+    values = np.random.default_rng(0).normal(size=(3, len(names)))
+    np.testing.assert_array_equal(sides.of(values), values)

@@ -78,6 +78,16 @@ def test_shapes_are_matched_in_any_order_and_convention() -> None:
     assert (row["worst"], row["shapes"]) == ("eyeBlink_L", 4)
 
 
+def test_a_shape_without_sides_is_compared_with_both() -> None:
+    reference = replace(weights("abc"), names=("browInnerUp_L", "browInnerUp_R", "jawOpen"))
+    whole = Weights(values=reference.values[:, 1:], names=("BrowInnerUp", "jawOpen"), rate=60)
+    with pytest.warns(UserWarning, match="1 weights without sides .*BrowInnerUp"):
+        row = weights_mse(whole, reference).iloc[0]
+    left = whole.values[:, 0] - reference.values[:, 0]
+    assert row["mse"] == pytest.approx(np.mean(left**2) / 3)
+    assert (row["shapes"], row["shared"]) == (3, 3)
+
+
 def test_a_shape_that_one_lacks_is_0_there() -> None:
     estimate, reference = weights("abx"), weights("abcd", seed=1)
     with pytest.warns(UserWarning, match="shapes only the") as caught:
