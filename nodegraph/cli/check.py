@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from nodegraph.plan import Plan
 
 _MOST_USES = 4
-HELP = "Validate a graph, with the recordings that can be read at once, and show its plan."
+HELP = "Validate a graph, with the files that can be read at once, and show its plan."
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -57,7 +57,7 @@ def check(arguments: Namespace) -> int:
     """Print the steps of a graph, and how many of them are stored."""
     from nodegraph.cli.graphs import graph_of, left_out_lines, store_of
     from nodegraph.execute import StepCache
-    from nodegraph.execute.preflight import check_requirements
+    from nodegraph.execute.preflight import check_files_and_settings
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)
@@ -70,7 +70,7 @@ def check(arguments: Namespace) -> int:
     cache = StepCache(planned, store_of(arguments, graph))
     stored = {step.index for step in planned.steps if step.index in cache}
     problems = Problems()
-    check_requirements(planned, cache, problems)
+    warnings = check_files_and_settings(planned, cache, problems)
     problems.raise_any()
     print(f"{graph.title}\n\n{columns(list(_rows(planned, stored)))}\n")
     print(f"{number_of(len(planned.steps), 'step')}, {len(stored)} of them stored")
@@ -79,6 +79,8 @@ def check(arguments: Namespace) -> int:
     skipped = sum(len(cells) for cells in planned.skipped.values())
     if skipped:
         print(f"{skipped} combinations are skipped")
+    for warning in warnings:
+        print(f"warning: {warning}")
     return 0
 
 

@@ -148,6 +148,52 @@ def test_check_refuses_settings_that_do_not_fit_a_file(command: Command) -> None
     assert err.count("4 of 3 lines") == 1
 
 
+COUNTING = """
+import warnings
+
+@node("toy.count")
+def count(*, file: InputFile) -> float:
+    with open("reads", "a") as log:
+        log.write(file.name)
+    if file.name in "bc":
+        warnings.warn("it is old")
+    return float(file.read_text())
+"""
+
+
+def test_check_reads_every_small_file_once_and_says_what_readers_say(command: Command) -> None:
+    mark = "from nodegraph import InputFile\n"
+    toys = Path("toys.py").read_text()
+    Path("toys.py").write_text(toys + mark + COUNTING + REQUIRING)
+    for name in "abcdefgh":
+        Path(name).write_text("3")
+    for name in "eh":
+        Path(name).write_text("no number")
+    Path("many.yaml").write_text(
+        "nodegraph: 1\naxes: {file: [a, b, c, d, e, f, g], length: [1, 2]}\nnodes:\n"
+        "  first: {use: toy.count, with: {file: $file}}\n"
+        "  part: {use: toy.part, in: first, with: {length: $length}}\n"
+        "  last: {use: toy.count, with: {file: h}}\n"
+        "  again: {use: toy.part, in: last, with: {length: $length}}\n"
+        "  kept: {use: toy.slow, in: last}\n"
+    )
+    status, out, err = command("check", "many.yaml")
+    assert (status, out) == (2, "")
+    assert sorted(Path("reads").read_text()) == list("abcdefgh")
+    assert err.count("could not convert") == 2
+    assert "first(file=e): " in err
+    assert "many.yaml:6:39: last: " in err
+
+    status, out, err = command("check", "many.yaml", "--only", "file=a,b,c", "--axis", "length=1")
+    assert "last: " in err
+    Path("h").write_text("5")
+    status, out, _ = command("check", "many.yaml", "--only", "file=a,b,c")
+    assert status == 0
+    assert out.endswith("warning: first(file=b) and 1 more of first: it is old\n")
+    os.truncate("h", (16 << 20) + 1)  # it is left to the run
+    assert command("check", "many.yaml", "--only", "file=a")[0] == 0
+
+
 def test_check_takes_choices(command: Command) -> None:
     status, out, _ = command(
         "check", "toy.yaml", "--set", "start=7", "--axis", "length=1,2,3", "--only", "fill=hold"
