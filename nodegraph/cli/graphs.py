@@ -15,7 +15,7 @@ from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
-from nodegraph.runs.settings import read_labels
+from nodegraph.runs.settings import read_axis, read_labels
 from nodegraph.store import Store
 
 if TYPE_CHECKING:
@@ -26,16 +26,14 @@ def graph_of(arguments: Namespace) -> Graph:
     """Return the graph that a command names, validated, with the choices of its options."""
     _refuse_lock(arguments.graph)
     registry = Registry.installed(arguments.plugin)
-    axes, only = (
-        {
-            name: read_labels(f"--{option} {name}", text)
-            for name, text in pairs(arguments, option).items()
-        }
-        for option in ("axis", "only")
-    )
-    choices = Choices(
-        input_values(arguments), axes, {name: tuple(labels) for name, labels in only.items()}
-    )
+    axes = {
+        name: read_axis(f"--axis {name}", text) for name, text in pairs(arguments, "axis").items()
+    }
+    only = {
+        name: tuple(read_labels(f"--only {name}", text))
+        for name, text in pairs(arguments, "only").items()
+    }
+    choices = Choices(input_values(arguments), axes, only)
     graph = build(read_graph_file(arguments.graph), registry, choices)
     for notice in graph.notices:
         say(str(notice))

@@ -15,7 +15,11 @@ HELP = "Write a static site: a gallery of runs with their reports."
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
     parser.add_argument(
-        "runs", nargs="+", type=Path, metavar="RUN", help="Folder of a run, such as runs/fill."
+        "runs",
+        nargs="+",
+        type=Path,
+        metavar="RUN",
+        help="Folder of a run, such as runs/fill, or a folder of runs.",
     )
     parser.add_argument(
         "--out",

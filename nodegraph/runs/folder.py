@@ -35,6 +35,17 @@ _HOW = ("executor", "jobs", "scheduler")
 """Settings that decide no result."""
 
 
+def is_run(folder: Path) -> bool:
+    """Return whether a folder is that of a run, however it ended."""
+    return any((folder / name).is_file() for name in (RECORD, EVENTS, STUDY))
+
+
+def runs_in(folder: Path) -> Iterator[Path]:
+    """Yield the folders of runs in a folder, in no order."""
+    with suppress(OSError):
+        yield from (each for each in folder.iterdir() if each.is_dir() and is_run(each))
+
+
 def graph_name(used: Iterable[str]) -> str:
     """Return the name of the graph file in the folder of its run.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -11,7 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict
 
-from nodegraph.errors import GraphError
+from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute import HowToRun
 from nodegraph.execute.events import plain
 from nodegraph.filenames import portable_name
@@ -26,6 +27,7 @@ Bool = Annotated[bool, Strict()]
 Label = Annotated[str | Int | Float | Bool, Field(union_mode="left_to_right")]
 
 _DEFAULT = HowToRun()
+_GENERATOR = re.compile(r"(?:{\s*(?=\w+[:=]\S))?(count|range|files)\s*[:=]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,8 +140,25 @@ def read_value(option: str, text: str) -> object:
         return text  # a path may contain characters that YAML gives a meaning
 
 
+def read_axis(option: str, text: str) -> Any:
+    """Return the labels that ``--axis k`` has, or its labels with values, or its generator.
+
+    Raises
+    ------
+    NodegraphError
+        If it is no YAML, or a generator without braces or a blank, which would be a label.
+    """
+    if match := _GENERATOR.match(text):
+        value = text[match.end() :].strip(" }")
+        meant = {"count": value, "range": f"[{value.strip('[]')}]", "files": _yaml(value)}[match[1]]
+        name = option.removeprefix("--axis ")
+        instead = shlex.quote(f"{name}={{{match[1]}: {meant}}}")
+        raise NodegraphError(f"{option}={text}: that would be a label; write --axis {instead}")
+    return read_labels(option, text)
+
+
 def read_labels(option: str, text: str) -> Any:
-    """Return the labels that an option such as ``--axis k`` has: ``1,2``, or YAML."""
+    """Return the labels that an option such as ``--only k`` has: ``1,2``, or YAML."""
     if not text.startswith(("[", "{")):
         labels = text.split(",")
         # *.c3d is an alias in YAML
@@ -154,13 +173,13 @@ def _value_text(value: object) -> str:
 
 
 def _labels_text(labels: Any) -> str:
-    """Return the text that `read_labels` reads as labels."""
+    """Return the text that `read_axis` and `read_labels` read as labels."""
     if isinstance(labels, Mapping):
         return _yaml(labels)
     text = ",".join(label if isinstance(label, str) else _yaml(label) for label in labels)
     try:
-        is_plain = not text.startswith(("[", "{")) and _same(read_labels("", text), labels)
-    except GraphError:
+        is_plain = not text.startswith(("[", "{")) and _same(read_axis("", text), labels)
+    except NodegraphError:
         is_plain = False
     return text if is_plain else _yaml(labels)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -18,7 +18,7 @@ from nodegraph.execute import open_store
 from nodegraph.filenames import portable_name
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.study import Study, read_study
-from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_written
+from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_run, is_written, runs_in
 from nodegraph.runs.reopened_run import ReopenedRun, reopen, saved_graph
 from nodegraph.runs.saved_run import SavedRun
 from nodegraph.runs.settings import RunSettings
@@ -307,7 +307,7 @@ class OpenRuns:
         self._lock = Lock()
         folders = list(dict.fromkeys(path.absolute() for path in paths))
         for folder in folders:
-            if not is_run(folder) and not any(_runs_in(folder)):
+            if not is_run(folder) and not any(runs_in(folder)):
                 raise NodegraphError(
                     f"{folder}: there is no run; run a graph, or name the folder of a run"
                 )
@@ -320,7 +320,7 @@ class OpenRuns:
     def all(self) -> Mapping[str, OpenRun]:
         """Return the runs by name, those that were named first, then by date, the latest first."""
         beside = sorted(
-            {run for folder in self._around for run in _runs_in(folder)} - {*self._named},
+            {run for folder in self._around for run in runs_in(folder)} - {*self._named},
             key=lambda run: _version(run / EVENTS),
             reverse=True,
         )
@@ -333,15 +333,3 @@ class OpenRuns:
                 if folder not in self._runs or self._runs[folder].name != name:
                     self._runs[folder] = OpenRun(number, name, folder, self._registry, self._store)
             return {self._runs[folder].name: self._runs[folder] for folder in folders}
-
-
-def is_run(folder: Path) -> bool:
-    """Return whether a folder is that of a run, however it ended."""
-    return any((folder / name).is_file() for name in (RECORD, EVENTS, STUDY))
-
-
-def _runs_in(folder: Path) -> Iterator[Path]:
-    try:
-        yield from (each for each in folder.iterdir() if each.is_dir() and is_run(each))
-    except OSError:
-        return

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-from nodegraph.errors import NodegraphError
+from nodegraph.errors import NodegraphError, listed
 from nodegraph.filenames import fold, portable_name
+from nodegraph.formatting import number_of
 from nodegraph.report.page import templates_of
 from nodegraph.report.study import Study, read_study
-from nodegraph.runs.folder import REPORT
+from nodegraph.runs.folder import REPORT, STUDY, is_run, runs_in
 
 INDEX, STYLE = "index.html", "gallery.css"
 
@@ -56,9 +58,9 @@ class _RunReport:
 
 
 def gallery(folders: Iterable[Path]) -> Contents:
-    """Return the files of a gallery of the runs in folders.
+    """Return the files of a gallery of runs, from their folders or from folders that hold them.
 
-    Its links are relative; it loads nothing from elsewhere, and its page forbids that to itself.
+    A warning counts the runs in a folder that are not finished, and are left out. Its links are relative; it loads nothing from elsewhere, and its page forbids that to itself.
 
     Raises
     ------
@@ -80,7 +82,8 @@ def gallery(folders: Iterable[Path]) -> Contents:
 
 def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
     runs: list[_RunReport] = []
-    for folder in dict.fromkeys(path.resolve() for path in folders):
+    named = (run for folder in folders for run in _finished(folder))
+    for folder in dict.fromkeys(path.resolve() for path in named):
         study = read_study(folder)
         links = [link for section in study.sections for link in section.files]
         paths = [REPORT, *(link.path for link in (*links, *study.files))]
@@ -93,6 +96,20 @@ def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
                 )
         runs.append(_RunReport(_free(folder.name, runs), study, files))
     return runs
+
+
+def _finished(folder: Path) -> list[Path]:
+    """Return a folder, or the runs in it that have ended with a report, by their names."""
+    there = [] if is_run(folder) else sorted(runs_in(folder))
+    finished = [run for run in there if (run / STUDY).is_file()]
+    if len(finished) < len(there):
+        others = [run.name for run in there if run not in finished]
+        warnings.warn(
+            f"{folder}: {number_of(len(others), 'run')} without a report left out: "
+            f"{listed(others)}",
+            stacklevel=2,
+        )
+    return finished if finished else [folder]
 
 
 def _free(name: str, runs: Sequence[_RunReport]) -> str:

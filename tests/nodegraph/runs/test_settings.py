@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from typing import Any
 
@@ -9,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph.runs.settings import RunSettings, read_labels, read_value
+from nodegraph.errors import NodegraphError
+from nodegraph.runs.settings import RunSettings, read_axis, read_value
 
 SCALARS = st.one_of(
     st.none(),
@@ -18,7 +20,22 @@ SCALARS = st.one_of(
     st.floats(allow_nan=False, allow_infinity=False),
     st.text(st.characters(exclude_categories=["C"])),
     st.sampled_from(
-        ["1", "1e-3", "no", "true", "", "a,b", "[x", "{", "a: b", "#", "'", " x", "*.c3d"]
+        [
+            "count:3",
+            "1",
+            "1e-3",
+            "no",
+            "true",
+            "",
+            "a,b",
+            "[x",
+            "{",
+            "a: b",
+            "#",
+            "'",
+            " x",
+            "*.c3d",
+        ]
     ),
 )
 VALUES = st.recursive(
@@ -45,7 +62,26 @@ def test_an_input_keeps_its_value(value: object) -> None:
 @given(LABELS)
 def test_an_axis_keeps_its_labels(labels: object) -> None:
     text = option(RunSettings("g.yaml", axis={"k": labels}))
-    assert repr(read_labels("--axis k", text)) == repr(labels)
+    assert repr(read_axis("--axis k", text)) == repr(labels)
+
+
+@pytest.mark.parametrize(
+    ("text", "instead"),
+    [
+        ("count:3", "k={count: 3}"),
+        ("count: 3", "k={count: 3}"),
+        ("count=3", "k={count: 3}"),
+        ("{count:3}", "k={count: 3}"),
+        ("range:5,60,5", "k={range: [5,60,5]}"),
+        ("range:[5, 60, 5]", "k={range: [5, 60, 5]}"),
+        ("files:takes/*.c3d", 'k={files: "takes/*.c3d"}'),
+    ],
+)
+def test_a_generator_without_braces_is_no_label(text: str, instead: str) -> None:
+    with pytest.raises(NodegraphError, match=f"write --axis '{re.escape(instead)}'") as caught:
+        read_axis("--axis k", text)
+    word = shlex.split(str(caught.value).partition("write ")[2])[1]
+    assert set(read_axis("--axis k", word.partition("=")[2])) == {text.strip("{")[:5]}
 
 
 @pytest.mark.parametrize(

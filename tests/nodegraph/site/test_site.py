@@ -6,8 +6,10 @@ import doctest
 import re
 import subprocess
 import sys
+from contextlib import redirect_stderr
 from html import unescape
 from html.parser import HTMLParser
+from io import StringIO
 from pathlib import Path
 from typing import NamedTuple, get_type_hints
 from urllib.parse import unquote
@@ -23,7 +25,7 @@ from nodegraph.plugin.hook_types import expect
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import Study
 from nodegraph.report.study import study_bytes
-from nodegraph.runs.folder import REPORT, STUDY
+from nodegraph.runs.folder import EVENTS, REPORT, STUDY
 from tests import readmes
 from tests.browser import AXE, load, violations
 
@@ -65,8 +67,12 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
         Study("Fills", answer=("It is linear.",), graph_file="a/fill.yaml"),
     )
     write_run(folder / "more" / "fill", Study(HOSTILE, answer=(HOSTILE,), graph_file="b.yaml"))
-    runs = [str(folder / name / "fill") for name in ("runs", "more")]
-    assert main(["site", *runs, "--out", str(folder / "out")]) == 0
+    (folder / "runs" / "going").mkdir()
+    (folder / "runs" / "going" / EVENTS).touch()
+    words = ["site", str(folder / "runs"), str(folder / "more" / "fill")]
+    with redirect_stderr(StringIO()) as said:
+        assert main([*words, "--out", str(folder / "out")]) == 0
+    assert "runs: 1 run without a report left out: going" in said.getvalue()
     return folder / "out"
 
 
