@@ -43,5 +43,5 @@ def site(arguments: Namespace) -> int:
     for path, file in contents.copied.items():
         write_file(out / path, file.read_bytes())
     size = sum(file.stat().st_size for file in out.rglob("*") if file.is_file())
-    print(f"{out / INDEX} ({number_of(len(arguments.runs), 'run')}, {size_text(size)})")
+    print(f"{out / INDEX} ({number_of(contents.runs, 'run')}, {size_text(size)})")
     return 0

@@ -20,8 +20,9 @@ INDEX, STYLE = "index.html", "gallery.css"
 
 
 class Contents(NamedTuple):
-    """The files of a gallery by their paths: those that are written, and those that are copied."""
+    """The number of runs, and the files by their paths: those to write, and those to copy."""
 
+    runs: int
     generated: dict[str, bytes]
     copied: dict[str, Path]
 
@@ -60,7 +61,8 @@ class _RunReport:
 def gallery(folders: Iterable[Path]) -> Contents:
     """Return the files of a gallery of runs, from their folders or from folders that hold them.
 
-    A warning counts the runs in a folder that are not finished, and are left out. Its links are relative; it loads nothing from elsewhere, and its page forbids that to itself.
+    A warning counts the runs in a folder that are not finished, and are left out. The links are
+    relative; the page loads nothing from elsewhere, and forbids that to itself.
 
     Raises
     ------
@@ -77,7 +79,7 @@ def gallery(folders: Iterable[Path]) -> Contents:
     # an answer that names a file may hold what is not valid text
     generated = {INDEX: html.encode(errors="backslashreplace"), STYLE: style}
     copied = {f"{run.name}/{path}": file for run in runs for path, file in run.files.items()}
-    return Contents(generated, copied)
+    return Contents(len(runs), generated, copied)
 
 
 def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
