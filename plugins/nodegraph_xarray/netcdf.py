@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from nodegraph import Files, Format, node
 from nodegraph_files.units import AUTO, UnitSetting
 from nodegraph_files.writers import Name, file_named
 from nodegraph_mocap.recording import Trajectories
-from nodegraph_xarray.poses import from_xarray, require_xarray, to_xarray
+from nodegraph_xarray.hdf5 import check_size, read_hdf5
+from nodegraph_xarray.poses import NAMES, from_xarray, require_xarray, to_xarray
+
+if TYPE_CHECKING:
+    import xarray
 
 _CLASSIC = b"CDF"
-_MOST_INFLATION = 1100
-"""Bytes that one of a compressed file may stand for: no more than 1032, by deflate."""
-_SMALL = 1 << 24  # bytes, for which there is room in any case
 
 
 @node("write.nc")
@@ -61,19 +63,10 @@ def read_nc(
         If xarray is not installed.
     """
     require_xarray()
-    import xarray
-
     with path.open("rb") as stream:
         is_classic = stream.read(len(_CLASSIC)) == _CLASSIC
-    # from memory no more is read than there is, whatever lengths a classic file announces
-    source, engine = (BytesIO(path.read_bytes()), "scipy") if is_classic else (path, "h5netcdf")
     try:
-        if not is_classic:
-            _visit(path)
-        with xarray.open_dataset(source, engine=engine, decode_times=False, cache=False) as dataset:
-            if dataset.nbytes > max(_MOST_INFLATION * path.stat().st_size, _SMALL):
-                raise ValueError(f"it announces {dataset.nbytes} bytes, more than it can hold")
-            dataset.load()
+        dataset = _read_classic(path) if is_classic else read_hdf5(path, NAMES)
     except ImportError:
         raise
     except Exception as error:  # of any kind: the libraries trust what a file says
@@ -84,16 +77,16 @@ def read_nc(
         raise ValueError(f"{path}: no recording: {error}") from None
 
 
-def _visit(path: Path) -> None:
-    """Raise the error of a damaged HDF5 file, beside which h5netcdf would print a traceback."""
-    import h5py
+def _read_classic(path: Path) -> xarray.Dataset:
+    import xarray
 
-    def look(name: str, part: h5py.Group | h5py.Dataset) -> None:
-        dict(part.attrs)
-
-    with h5py.File(path) as file:
-        look("/", file)
-        file.visititems(look)
+    # from memory no more is read than there is, whatever lengths the file announces
+    content = path.read_bytes()
+    with xarray.open_dataset(
+        BytesIO(content), engine="scipy", decode_times=False, cache=False
+    ) as dataset:
+        check_size(dataset, len(content))
+        return dataset.load()
 
 
 FORMAT = Format("netCDF", Trajectories, (".nc",), read_nc, lambda start: start.startswith(_CLASSIC))

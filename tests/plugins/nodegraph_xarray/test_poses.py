@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import h5netcdf
+import h5py
 import numpy as np
 import pytest
 import xarray
@@ -56,11 +57,20 @@ def test_a_recording_reads_back_equal_from_a_dataset_and_from_netcdf(
 ) -> None:
     dataset = to_xarray(recording)
     assert npz_bytes(from_xarray(dataset)) == npz_bytes(recording)
-    (tmp_path / "it.nc").write_bytes(get_node("write.nc")(recording).content["recording.nc"])
-    dataset.to_netcdf(tmp_path / "hdf.nc", engine="h5netcdf")
-    for name in ("it.nc", "hdf.nc"):
-        read = get_node("read.recording")(path=tmp_path / name)
-        assert npz_bytes(read) == npz_bytes(recording)
+    path = tmp_path / "it.nc"
+    path.write_bytes(get_node("write.nc")(recording).content["recording.nc"])
+    assert npz_bytes(get_node("read.recording")(path=path)) == npz_bytes(recording)
+
+
+def test_netcdf_4_of_other_programs_is_read(processed: Trajectories, tmp_path: Path) -> None:
+    dataset = to_xarray(processed).assign_attrs(count=3, weights=[0.5, 2.0])
+    dataset["speed"] = dataset["position"].sum("space")
+    dataset = dataset.assign_coords(view=("individual", ["left"]))
+    encoding = {"position": {"compression": "gzip", "dtype": ">f8"}}
+    dataset.to_netcdf(tmp_path / "it.nc", engine="h5netcdf", encoding=encoding)
+    with pytest.warns(UserWarning, match="variables that a recording cannot keep: speed"):
+        read = get_node("read.recording")(path=tmp_path / "it.nc")
+    assert npz_bytes(read) == npz_bytes(processed)
 
 
 def test_a_dataset_has_the_layout_of_movement(processed: Trajectories) -> None:
@@ -172,7 +182,9 @@ def test_a_hostile_file_is_refused_with_its_name(
     torn = hdf.replace(b"OHDR", b"ODHR")
     begun = b"CDF\x01" + b"\xff" * 60
     encoding = good.replace(b"utf-8", b"utx-8")
-    for content in (good[:400], good[:-9000], endless, encoding, hdf[:3000], torn, begun):
+    begin = hdf.index(b"GCOL") + 16
+    looped = hdf[:begin] + bytes(16) + hdf[begin + 16 :]  # a text of no length follows itself
+    for content in (looped, good[:400], good[:-9000], endless, encoding, hdf[:3000], torn, begun):
         (tmp_path / "it.nc").write_bytes(content)
         with pytest.raises(ValueError, match=r"it\.nc: (not a readable netCDF file|no recording)"):
             get_node("read.recording")(path=tmp_path / "it.nc")
@@ -180,6 +192,31 @@ def test_a_hostile_file_is_refused_with_its_name(
         get_node("read.recording")(path=tmp_path / "huge.nc")
     gc.collect()
     assert not printed
+
+
+def stored_outside(file: h5py.File) -> None:
+    file.create_dataset("position", (4,), "f8", external=[("other.nc", 0, 32)])
+
+
+def virtual(file: h5py.File) -> None:
+    layout = h5py.VirtualLayout((4,), "f8")
+    layout[:] = h5py.VirtualSource("other.nc", "time", (4,))
+    file.create_group("deep").create_virtual_dataset("position", layout)
+
+
+def linked(file: h5py.File) -> None:
+    file["position"] = h5py.ExternalLink("other.nc", "/position")
+
+
+@pytest.mark.parametrize("refer", [stored_outside, virtual, linked])
+def test_a_file_that_refers_to_others_is_refused(
+    tmp_path: Path, processed: Trajectories, refer: Callable[[h5py.File], None]
+) -> None:
+    to_xarray(processed).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with h5py.File(tmp_path / "it.nc", "w") as file:
+        refer(file)
+    with pytest.raises(ValueError, match=r"it\.nc: .*/(deep/)?(position)? refers to other files"):
+        get_node("read.recording")(path=tmp_path / "it.nc")
 
 
 def test_the_writer_keeps_the_promises_of_nodes() -> None:
