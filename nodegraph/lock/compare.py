@@ -17,7 +17,7 @@ from nodegraph.lock.results import Cell, Results, cells_of
 from nodegraph.runs.diff import Spread
 from nodegraph.state import State
 
-_DECIMALS = re.compile(r"[-+]?\d*\.\d+(?:e[-+]?\d+)?", re.I)
+_DECIMALS = re.compile(r"[-+]?(?:(?<!\d)\d+)?\.\d+(?:e[-+]?\d+)?", re.I)
 
 
 class Agreement(StrEnum):

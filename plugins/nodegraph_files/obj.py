@@ -91,13 +91,13 @@ def _statements(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield the words of each statement, without comment, and the line where it ends."""
     # names and comments may be of any encoding; numbers are ASCII in all of them
     text = path.read_text(encoding="utf-8-sig", errors="replace")
-    continued = ""
+    words: list[str] = []
     for number, line in enumerate(text.split("\n"), 1):
-        whole = continued + line.partition("#")[0].rstrip()
-        continued = whole[:-1] + " " if whole.endswith("\\") else ""
-        words = whole.split()
-        if words and not continued:
+        plain = line.partition("#")[0].rstrip()
+        words += plain.removesuffix("\\").split()
+        if words and not plain.endswith("\\"):
             yield number, words
+            words = []
 
 
 def _vertex(path: Path, line: int, words: list[str]) -> list[float]:

@@ -336,7 +336,8 @@ def with_marker_set(
     """
     if marker_set is None:
         return recording
-    absent = [name for name in marker_set.markers if name not in recording.markers]
+    known = set(recording.markers)
+    absent = [name for name in marker_set.markers if name not in known]
     if absent:
         raise ValueError(
             f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -73,10 +74,15 @@ def indices(
 def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
     """Return the names as a tuple; one that stands twice is a ValueError."""
     listed = tuple(str(name) for name in names)
-    if len(set(listed)) < len(listed):
-        repeated = sorted({name for name in listed if listed.count(name) > 1})
+    repeated = twice(listed)
+    if repeated:
         raise ValueError(f"{what}: named twice: {', '.join(repeated)}")
     return listed
+
+
+def twice(names: Iterable[str]) -> list[str]:
+    """Return the names that stand there more than once, sorted."""
+    return sorted(name for name, count in Counter(names).items() if count > 1)
 
 
 def positive_rate(rate: float) -> float:

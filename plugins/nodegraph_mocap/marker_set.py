@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nodegraph import Value
+from nodegraph_mocap.checks import twice
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -39,7 +40,7 @@ class MarkerSet(Value):
     edges: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
-        repeated = sorted({name for name in self.markers if self.markers.count(name) > 1})
+        repeated = twice(self.markers)
         if repeated:
             raise ValueError(f"marker set: listed twice: {', '.join(repeated)}")
         known = set(self.markers)

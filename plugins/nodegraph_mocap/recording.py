@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Value, closest, listed
-from nodegraph_mocap.checks import distinct, positive_rate, set_fields
+from nodegraph_mocap.checks import distinct, positive_rate, set_fields, twice
 from nodegraph_mocap.frame_ranges import chunks, runs_of
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
@@ -78,8 +78,9 @@ class Trajectories(Value):
         if self.origin is None:
             origin = np.where(missing, np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED))
         else:
-            origin = np.asarray(self.origin, dtype=np.uint8)
+            origin = np.asarray(self.origin)
             _check_origin(origin, missing)
+            origin = origin.astype(np.uint8, copy=False)
         set_fields(
             self,
             positions=positions,
@@ -196,7 +197,7 @@ def check_markers(
         With the names, for each the nearest marker if one is near, and all that there are.
     """
     wanted = list(names)
-    repeated = sorted({name for name in wanted if wanted.count(name) > 1})
+    repeated = twice(wanted)
     if repeated:
         raise ValueError(f"{what}: duplicate markers {listed(repeated)}")
     known = set(recording.markers)
@@ -244,10 +245,11 @@ def _broken(positions: NDArray[np.float64], markers: tuple[str, ...]) -> ValueEr
     )
 
 
-def _check_origin(origin: NDArray[np.uint8], missing: NDArray[np.bool_]) -> None:
+def _check_origin(origin: NDArray[np.integer], missing: NDArray[np.bool_]) -> None:
     if origin.shape != missing.shape:
         raise ValueError(f"origin must be {missing.shape}, got {origin.shape}")
-    if np.any((origin == Origin.MISSING) != missing) or np.any(origin > max(Origin)):
+    known = not origin.size or (origin.min() >= 0 and origin.max() <= max(Origin))
+    if not known or np.any((origin == Origin.MISSING) != missing):
         raise ValueError("origin must call exactly the missing samples missing (0), others 1 to 3")
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 _FRAME = re.compile(r"frames?(?:[ _]*(?:number|index|no\.?|id|#))?|index", re.IGNORECASE)
 _TIME = re.compile(
-    r"time(?P<stamp>[ _]?stamp)?s?[ _]*[\[(]?\s*(?P<unit>[a-zµ]*)\s*[\])]?", re.IGNORECASE
+    r"time(?P<stamp>[ _]?stamp)?s?[ _]*+[\[(]?+\s*+(?P<unit>[a-zµ]*+)\s*+[\])]?", re.IGNORECASE
 )
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _SPELLINGS = {

@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -45,10 +46,10 @@ if TYPE_CHECKING:
 
 _DATE = re.compile(r"\d+-\d+-\d+|\d+:\d+")
 _MOST_NAMES = 10
-_COLUMN = re.compile(r"(.*)[._: ]([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
-_NUMBERED = re.compile(r"([xyz])_?(\d+)", re.IGNORECASE)
+_AXIS = re.compile(r"([xyzXYZ])(?: *[\[(]([^\[\]()]*)[\])])?")
+_COLUMN = re.compile(rf"(.*)[._: ]{_AXIS.pattern}")
+_NUMBERED = re.compile(r"([xyz])_?(\d{1,9})", re.IGNORECASE)
 _MEDIAPIPE = (468, 478)  # landmarks of a face, without and with the irises
-_AXIS = re.compile(r"([xyzXYZ])(?: *[\[(] *(.*?) *[\])])?")
 _MOST_CELLS = 8
 _MARKER = {"marker", "label", "name", "keypoint", "landmark", "bodypart", "marker_name"}
 _AXES = ("x", "y", "z")
@@ -112,10 +113,15 @@ class Columns:
             f"{self.table.place(self.header, column)}: the column {self.names[column]!r} {wrong}"
         )
 
+    @cached_property
+    def _first(self) -> Sequence[str]:
+        """The cells of the first row below the header, if there is one."""
+        first = next(self.table.rows(self.header.end, self.header.line + 1), None)
+        return first.cells if first else ()
+
     def add_other(self, column: int) -> None:
         """Keep a column that is not a coordinate; one of dates counts nothing."""
-        first = next(self.table.rows(self.header.end, self.header.line + 1), None)
-        is_date = first is not None and _DATE.match("".join(first.cells[column : column + 1]))
+        is_date = _DATE.match("".join(self._first[column : column + 1]))
         counts = is_counter(self.names[column]) and not is_date
         (self.counters if counts else self.left_out).append(column)
 
@@ -225,7 +231,7 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str, rate: float | Non
     for place, name in enumerate(header.cells):
         match, numbered = _COLUMN.fullmatch(name), _NUMBERED.fullmatch(name)
         if match:
-            columns.add_coordinate(match[1], match[2], place, match[3] or "")
+            columns.add_coordinate(match[1], match[2], place, (match[3] or "").strip())
         elif numbered and not is_named:
             columns.add_coordinate(f"landmark_{int(numbered[2])}", numbered[1], place)
         else:
@@ -307,7 +313,7 @@ def _columns(table: Table) -> tuple[Columns, int]:
     columns.markers[_EACH] = {}
     for place, name in enumerate(header.cells):
         if match := _AXIS.fullmatch(name):
-            columns.add_coordinate(_EACH, match[1], place, match[2] or "")
+            columns.add_coordinate(_EACH, match[1], place, (match[2] or "").strip())
         elif place != marker:
             columns.add_other(place)
     lacking = [axis for axis in _AXES if axis not in columns.markers[_EACH]]

@@ -28,6 +28,7 @@ _END = "endheader"
 _LONGEST_HEADER = 100  # lines
 _AXES = "xyz"
 _ENDINGS = (("_tx", "_ty", "_tz"), ("_x", "_y", "_z"), (".x", ".y", ".z"), ("_1", "_2", "_3"))
+_ENDING = re.compile(r"[._]t?[xyz123]$", re.IGNORECASE)
 _SCALAR, _POINT = ("", "double"), "vec3"
 
 
@@ -129,7 +130,7 @@ def _labels(table: Table, header: Row, names: list[str]) -> list[str]:
         written = [name[:last] + name[last:].lower() for name in names]
         if all(points) and written == [point + ending for point in points for ending in endings]:
             return points
-    others = [name for name in names if not re.search(r"[._]t?[xyz123]$", name, re.IGNORECASE)]
+    others = [name for name in names if not _ENDING.search(name)]
     raise ValueError(
         f"{table.path}:{header.line}: the columns are not the coordinates of points, three for "
         f"each, but perhaps angles or forces: {listed(others or names)}; OpenSim keeps markers in "

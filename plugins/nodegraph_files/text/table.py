@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 
 SEPARATORS = ",;\t"
+_QUOTED = re.compile(r'"[^"]*"')
 MISSING = ("", "nan", "NaN", "NAN", "Nan", "na", "NA", "Na", "null", "NULL", "Null")
 _SMALL_MISSING = {word.lower() for word in MISSING}
 
@@ -43,7 +44,7 @@ def text_lines(path: Path) -> list[str]:
 
 def separator_of(line: str) -> str:
     """Return what separates the cells of a line: the most frequent of comma, semicolon and tab."""
-    unquoted = re.sub(r'"[^"]*"', "", line)
+    unquoted = _QUOTED.sub("", line)
     return max(SEPARATORS, key=unquoted.count)
 
 
