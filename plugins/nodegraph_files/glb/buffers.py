@@ -7,6 +7,7 @@ Specification), The Khronos Group.
 from __future__ import annotations
 
 import json
+import math
 import struct
 from typing import TYPE_CHECKING, Any
 
@@ -43,11 +44,14 @@ _COMPONENTS = {
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
-class Accessors:
-    """Reads the accessors of a document.
+_FEW, _FOR_EACH_BYTE, _FOR_EACH_ARRAY = 30_000_000, 30, 1000
+"""Numbers for which there is room in any case; that a byte may stand for; as an array costs."""
 
-    Nothing is taken from memory for more than what the file's own bytes hold, except where the
-    caller says how many values there must be.
+
+class Accessors:
+    """Reads the accessors of a document, and limits what is made of them by the file's bytes.
+
+    A short file can name its numbers over and over, and arrays of nothing but zeros.
 
     Parameters
     ----------
@@ -59,6 +63,22 @@ class Accessors:
     def __init__(self, document: Document, binary: bytes) -> None:
         self._document = document
         self._binary = binary
+        self._most = self._left = max(_FEW, _FOR_EACH_BYTE * len(binary))
+
+    def charge(self, numbers: int, arrays: int = 1) -> None:
+        """Count numbers that are going to be made, in so many arrays.
+
+        Raises
+        ------
+        ValueError
+            If with those before they are too many for the size of the file.
+        """
+        self._left -= numbers + _FOR_EACH_ARRAY * arrays
+        if self._left < 0:
+            raise ValueError(
+                f"its meshes and morph targets have more than {self._most} numbers, too many for "
+                f"{len(self._binary)} bytes of data"
+            )
 
     def numbers(
         self, index: int, where: str, *, kind: str, count: int | None = None
@@ -105,10 +125,6 @@ class Accessors:
             raise ValueError(f"{at}: must be whole numbers")
         return stored.astype(np.int64)
 
-    def count(self, index: int, where: str) -> int:
-        """Return the declared number of values of an accessor."""
-        return entry_at(self._document.accessors, index, "accessor", where).count
-
     def _accessor(
         self, index: int, where: str, kind: str, count: int | None
     ) -> tuple[Accessor, str]:
@@ -126,9 +142,10 @@ class Accessors:
         if accessor.buffer_view is not None:
             stored = self._view(accessor.buffer_view, accessor.byte_offset, component, shape, at)
         elif known:
-            stored = np.zeros(shape, component)
+            stored = np.broadcast_to(component.type(0), shape)
         else:
             raise ValueError(f"{at}: has no data")
+        self.charge(math.prod(shape))
         return stored if accessor.sparse is None else self._filled(stored, accessor.sparse, at)
 
     def _filled(self, stored: NDArray[np.generic], sparse: Sparse, at: str) -> NDArray[np.generic]:
@@ -140,6 +157,7 @@ class Accessors:
             raise ValueError(f"{at}: puts a value at {places.max()} of {len(stored)}")
         values = sparse.values
         shape = (count, stored.shape[1])
+        self.charge(math.prod(shape))
         filled = stored.copy()
         filled[places[:, 0]] = self._view(
             values.buffer_view, values.byte_offset, stored.dtype, shape, at

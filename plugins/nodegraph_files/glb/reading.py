@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Format
+from nodegraph import Format, listed
 from nodegraph_files.glb.buffers import (
     MAGIC,
     MARKER_VERTICES,
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_MOST_VERTICES = 10**8
-"""Of all meshes and their morph targets; 2.4 GB."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +78,9 @@ def read_glb(path: Path) -> RawHead:
 
 def _head(document: Document, accessors: Accessors) -> RawHead:
     placed = _of_the_head(document, placed_meshes(document, accessors))
-    check_sizes([document.meshes[mesh.mesh] for mesh in placed], accessors)
     parts = [read_mesh(document.meshes[mesh.mesh], mesh, accessors) for mesh in placed]
+    names = {name for part in parts for name in part.morphs}
+    accessors.charge(len(names) * sum(part.vertices.size for part in parts), len(names))
     head = joined_parts(parts)
     if not len(head.faces):
         raise ValueError("it shows no mesh")
@@ -105,10 +104,11 @@ def _of_the_head(document: Document, placed: list[Placed]) -> list[Placed]:
     }
     moving = [part for part in placed if meshes[part.mesh].primitives[0].targets]
     parts = moving or placed
-    rest = [meshes[part.mesh].name or f"mesh {part.mesh}" for part in placed if part not in parts]
-    if rest:
+    if len(parts) < len(placed):
+        still = [part.mesh for part in placed if not meshes[part.mesh].primitives[0].targets]
+        names = [meshes[mesh].name or f"mesh {mesh}" for mesh in still]
         warnings.warn(
-            f"{len(rest)} meshes without morph targets are left out: {', '.join(rest)}",
+            f"{len(names)} meshes without morph targets are left out: {listed(names)}",
             stacklevel=4,
         )
     _warn_raised(document, parts)
@@ -117,10 +117,11 @@ def _of_the_head(document: Document, placed: list[Placed]) -> list[Placed]:
 
 def _warn_raised(document: Document, parts: list[Placed]) -> None:
     """Warn of morph targets that the file shows from the start."""
+    of_mesh = [sum(weight != 0 for weight in mesh.weights) for mesh in document.meshes]
     raised = 0
     for part in parts:
         node = document.nodes[part.node].weights if document.nodes else []
-        raised += sum(weight != 0 for weight in node or document.meshes[part.mesh].weights)
+        raised += sum(weight != 0 for weight in node) if node else of_mesh[part.mesh]
     if raised:
         warnings.warn(
             f"{raised} morph targets have a weight from the start; the head at rest is without",
@@ -160,6 +161,7 @@ def vertex_matrices(
     """
     if not placed.skinned:
         return placed.matrices
+    accessors.charge(16 * count)
     held, total = np.zeros((count, 4, 4)), np.zeros(count)
     for name in primitive.attributes:
         if not name.startswith("JOINTS_"):
@@ -236,6 +238,7 @@ def _placed(
     absent = [joint for joint in skin.joints if joint not in places]
     if absent:
         raise ValueError(f"{where}: its joint, node {absent[0]}, is not in the scene")
+    accessors.charge(16 * len(skin.joints))
     # by the specification the joints alone hold a skinned mesh, and not its own node
     joints = np.array([places[joint] for joint in skin.joints])
     if skin.inverse_bind_matrices is not None:
@@ -258,22 +261,27 @@ def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
         If something that the mesh names is not there, or of another size or type.
     """
     where = f"mesh {placed.mesh}" + (f" ({mesh.name})" if mesh.name else "")
+    accessors.charge(0, len(mesh.primitives[0].targets))
     names = _target_names(mesh, where)
-    parts: dict[object, Part] = {}
+    parts: dict[object, tuple[Part, list[NDArray[np.int64]]]] = {}
     for number, primitive in enumerate(mesh.primitives):
         at = f"{where}, primitive {number}"
+        accessors.charge(0)
         if primitive.mode < _TRIANGLES:
             warnings.warn(f"{at}: points or lines, which are left out", stacklevel=2)
             continue
         key = (*primitive.attributes.items(), *map(str, primitive.targets))
-        part = parts.get(key) or _vertices(primitive, names, placed, accessors, at)
-        faces = _faces(primitive, accessors, at, len(part.vertices))
-        faces = faces[:, ::-1] if _mirrored(placed) else faces
-        parts[key] = Part(part.vertices, np.concatenate([part.faces, faces]), part.morphs)
-    joined = joined_parts(list(parts.values()))
-    return Part(
-        joined.vertices, joined.faces, joined.morphs, _markers(mesh, where, len(joined.vertices))
+        if key not in parts:
+            parts[key] = _vertices(primitive, names, placed, accessors, at), []
+        part, faces = parts[key]
+        faces.append(_faces(primitive, accessors, at, len(part.vertices)))
+    joined = joined_parts(
+        [replace(part, faces=np.concatenate(faces)) for part, faces in parts.values()]
     )
+    markers = _markers(mesh, where, len(joined.vertices))
+    accessors.charge(0, len(markers))
+    turned = joined.faces[:, ::-1] if _mirrored(placed) else joined.faces
+    return replace(joined, faces=turned, marker_vertices=markers)
 
 
 def joined_parts(parts: list[Part]) -> Part:
@@ -281,7 +289,6 @@ def joined_parts(parts: list[Part]) -> Part:
     vertices = np.concatenate([np.zeros((0, 3)), *(part.vertices for part in parts)])
     firsts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     names = list(dict.fromkeys(name for part in parts for name in part.morphs))
-    _check_size(len(names) * len(vertices))
     morphs = {name: np.zeros_like(vertices) for name in names}
     markers: dict[str, int] = {}
     for part, first in zip(parts, firsts, strict=False):
@@ -291,27 +298,6 @@ def joined_parts(parts: list[Part]) -> Part:
             markers[marker] = int(vertex + first)
     faces = [part.faces + first for part, first in zip(parts, firsts, strict=False)]
     return Part(vertices, np.concatenate([np.zeros((0, 3), np.int64), *faces]), morphs, markers)
-
-
-def check_sizes(meshes: list[Mesh], accessors: Accessors) -> None:
-    """Refuse, before they are read, meshes that do not fit into memory.
-
-    A file of any size can name its vertices over and over, and morph targets of nothing but zeros.
-    """
-    primitives = [primitive for mesh in meshes for primitive in mesh.primitives]
-    _check_size(
-        sum(
-            (1 + len(primitive.targets))
-            * accessors.count(primitive.attributes["POSITION"], "a primitive")
-            for primitive in primitives
-            if "POSITION" in primitive.attributes
-        )
-    )
-
-
-def _check_size(vertices: int) -> None:
-    if vertices > _MOST_VERTICES:
-        raise ValueError(f"its meshes and their morph targets have {vertices} vertices: too many")
 
 
 def _vertices(
@@ -329,10 +315,12 @@ def _vertices(
     linear, shift = matrices[..., :3, :3], matrices[..., :3, 3]
     morphs = {}
     for name, target in zip(names, primitive.targets, strict=True):
-        offsets = np.zeros_like(rest)
         if "POSITION" in target:
             at = f"{where}, morph target {name!r}"
             offsets = accessors.numbers(target["POSITION"], at, kind="VEC3", count=count)
+        else:
+            accessors.charge(rest.size)
+            offsets = np.zeros_like(rest)
         morphs[name] = _turned(linear, offsets)
     return Part(_turned(linear, rest) + shift, np.zeros((0, 3), np.int64), morphs)
 
@@ -349,8 +337,10 @@ def _mirrored(placed: Placed) -> bool:
 def _faces(
     primitive: Primitive, accessors: Accessors, where: str, vertices: int
 ) -> NDArray[np.int64]:
-    order = np.arange(vertices)
-    if primitive.indices is not None:
+    if primitive.indices is None:
+        accessors.charge(vertices)
+        order = np.arange(vertices)
+    else:
         order = accessors.integers(primitive.indices, where)[:, 0]
         if order.max() >= vertices:
             raise ValueError(f"{where}: a face names vertex {order.max()} of {vertices}")

@@ -30,6 +30,7 @@ _COUNTS_PER_SECOND = (24, 25, 30, 48, 50, 60, 100, 120, 240)
 _USUAL = 60
 _DAY = 24 * 3600
 _LONGEST_GAPS = 60  # seconds
+_FEW = 10_000_000  # weights for which there is room in any case
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def read_live_link(path: Path, *, rate: float | None = None) -> Weights:
     columns = _columns(path, names)
     values = _values(path, len(names), columns, rows)
     times = _times(path, rows)
-    stated, places = _places(times)
+    stated, places = _places(times, len(columns))
     whole = np.full((places[-1] + 1, len(columns)), np.nan)
     whole[places] = values
     return Weights(values=whole, names=tuple(columns), rate=rate_from(rate, stated))
@@ -176,7 +177,7 @@ def _times(path: Path, rows: list[tuple[int, list[str]]]) -> _Times:
     return _Times(path, lines, [cells[0] for _, cells in rows], seconds_of, counts_of)
 
 
-def _places(times: _Times) -> tuple[float, NDArray[np.int64]]:
+def _places(times: _Times, columns: int) -> tuple[float, NDArray[np.int64]]:
     """Return the rate, and which frame each row is."""
     per_second = _counts_per_second(times)
     if len(times.lines) == 1:
@@ -194,7 +195,7 @@ def _places(times: _Times) -> tuple[float, NDArray[np.int64]]:
     if not usual:
         raise ValueError(f"{times.path}: the timecode stands still and has no rate")
     frames = np.rint(steps / usual).astype(np.int64)
-    _warn_steps(times, frames, per_second / usual)
+    _warn_steps(times, frames, per_second / usual, columns)
     places = np.concatenate([[0], np.cumsum(np.maximum(frames, 1))])
     return per_second / usual, places
 
@@ -225,9 +226,9 @@ def _counts_per_second(times: _Times) -> int:
     return _USUAL
 
 
-def _warn_steps(times: _Times, frames: NDArray[np.int64], rate: float) -> None:
+def _warn_steps(times: _Times, frames: NDArray[np.int64], rate: float, columns: int) -> None:
     dropped = int(np.maximum(frames - 1, 0).sum())
-    if dropped > max(len(times.lines), _LONGEST_GAPS * rate):
+    if dropped > max(len(times.lines), min(_LONGEST_GAPS * rate, _FEW / columns)):
         before = int(np.argmax(frames))
         raise ValueError(
             f"{times.path}:{times.lines[before + 1]}:1: the timecode skips {dropped} frames, but "

@@ -113,7 +113,7 @@ def test_morph_targets_that_are_shown_from_the_start_are_reported(
         (lambda document: document["nodes"][0].update(mesh=3), "node 0: there is no mesh 3"),
         (
             lambda document: document["accessors"][0].update(count=10**15),
-            "have 4000000000000000 vertices: too many",
+            "accessor 0: 1000000000000000 values need 12000000000000000 bytes",
         ),
         (
             lambda document: document["accessors"][0].update(count=1000),
