@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -65,7 +66,9 @@ class Progress:
     def read(self, line: bytes) -> None:
         """Take a line of the file of events."""
         try:
-            self._take(json.loads(line, parse_constant=_no_number))
+            self._take(
+                json.loads(line, parse_int=_finite, parse_float=_finite, parse_constant=_finite)
+            )
         except (ValueError, TypeError, LookupError, AttributeError, RecursionError):
             self.unreadable += 1
 
@@ -105,8 +108,11 @@ class Progress:
         self._states[int(event["step"])] = node, state
 
 
-def _no_number(text: str) -> None:
-    raise ValueError(f"{text} is not a number of JSON")
+def _finite(text: str) -> float:
+    """Return a number; one that is no finite 64-bit floating-point number is a ValueError."""
+    if not math.isfinite(float(text)):
+        raise ValueError(f"{text[:40]} is not a finite number")
+    return float(text) if set(text) & set(".eE") else int(text)
 
 
 def _number(value: object) -> Any:

@@ -72,6 +72,10 @@ def test_another_run_in_the_folder_is_read_from_its_begin(path: Path) -> None:
         line("done", step="odd", node=7), line("done", step=0), line("planned", nodes=7),
         line("failed", step=0, node="a", labels=7), line("planned", nodes={"a": "odd", "fill": 3}),
         b'{"event": "progress", "seconds": NaN}\n', line("progress", left="odd"),
+        *(b'{"event": "done", "seconds": %s}\n' % each for each in (b"1" * 400, b"9" * 5000)),
+        b'{"event": "done", "seconds": -1e400}\n',
+        b'{"event": "done", "node": "a", "seconds": 1, "step": 1e400}\n',
+        b'{"event": "progress", "seconds": 1, "left": %s}\n' % (b"1" * 400),
     ],
 )  # fmt: skip
 def test_damaged_lines_are_passed_over(path: Path, damage: bytes) -> None:
