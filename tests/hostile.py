@@ -7,6 +7,7 @@ its seed, and ``--seed`` begins there. The ordinary tests have short forms of al
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import json
 import os
 import subprocess
@@ -21,8 +22,14 @@ from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from nodegraph.node.decorator import Node
+from nodegraph import NodegraphError
+from nodegraph.live.files import replay
+from nodegraph.live.packet_file import PacketFileWriter
+from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.registry import Registry
+from nodegraph_mocap import Trajectories
+from nodegraph_xarray import to_xarray
+from tests.plugins.nodegraph_live.test_packets import SOURCES, taken
 
 ROOT = Path(__file__).parents[1]
 EXECUTE = ROOT / "tests" / "nodegraph" / "execute"
@@ -48,6 +55,11 @@ TEXTS = {
 }
 """Files of formats that nothing here writes."""
 READERS = ("read.recording", "read.weights", "read.head", "read.model")
+UNOPENED = {"vmc": "5000?rate=60"}
+"""Addresses of sources that are not to be opened, where a number of a port is too little."""
+SECONDS = 30
+"""That reading a small file may take, however busy the machine is."""
+Read = Callable[..., object]
 KINDS = ("serial", "threads", "processes", "dask")
 """Executors of runs that are killed."""
 
@@ -118,14 +130,47 @@ def nodes(seed: int, folder: Path) -> Counter[str]:
 ROUNDS: tuple[Callable[[int, Path], Counter[str]], ...] = (readers, stores, kills, crowd, nodes)
 
 
-def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, Node, bytes]]:
-    """Yield files of every format, with a node that reads them and the name of the file."""
+def replayed(path: Path) -> None:
+    """Decode all packets of a file; one that is damaged is left out, as in a stream."""
+    source = replay(f"{path}@0")
+    header = source.open()
+    while True:
+        try:
+            for packet in source.packets():
+                with suppress(ValueError):
+                    list(source.frames(packet, 0, header))
+        except ConnectionResetError:
+            source.open()
+        else:
+            return
+
+
+def packet_files(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield a file of recorded packets of each protocol."""
+    for scheme in sorted(SOURCES):
+        received = taken(scheme)
+        path = folder / f"{scheme}.packets"
+        file = PacketFileWriter(path, f"{scheme}:{UNOPENED.get(scheme, '5000')}")
+        for packets in (received.packets[:4], received.packets[4:]):
+            file.note_opening(received.header)
+            for number, packet in enumerate(packets):
+                file.write(packet, number)
+        file.close()
+        yield path.name, path.read_bytes()
+
+
+def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, str, Read, bytes]]:
+    """Yield files of every kind: their names, what reads them, by name and itself, and contents."""
+    for name, content in packet_files(folder):
+        yield name, "replay", replayed, content
     specimens = {kind: next(iter(make().values())) for kind, make in registry.hooks.specimens()}
     files = {name: text.encode() for name, text in TEXTS.items()}
     for writer in (each.node for each in registry if each.node.name.startswith("write.")):
         ports = [port for port in writer.inputs if not port.optional] or writer.inputs[:1]
         if not any(port.across for port in ports):
             files |= writer.function(*(specimens[port.type] for port in ports)).content
+    to_xarray(specimens[Trajectories]).to_netcdf(folder / "netcdf4.nc", engine="h5netcdf")
+    files["netcdf4.nc"] = (folder / "netcdf4.nc").read_bytes()
     known = set()
     for reader in map(registry.find, READERS):
         for name, content in files.items():
@@ -133,7 +178,7 @@ def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, Node, bytes
             with suppress(ValueError):
                 reader.node.function(path=folder / name)
                 known.add(Path(name).suffix)
-                yield name, reader.node, content
+                yield name, reader.node.name, reader.node.function, content
     for each in registry.hooks.formats:
         assert not known.isdisjoint(each.suffixes), f"no file of the format {each.name}"
 
@@ -163,21 +208,26 @@ def read_damaged(folder: Path, seed: int, count: int = 2000) -> Counter[str]:
 
     chance, counts = Random(seed), Counter[str]()
     warnings.simplefilter("ignore")
-    files = list(samples(Registry.installed(), folder))
+    registry = Registry.installed()
+    files = list(samples(registry, folder))
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + GIB, used + GIB))
     for number in range(count):
-        name, reader, content = chance.choice(files)
+        name, reader, read, content = chance.choice(files)
         path = folder / name
         path.write_bytes(damaged(content, chance))
+        print(f"seed {seed}, file {number}: {reader} {name}", file=sys.stderr, flush=True)
+        faulthandler.dump_traceback_later(SECONDS, exit=True)
         try:
-            reader.function(path=path)
-        except ValueError as error:
+            with formats_of(registry):
+                read(path=path)
+        except (NodegraphError, ValueError) as error:
             if path.name not in str(error):
-                raise AssertionError(f"seed {seed}, file {number}: {error}") from error
-            counts[f"{reader.name} {path.suffix} refused"] += 1
+                raise AssertionError(str(error)) from error
+            counts[f"{reader} {name} refused"] += 1
         else:
-            counts[f"{reader.name} {path.suffix} read"] += 1
+            counts[f"{reader} {name} read"] += 1
+    faulthandler.cancel_dump_traceback_later()
     return counts
 
 
