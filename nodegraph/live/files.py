@@ -7,11 +7,13 @@ import struct
 import time
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from itertools import chain, repeat
 from pathlib import Path
-from threading import Event
+from threading import TIMEOUT_MAX, Event
 
+from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError, listed, message_of
 from nodegraph.live.addresses import source_of
 from nodegraph.live.forms import header_of, streamable_of
@@ -65,6 +67,7 @@ class _Pace:
     def wait(self, seconds: float) -> bool:
         """Wait until a time after the start; return whether the replay continues."""
         left = seconds - (time.perf_counter() - self._start)
+        left = min(left, TIMEOUT_MAX)
         return not (self._closed.wait(left) if left > 0 else self._closed.is_set())
 
 
@@ -84,9 +87,13 @@ class _Take:
     def _payloads(self) -> Sequence[object]:
         return streamable_of(type(self._value)).split(self._value)
 
+    @cached_property
+    def _header(self) -> object:
+        return header_of(self._value)
+
     def open(self) -> object:
         self._closed.clear()
-        return header_of(self._value)
+        return self._header
 
     def packets(self) -> Iterator[bytes]:
         rate = getattr(self._value, "rate", 0.0) if self._pace is None else self._pace
@@ -97,7 +104,16 @@ class _Take:
             yield _INDEX.pack(index)
 
     def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
+        if header is not self._header:
+            changed = difference(self._header, header, name="header")
+            if changed:
+                raise NodegraphError(f"{self._path}: is another than was recorded: {changed}")
+            self._header = header
+        if len(packet) != _INDEX.size:
+            raise ValueError(f"{len(packet)} bytes, not {_INDEX.size}")
         (index,) = _INDEX.unpack(packet)
+        if not 0 <= index < len(self._payloads):
+            raise ValueError(f"frame {index} of {len(self._payloads)}")
         rate = getattr(header, "rate", 0.0)
         captured = round(index / rate * 1e9) if rate else 0
         return (Frame(index, captured, arrived, self._payloads[index]),)
@@ -114,6 +130,7 @@ class _Packets:
     """
 
     def __init__(self, path: Path, pace: float | None) -> None:
+        self._path = path
         self._reader = PacketFileReader(path)
         self._pace = pace
         self._rest = self._reader.packets()
@@ -122,10 +139,20 @@ class _Packets:
 
     @cached_property
     def _decoder(self) -> Source:
-        return source_of(self._reader.source)
+        """What received the packets; behind recorded replays, the source of the first recording."""
+        decoder, seen = source_of(self._reader.source), {self._path.resolve()}
+        while isinstance(decoder, _Packets):
+            path = decoder._path.resolve()
+            if path in seen:
+                raise NodegraphError(f"{path} is the source of its own packets")
+            seen.add(path)
+            decoder = source_of(decoder._reader.source)
+        return decoder
 
     def open(self) -> object:
         self._closed.clear()
+        with self._naming_file():
+            _ = self._decoder
         return self._reader.header
 
     def packets(self) -> Iterator[bytes]:
@@ -147,10 +174,19 @@ class _Packets:
             yield packet
 
     def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
-        return self._decoder.frames(packet, arrived, header)
+        with self._naming_file():
+            return self._decoder.frames(packet, arrived, header)
 
     def close(self) -> None:
         self._closed.set()
+
+    @contextmanager
+    def _naming_file(self) -> Iterator[None]:
+        """Say of errors of what the file names that they are of the file."""
+        try:
+            yield
+        except NodegraphError as error:
+            raise self._reader.damage(error) from error
 
 
 class FileSink:

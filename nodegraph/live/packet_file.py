@@ -2,20 +2,45 @@
 
 from __future__ import annotations
 
-import json
 import struct
 import warnings
 from collections.abc import Iterator
-from io import BufferedWriter
+from io import BufferedReader, BufferedWriter
 from pathlib import Path
 
+from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
+
 from nodegraph.errors import NodegraphError
+from nodegraph.live.forms import header_of
 from nodegraph.plugin.formats import current_registry
 from nodegraph.store import Packer
+from nodegraph.validation_errors import first_error
 
 MAGIC = b"nodegraph packets 1\n"
-_RECORD = struct.Struct("<?qI")
+_RECORD = struct.Struct("<BqI")
 """Whether the source was opened again before it, when the packet arrived in ns, and its length."""
+_LONGEST_PAUSE = 24 * 3600 * 10**9
+"""Nanoseconds between two packets of a connection; with more, a time of arrival is wrong."""
+
+
+class _Head(BaseModel):
+    """The line that follows the first one.
+
+    Attributes
+    ----------
+    source : str
+        The address of the source.
+    header : str
+        What the source returned when it was opened, as a `Packer` writes it.
+    sizes : list of int
+        Of the buffers that belong to it, in bytes; they follow this line, and packets follow them.
+    """
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    source: str
+    header: str
+    sizes: list[NonNegativeInt]
 
 
 class PacketFileWriter:
@@ -47,8 +72,9 @@ class PacketFileWriter:
         if self._file is None:
             packed = Packer(current_registry().hooks.storages).pack(header)
             sizes = [len(buffer) for buffer in packed.buffers]
-            head = {"source": self._address, "header": packed.head, "sizes": sizes}
-            self._put(MAGIC + json.dumps(head).encode() + b"\n" + b"".join(packed.buffers))
+            head = _Head(source=self._address, header=packed.head, sizes=sizes)
+            line = head.model_dump_json().encode()
+            self._put(MAGIC + line + b"\n" + b"".join(packed.buffers))
 
     def write(self, packet: bytes, arrived: int) -> None:
         """Write a packet."""
@@ -94,31 +120,54 @@ class PacketFileReader:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        try:
-            with path.open("rb") as file:
-                file.read(len(MAGIC))
-                head = json.loads(file.readline())
-                buffers = [file.read(size) for size in head["sizes"]]
-                self.source: str = head["source"]
+        self._size = path.stat().st_size
+        with path.open("rb") as file:
+            file.read(len(MAGIC))
+            line = file.readline()
+            try:
+                head = _Head.model_validate_json(line)
+                buffers = [self._read(file, size) for size in head.sizes]
                 packer = Packer(current_registry().hooks.storages)
-                self.header = packer.unpack(head["header"], buffers)
-                self._start = file.tell()
-        except (NodegraphError, ValueError, KeyError, TypeError) as error:
-            raise NodegraphError(f"{path}: is damaged: {error}") from error
+                self.header = header_of(packer.unpack(head.header, buffers))
+            except ValidationError as error:
+                raise self.damage(first_error(error, {})) from error
+            except NodegraphError as error:
+                raise self.damage(f"header: {error}") from error
+            self.source = head.source
+            self._start = file.tell()
 
     def packets(self) -> Iterator[tuple[bool, int, bytes]]:
         """Yield whether the source was opened again before, the arrival in ns, and the packet.
 
         A packet that the end of the file cuts off is left out, with a warning.
+
+        Raises
+        ------
+        NodegraphError
+            If what stands before a packet cannot be right.
         """
+        last: int | None = None
         with self._path.open("rb") as file:
             file.seek(self._start)
             while record := file.read(_RECORD.size):
                 if len(record) == _RECORD.size:
                     reopened, arrived, size = _RECORD.unpack(record)
-                    packet = file.read(size)
+                    pause = 0 if last is None else arrived - last
+                    if reopened > 1 or pause < 0 or (pause > _LONGEST_PAUSE and not reopened):
+                        place = file.tell() - _RECORD.size
+                        raise self.damage(f"no packet begins at byte {place}")
+                    last = arrived
+                    packet = self._read(file, size)
                     if len(packet) == size:
-                        yield reopened, arrived, packet
+                        yield bool(reopened), arrived, packet
                         continue
                 warnings.warn(f"{self._path}: ends in the middle of a packet", stacklevel=2)
                 return
+
+    def damage(self, reason: object) -> NodegraphError:
+        """Return an error that says what of the file cannot be right."""
+        return NodegraphError(f"{self._path}: is damaged: {reason}")
+
+    def _read(self, file: BufferedReader, size: int) -> bytes:
+        """Return so many bytes, or those that are left, which takes no more memory than these."""
+        return file.read(min(size, self._size - file.tell()))

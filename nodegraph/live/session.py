@@ -56,6 +56,8 @@ _BACKLOG = 16
 _RESTART = 16
 """So many numbers that follow each other, all seen before, show that the source restarted."""
 _POLL, _FULL = 0.1, 0.0005  # seconds
+_LARGEST = 1 << 63
+"""Frames have numbers and times in nanoseconds that fit into 64 bits with sign."""
 _TIDY = 5_000
 """Frames between collections of garbage, which wait for a moment without frames, but not long."""
 
@@ -314,7 +316,7 @@ class Session:
             if record is not None:
                 record.write(packet, arrived)
             try:
-                waiting.extend(frames_in(packet, arrived, header))
+                waiting.extend(map(_sound, frames_in(packet, arrived, header)))
             except ValueError as error:
                 if not counts.undecodable:
                     self._announce(f"{self._address}: a packet is left out: {error}")
@@ -483,6 +485,15 @@ class Session:
             warnings.simplefilter("always")
             warnings.showwarning = count  # type: ignore[assignment]
             yield
+
+
+def _sound(frame: Frame) -> Frame:
+    """Return a frame whose number and time are possible; any other is a ValueError."""
+    if not 0 <= frame.index < _LARGEST:
+        raise ValueError(f"a frame of number {frame.index}")
+    if not -_LARGEST <= frame.captured < _LARGEST:
+        raise ValueError(f"a frame of {frame.captured} ns")
+    return frame
 
 
 @contextmanager

@@ -67,7 +67,8 @@ class Settings:
         if not colon:
             # a number alone is a port
             host, written = ("", text) if text.isdecimal() else (text, str(port))
-        if not (written.isascii() and written.isdecimal() and 0 < int(written) < 65536):
+        is_short = written.isascii() and written.isdecimal() and len(written) <= 5
+        if not (is_short and 0 < int(written) < 65536):
             raise self.error(f"{written!r} is not a port from 1 to 65535")
         return host or HOST, int(written)
 

@@ -142,8 +142,11 @@ class LiveLinkSource(DatagramSource):
             return None
         return weights_header(SHAPES, self._rate or float(face.rate))
 
-    def frames(self, packet: bytes, arrived: int, header: Weights) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the weights of a packet, if it has any."""
+        header = weights_only(self._settings.address, header)
+        if header.names != SHAPES:
+            raise NodegraphError(f"{self._settings.address}: the names are not those of the app")
         face = decode(packet)
         if face.values is None:
             return ()

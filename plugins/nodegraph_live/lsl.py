@@ -78,10 +78,9 @@ class LslSource:
         finally:
             self._inlet.close_stream()
 
-    def frames(
-        self, packet: bytes, arrived: int, header: Trajectories | Weights
-    ) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the frame in a packet."""
+        header = recording_or_weights(self._settings.address, header)
         count = count_of_numbers(header)
         if len(packet) != _HEAD.size + 8 * count:
             raise ValueError(f"{len(packet)} bytes, not {count} numbers")

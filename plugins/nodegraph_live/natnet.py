@@ -22,7 +22,7 @@ from nodegraph import Frame, NodegraphError
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT, DatagramReceiver, datagram_socket, resolved
 from nodegraph_live.packet_reader import PacketReader
-from nodegraph_live.payloads import marker_frame, recording_header
+from nodegraph_live.payloads import marker_frame, recording_header, recording_only
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -205,8 +205,9 @@ class NatNetSource(DatagramReceiver):
         yield from self._first
         yield from self._receive(lambda: self._send(encode_message(KEEP_ALIVE, b"\0")))
 
-    def frames(self, packet: bytes, arrived: int, header: Trajectories) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the frame in a packet, if it is one."""
+        header = recording_only(self._settings.address, header)
         number, reader = decode_message(packet)
         if number != FRAME:
             self._learn(packet)

@@ -88,14 +88,21 @@ def numbers_of(payload: Any) -> NDArray[np.float64]:
 
 
 def recording_or_weights(address: str, header: object) -> Trajectories | Weights:
-    """Return a header that is one of these; any other is an error that names the sink."""
+    """Return a header that is one of these; any other is an error that names the address."""
     if isinstance(header, Trajectories | Weights):
         return header
-    raise NodegraphError(f"{address}: sends recordings and weights, not {type(header).__name__}")
+    raise NodegraphError(f"{address}: carries recordings and weights, not {type(header).__name__}")
+
+
+def recording_only(address: str, header: object) -> Trajectories:
+    """Return a header that is one of a recording; any other is an error that names the address."""
+    if isinstance(header, Trajectories):
+        return header
+    raise NodegraphError(f"{address}: carries recordings, not {type(header).__name__}")
 
 
 def weights_only(address: str, header: object) -> Weights:
-    """Return a header that is one of weights; any other is an error that names the sink."""
+    """Return a header that is one of weights; any other is an error that names the address."""
     if isinstance(header, Weights):
         return header
-    raise NodegraphError(f"{address}: sends weights, not {type(header).__name__}")
+    raise NodegraphError(f"{address}: carries weights, not {type(header).__name__}")

@@ -24,7 +24,7 @@ from nodegraph import Frame, NodegraphError
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT
 from nodegraph_live.packet_reader import PacketReader
-from nodegraph_live.payloads import marker_frame, recording_header
+from nodegraph_live.payloads import marker_frame, recording_header, recording_only
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -146,8 +146,9 @@ class QtmSource:
             if kind == DATA:
                 yield message
 
-    def frames(self, packet: bytes, arrived: int, header: Trajectories) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the frame in a message."""
+        header = recording_only(self._settings.address, header)
         time, number, positions = decode_markers(packet)
         if len(positions) != len(header.markers):
             raise ValueError(f"{len(positions)} markers, not {len(header.markers)}")

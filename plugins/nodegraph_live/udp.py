@@ -156,10 +156,9 @@ class UdpSource(DatagramSource):
                 stream = parts.stream
             yield packet
 
-    def frames(
-        self, packet: bytes, arrived: int, header: Trajectories | Weights
-    ) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the frame in a packet, if it is one."""
+        header = recording_or_weights(self._settings.address, header)
         kind, width, stream, number, captured, content = decode(packet)
         if kind == _DESCRIPTION:
             described = decode_description(bytes(content))

@@ -74,8 +74,9 @@ class VmcSource(DatagramSource):
                 self._count = len(self._names)
         return None
 
-    def frames(self, packet: bytes, arrived: int, header: Weights) -> Iterable[Frame]:
+    def frames(self, packet: bytes, arrived: int, header: object) -> Iterable[Frame]:
         """Return the frames that a packet completes."""
+        header = weights_only(self._settings.address, header)
         if len(self._places) != len(header.names):
             self._places = {name: place for place, name in enumerate(header.names)}
             self._values = np.full(len(header.names), np.nan)
@@ -144,7 +145,7 @@ class VmcSink:
     def open(self, header: object) -> None:
         """Prepare the messages."""
         header = weights_only(self._address, header)
-        longest = max(map(len, header.names))
+        longest = max(map(len, header.names), default=0)
         if longest > 255:
             raise NodegraphError(f"{self._address}: a name of {longest} letters is too long")
         # all but the value, which is the last four bytes

@@ -85,10 +85,10 @@ def twice(names: Iterable[str]) -> list[str]:
     return sorted(name for name, count in Counter(names).items() if count > 1)
 
 
-def positive_rate(rate: float) -> float:
-    """Return the rate in frames per second; one that is not positive is a ValueError."""
-    if not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate must be a positive number of frames per second, got {rate}")
+def possible_rate(rate: float) -> float:
+    """Return the rate in frames per second; one not from 0.001 to 1e6 is a ValueError."""
+    if not 1e-3 <= rate <= 1e6:
+        raise ValueError(f"rate must be from 0.001 to 1e6 frames per second, got {rate}")
     return float(rate)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Value
-from nodegraph_mocap.checks import finite, indices, positive_rate, set_fields
+from nodegraph_mocap.checks import finite, indices, possible_rate, set_fields
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +47,7 @@ class Detections(Value):
         if np.any(np.diff(offsets) < 0):
             frame = int(np.argmax(np.diff(offsets) < 0))
             raise ValueError(f"offsets: fall after frame {frame}; they must not")
-        set_fields(self, points=points, offsets=offsets, rate=positive_rate(self.rate))
+        set_fields(self, points=points, offsets=offsets, rate=possible_rate(self.rate))
 
     @property
     def frames(self) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Value
-from nodegraph_mocap.checks import distinct, finite, numbers, positive_rate, set_fields
+from nodegraph_mocap.checks import distinct, finite, numbers, possible_rate, set_fields
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -130,7 +130,7 @@ class Weights(Value):
     def __post_init__(self) -> None:
         names = distinct("shape names", self.names)
         values = numbers("weights", self.values, ("frames", len(names)))
-        set_fields(self, values=values, names=names, rate=positive_rate(self.rate))
+        set_fields(self, values=values, names=names, rate=possible_rate(self.rate))
 
     @property
     def frames(self) -> int:

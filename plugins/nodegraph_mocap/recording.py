@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Value, closest, listed
-from nodegraph_mocap.checks import distinct, positive_rate, set_fields, twice
+from nodegraph_mocap.checks import distinct, possible_rate, set_fields, twice
 from nodegraph_mocap.frame_ranges import chunks, runs_of
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
@@ -85,7 +85,7 @@ class Trajectories(Value):
             self,
             positions=positions,
             markers=tuple(self.markers),
-            rate=positive_rate(self.rate),
+            rate=possible_rate(self.rate),
             origin=origin,
         )
         if self.sigma is not None:

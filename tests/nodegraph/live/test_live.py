@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import tracemalloc
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +24,7 @@ from nodegraph.graph import Graph
 from nodegraph.live.session import session_of
 from nodegraph.testing import difference
 from nodegraph_files import read_npz
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import MarkerFrame, Trajectories
 
 NODES = '''
 import struct
@@ -374,6 +376,116 @@ def test_recorded_packets_play_the_same_again(folder: Path, graph: object, tmp_p
     counts = session_of(narrow, ("take", f"replay:{packets}@0"), [("held", Box())]).run()
     assert counts.undecodable == 0
     assert "ends in the middle of a packet" in next(iter(counts.as_json()["warnings"]))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"source": {"udp": 1}}, "source: input should be a valid string"),
+        ({"source": None}, "source: input should be a valid string"),
+        ({"sizes": [-1]}, "sizes: input should be greater than or equal to 0"),
+        ({"sizes": [1 << 70]}, "header: "),
+        ({"sizes": [1 << 40]}, "header: "),
+        ({"header": "[" * 100_000}, "header: "),
+        ({"header": '["tuple"]', "sizes": []}, "values of type tuple cannot be streamed"),
+        ({"header": "3", "sizes": []}, "values of type int cannot be streamed"),
+        ({"more": 1}, "more: extra inputs are not permitted"),
+        ({"source": "wire"}, "'wire': write SCHEME:"),
+        ({"source": "replay:packets@0"}, "is the source of its own packets"),
+        ({"source": "replay:{take}@0"}, "is another than was recorded: header.rate: 30.0 and 60.0"),
+    ],
+)
+def test_a_damaged_packet_file_is_refused_with_what_is_wrong(
+    folder: Path,
+    tmp_path: Path,
+    change: dict[str, object],
+    message: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    packets = tmp_path / "packets"
+    play(narrow, folder, "0-9", "near", record=packets)
+    magic, head, rest = packets.read_bytes().split(b"\n", 2)
+    other = replace(read_npz(folder / "take.npz"), rate=30.0)
+    (tmp_path / "take.npz").write_bytes(ng.get_node("write.npz")(other).content["recording.npz"])
+    monkeypatch.chdir(tmp_path)
+    text = json.dumps({**json.loads(head), **change}).replace("{take}", "take.npz")
+    packets.write_bytes(b"\n".join([magic, text.encode(), rest]))
+    with pytest.raises(NodegraphError, match="packets: is damaged: ") as caught:
+        session_of(narrow, ("take", "replay:packets@0"), [("near", Box())]).run()
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("head", [b"", b"{}", b"[" * 100_000, b"\xff", b'{"source": 1e999}'])
+def test_a_packet_file_without_its_head_is_refused(
+    folder: Path, tmp_path: Path, head: bytes
+) -> None:
+    (tmp_path / "packets").write_bytes(b"nodegraph packets 1\n" + head + b"\n")
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    with pytest.raises(NodegraphError, match="packets: is damaged: "):
+        session_of(narrow, ("take", f"replay:{tmp_path / 'packets'}@0"), [("near", Box())])
+
+
+@pytest.mark.parametrize(
+    ("record", "computed"),
+    [
+        (struct.pack("<BqI", 2, 10**9, 8), None),
+        (struct.pack("<BqI", 0, -1, 8), None),
+        (struct.pack("<BqI", 0, (1 << 63) - 1, 8), None),
+        (struct.pack("<BqI", 0, 10**9, (1 << 32) - 1), 1),  # more than there is
+        (struct.pack("<BqI", 1, 10**18, 8), 3),  # years later, by a new connection
+    ],
+)
+def test_a_damaged_record_of_a_packet_ends_the_replay(
+    folder: Path, tmp_path: Path, record: bytes, computed: int | None
+) -> None:
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    packets = tmp_path / "packets"
+    play(narrow, folder, "0", "near", record=packets)
+    content = packets.read_bytes()
+    first = len(content) - 21
+    frames = [struct.pack("<q", number) for number in range(3)]
+    records = [struct.pack("<BqI", 0, 10**9, 8), record, record]
+    content = content[:first] + b"".join(
+        each for pair in zip(records, frames, strict=True) for each in pair
+    )
+    packets.write_bytes(content)
+    session = session_of(narrow, ("take", f"replay:{packets}@0"), [("near", Box())])
+    if computed is None:
+        with pytest.raises(
+            NodegraphError, match=f"damaged: no packet begins at byte {first + 21}$"
+        ):
+            session.run()
+    else:
+        assert session.run().computed == computed
+    assert session.counts.computed == (computed or 1)
+
+
+@pytest.mark.parametrize(
+    ("number", "captured"), [(-1, 0), (1 << 63, 0), (1, 1 << 63), (1, -(10**22))]
+)
+def test_frames_with_impossible_numbers_are_undecodable(
+    folder: Path, take: Trajectories, number: int, captured: int
+) -> None:
+    class Odd:
+        def open(self) -> Trajectories:
+            return replace(take, positions=take.positions[:0], origin=take.origin[:0])
+
+        def packets(self) -> Iterator[bytes]:
+            yield from (b"sound", b"odd")
+
+        def frames(self, packet: bytes, arrived: int, header: object) -> Iterator[ng.Frame]:
+            payload = MarkerFrame(take.positions[0], take.origin[0])
+            at = (0, 0) if packet == b"sound" else (number, captured)
+            yield ng.Frame(*at, arrived, payload)
+
+        def close(self) -> None:
+            pass
+
+    box = Box()
+    narrow = graph_with(folder, only={"avg": "narrow"})
+    counts = session_of(narrow, ("take", Odd()), [("far", box)]).run()
+    assert (counts.computed, counts.undecodable, len(box.frames)) == (1, 1, 1)
 
 
 def test_a_frame_that_a_node_refuses_is_missing_and_counted(

@@ -26,6 +26,7 @@ SINKS = nodegraph_sinks()
         ("natnet:127.0.0.1?rate=fast", "rate is a number above 0, not 'fast'"),
         ("vmc:39539?rate=60&hz=5", "no setting 'hz'; there is rate, timeout"),
         ("livelink:0", "'0' is not a port from 1 to 65535"),
+        (f"udp:{'9' * 5000}", f"'{'9' * 5000}' is not a port from 1 to 65535"),
         ("udp:127.0.0.1:", "'' is not a port from 1 to 65535"),
     ],
 )

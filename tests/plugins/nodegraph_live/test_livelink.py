@@ -10,6 +10,7 @@ import pytest
 
 from nodegraph import Frame, NodegraphError
 from nodegraph_live import nodegraph_sinks, nodegraph_sources
+from nodegraph_live.livelink import SHAPES
 from nodegraph_mocap import Weights
 from tests.live_peers import HOST, free_port, received, sending
 
@@ -54,7 +55,7 @@ def test_weights_have_the_numbers_of_the_timecode(start: object) -> None:
 
 
 def test_parts_of_a_frame_count_where_the_app_sends_more_often_than_its_timecode() -> None:
-    header = Weights(values=np.empty((0, 52)), names=tuple(map(str, range(52))), rate=60)
+    header = Weights(values=np.empty((0, 52)), names=SHAPES, rate=60)
     source = SOURCE("11111?rate=60")
     whole = face(7, rate=30)
     time = struct.pack(">ifii", 7, 0.25, 30, 1)
@@ -64,7 +65,7 @@ def test_parts_of_a_frame_count_where_the_app_sends_more_often_than_its_timecode
 
 
 def test_the_rate_of_the_address_and_midnight() -> None:
-    header = Weights(values=np.empty((0, 52)), names=tuple(map(str, range(52))), rate=30)
+    header = Weights(values=np.empty((0, 52)), names=SHAPES, rate=30)
     source = SOURCE("11111?rate=30")
     day = 24 * 3600 * 60
     numbers = [
@@ -88,7 +89,7 @@ def test_the_rate_of_the_address_and_midnight() -> None:
     ],
 )
 def test_other_packets_are_refused(packet: bytes, message: str) -> None:
-    header = Weights(values=np.empty((0, 52)), names=tuple(map(str, range(52))), rate=60)
+    header = Weights(values=np.empty((0, 52)), names=SHAPES, rate=60)
     source = SOURCE("11111")
     assert list(source.frames(face(0), 1, header))
     with pytest.raises(ValueError, match=message):

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from nodegraph import Frame, Source
+from nodegraph import Frame, NodegraphError, Source
 from nodegraph_live import nodegraph_sinks, nodegraph_sources
-from nodegraph_mocap import MarkerFrame, Trajectories, Weights
+from nodegraph_mocap import HeadMotion, MarkerFrame, Trajectories, Weights
 from tests.live_peers import HOST, NatNetServer, QtmServer, free_port, in_thread, wave
 
 SOURCES, SINKS = nodegraph_sources(), nodegraph_sinks()
@@ -130,6 +130,17 @@ def test_damaged_packets_are_refused_or_sound(scheme: str) -> None:
         # one that is damaged is not a frame where a checksum tells
         assert scheme != "udp" or not frames or damaged in packets
     assert refused > 100
+
+
+@pytest.mark.parametrize("scheme", sorted(SOURCES))
+def test_a_header_of_another_type_is_refused(scheme: str) -> None:
+    with pytest.raises(NodegraphError, match=f"^{scheme}:.*: carries .*, not HeadMotion$"):
+        list(unopened(scheme).frames(b"", 9, HeadMotion.still(0)))
+
+
+def test_weights_of_other_names_are_not_those_of_the_app() -> None:
+    with pytest.raises(NodegraphError, match="the names are not those of the app"):
+        list(unopened("livelink").frames(b"", 9, WEIGHTS))
 
 
 def damage(packets: list[bytes], random: np.random.Generator) -> Iterator[bytes]:

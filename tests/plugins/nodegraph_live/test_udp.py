@@ -145,7 +145,7 @@ def test_frames_of_another_stream_or_size_are_refused() -> None:
 
 
 def test_what_cannot_be_sent_is_refused() -> None:
-    with pytest.raises(NodegraphError, match="sends recordings and weights, not HeadMotion"):
+    with pytest.raises(NodegraphError, match="carries recordings and weights, not HeadMotion"):
         SINK(f"{HOST}:1").open(HeadMotion.still(0))
     names = tuple(map(str, range(6000)))
     many = Trajectories(positions=np.empty((0, 6000, 3)), markers=names, rate=60)

@@ -63,7 +63,7 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
         ({"positions": np.ones((4, 3, 3))}, r"got \(4, 3, 3\)"),
         ({"positions": np.ones((4, 2, 2))}, r"got \(4, 2, 2\)"),
         ({"markers": ("a", "a")}, "named twice: a"),
-        ({"rate": 0}, "rate must be a positive number of frames per second, got 0"),
+        ({"rate": 0}, "rate must be from 0.001 to 1e6 frames per second, got 0"),
         ({"rate": NAN}, "got nan"),
         ({"rate": float("inf")}, "got inf"),
         ({"origin": np.ones((4, 3))}, r"origin must be \(4, 2\), got \(4, 3\)"),
