@@ -210,7 +210,7 @@ class NatNetSource(DatagramReceiver):
         header = recording_only(self._settings.address, header)
         number, reader = decode_message(packet)
         if number != FRAME:
-            self._learn(packet)
+            self._learn(packet, header)
             return ()
         if self._protocol is None or not self._marker_sets:
             raise ValueError("a frame before the description of the marker sets")
@@ -243,13 +243,26 @@ class NatNetSource(DatagramReceiver):
         with suppress(OSError):  # the network may come back; silence has its own limit
             self._endpoint.sendto(packet, self._address)
 
-    def _learn(self, packet: bytes) -> None:
-        """Take version and marker sets from a message, if it has any."""
+    def _learn(self, packet: bytes, header: Trajectories | None = None) -> None:
+        """Take version and marker sets from a message, if it has any.
+
+        Raises
+        ------
+        ValueError
+            If they are of another server: of another version than is known, or without the markers
+            of the header.
+        """
         number, reader = decode_message(packet)
         if number == SERVER:
-            self._protocol = decode_server(reader).protocol
+            protocol = decode_server(reader).protocol
+            if self._protocol not in (None, protocol):
+                raise ValueError(f"an answer by protocol {protocol}, after one by {self._protocol}")
+            self._protocol = protocol
         elif number == MODEL and self._protocol is not None:
-            self._marker_sets = decode_model(reader, self._protocol)
+            marker_sets = decode_model(reader, self._protocol)
+            if header is not None and marker_names(marker_sets) != header.markers:
+                raise ValueError("a description of other markers")
+            self._marker_sets = marker_sets
 
     def _header(self, rate: float) -> Trajectories:
         if self._protocol is not None and self._protocol < (3, 0):

@@ -85,10 +85,10 @@ def decode(packet: bytes) -> _Packet:
     return _Packet(kind, width, stream, index, captured, content)
 
 
-def decode_description(content: bytes) -> Trajectories | Weights:
+def decode_description(content: memoryview) -> Trajectories | Weights:
     """Return the header that a description gives; a wrong one is a ValueError."""
     try:
-        fields = json.loads(content)
+        fields = json.loads(bytes(content))
         rate = float(fields["rate"])
     except (KeyError, OverflowError, RecursionError, TypeError) as error:
         raise ValueError(f"the description cannot be read: {error}") from error
@@ -101,6 +101,17 @@ def decode_description(content: bytes) -> Trajectories | Weights:
     return (recording_header if "markers" in kinds else weights_header)(names, rate)
 
 
+def _check_same(content: memoryview, header: Trajectories | Weights) -> None:
+    """Refuse a description that does not give the header, which is a ValueError."""
+    described = decode_description(content)
+    if _key(described) != _key(header):
+        raise ValueError("a description of another stream: other names, or another rate")
+
+
+def _key(header: Trajectories | Weights) -> tuple[object, ...]:
+    return type(header), names_of(header), header.rate
+
+
 class UdpSource(DatagramSource):
     """Receives the packets of `UdpSink`, or of any program that sends such: ``udp:[HOST:]PORT``."""
 
@@ -108,6 +119,7 @@ class UdpSource(DatagramSource):
         form = "udp:[HOST:]PORT[?timeout=SECONDS]"
         settings = Settings("udp", address, form, {"timeout": TIMEOUT})
         super().__init__(settings, PORT, "description of a stream NGL1")
+        self._header: Trajectories | Weights
         self._stream = -1
         self._restart = b""
         """The description by which a sender that was started again was noticed."""
@@ -117,9 +129,9 @@ class UdpSource(DatagramSource):
         self._bind()
         if self._restart:
             self._first, self._restart = [self._restart], b""
-            return decode_description(bytes(decode(self._first[0]).content))
-        header: Trajectories | Weights = self._wait_for_header()
-        return header
+        else:
+            self._header = self._wait_for_header()
+        return self._header
 
     def describe(self, packet: bytes) -> Trajectories | Weights | None:
         """Return the header if the packet is a description."""
@@ -127,10 +139,12 @@ class UdpSource(DatagramSource):
         if parts.kind != _DESCRIPTION:
             return None
         del self._first[:-1]  # frames before it may be of another stream
-        return decode_description(bytes(parts.content))
+        return decode_description(parts.content)
 
     def packets(self) -> Iterator[bytes]:
         """Yield packets until the sender ends the stream.
+
+        A description of other names or another rate is of another sender, and ends nothing.
 
         Raises
         ------
@@ -144,6 +158,8 @@ class UdpSource(DatagramSource):
                 continue
             try:
                 parts = decode(packet)
+                if parts.kind == _DESCRIPTION:
+                    _check_same(parts.content, self._header)
             except ValueError:
                 yield packet  # is counted where frames are decoded
                 continue
@@ -161,9 +177,7 @@ class UdpSource(DatagramSource):
         header = recording_or_weights(self._settings.address, header)
         kind, width, stream, number, captured, content = decode(packet)
         if kind == _DESCRIPTION:
-            described = decode_description(bytes(content))
-            if names_of(described) != names_of(header) or described.rate != header.rate:
-                raise ValueError("the names or the rate of the stream have changed")
+            _check_same(content, header)
             self._stream = stream
         if kind != _FRAME:
             return ()

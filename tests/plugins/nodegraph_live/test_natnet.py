@@ -49,6 +49,22 @@ def test_an_independent_client_reads_the_same_from_the_emulator() -> None:
     assert frames[0].suffix.timestamp == number / 120
 
 
+def test_what_another_server_says_of_itself_is_refused() -> None:
+    server = NatNetServer(SETS, METRES, (4, 1), 120)
+    body = NatNetServer({"body": ("hip",)}, METRES[:, :1], (4, 1), 120)
+    old = NatNetServer(SETS, METRES, (3, 0), 120)
+    with in_thread(server.serve), in_thread(body.serve), in_thread(old.serve):
+        source = SOURCE(f"{HOST}:{server.port}")
+        header = source.open()
+        source.close()
+    with pytest.raises(ValueError, match="a description of other markers"):
+        source.frames(body.model(), 1, header)
+    with pytest.raises(ValueError, match=r"protocol \(3, 0\), after one by \(4, 1\)"):
+        source.frames(old.server_info(), 1, header)
+    (frame,) = source.frames(server.frame(5), 1, header)
+    assert frame.index == 5
+
+
 @pytest.mark.parametrize(
     ("sets", "protocol", "message"),
     [

@@ -102,6 +102,39 @@ def test_a_stream_ends_and_a_sender_that_starts_again_is_noticed() -> None:
     source.close()
 
 
+def test_another_sender_at_the_port_ends_nothing_and_is_counted() -> None:
+    port = free_port()
+    source = SOURCE(str(port))
+    own = stream_of(1)
+    others = [
+        json.dumps(each).encode()
+        for each in (
+            {"markers": ["other"], "rate": 10},
+            {"markers": [*"abçd"], "rate": 20},
+            {"weights": [*"abçd"], "rate": 10},
+            {},
+            "not a description",
+        )
+    ]
+    foreign = [packet(0, each, stream=zlib.crc32(each)) for each in others]
+    foreign += [packet(kind, bytes(12), stream=9) for kind in (1, 2)]
+    with sending(own[:3], port):
+        assert source.open().markers == RECORDING.markers
+    arrived: list[int] = []
+    refused: set[bytes] = set()
+    with sending([*foreign, *own[:3]], port):
+        for each in source.packets():
+            try:
+                arrived += [frame.index for frame in source.frames(each, 1, HEADER)]
+            except ValueError:
+                refused.add(each)
+            if len(arrived) > 10 and len(refused) == 6:
+                break
+    source.close()
+    assert refused == {*foreign[:-1]}  # the end of another stream is nothing
+    assert set(arrived) == {0, 1}
+
+
 @pytest.mark.parametrize(
     "content",
     [
