@@ -134,7 +134,7 @@ def _lists(name: str, texts: Sequence[str]) -> Iterable[_Part]:
         yield _texts(name if number == 1 else f"{name}{number}", part)
 
 
-_SMALLEST, _LARGEST = float(np.finfo(np.float32).tiny), float(np.finfo(np.float32).max)
+_LARGEST = float(np.finfo(np.float32).max)
 
 
 _MODEL_OUTPUTS = (
@@ -337,8 +337,6 @@ def _head(recording: Trajectories) -> bytes:
                 f"C3D cannot keep the marker name {name!r}: 1 to {LONGEST_NAME} bytes that are "
                 "printed, no spaces around it"
             )
-    if not _SMALLEST <= recording.rate <= _LARGEST:
-        raise ValueError(f"a rate of {recording.rate} Hz is beyond the 32-bit numbers of C3D")
     # fmax and fmin pass over NaN, and need no array of their own
     ends = np.fmax.reduce(recording.positions, None), np.fmin.reduce(recording.positions, None)
     if max(map(abs, ends)) > _LARGEST:

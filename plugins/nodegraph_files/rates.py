@@ -9,9 +9,7 @@ from typing import Annotated, TypeVar
 from pydantic import Field
 
 from nodegraph import Unit
-
-SLOWEST, FASTEST = 1e-3, 1e6
-"""Hz, beyond which a recording is refused."""
+from nodegraph_mocap.checks import FASTEST, SLOWEST
 
 RateSetting = Annotated[float, Field(ge=SLOWEST, le=FASTEST), Unit("Hz")] | None
 

@@ -15,7 +15,7 @@ from nodegraph import Format, InputFile, Truth, formats, node
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file
-from nodegraph_files.rates import FASTEST, SLOWEST, RateSetting
+from nodegraph_files.rates import RateSetting
 from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
@@ -349,10 +349,6 @@ def with_marker_set(
 def _check_recording(path: Path, recording: Trajectories) -> None:
     if not recording.frames or not recording.markers:
         raise ValueError(f"{path}: the recording holds no samples")
-    if not SLOWEST <= recording.rate <= FASTEST:
-        raise ValueError(
-            f"{path}: a rate of {recording.rate:g} Hz; {SLOWEST:g} to {FASTEST:g} Hz is possible"
-        )
     if not _SLOW <= recording.rate <= _FAST:
         warnings.warn(
             f"{path}: a rate of {recording.rate:g} Hz, at which no motion is captured; set `rate`?",

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
+SLOWEST, FASTEST = 1e-3, 1e6
+"""Rates in Hz, beyond which a recording is refused."""
+
+
 def set_fields(record: object, **values: object) -> None:
     """Set fields of a frozen record while it is being made; arrays become read-only."""
     for name, value in values.items():
@@ -72,8 +76,11 @@ def indices(
 
 
 def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names as a tuple; one that stands twice is a ValueError."""
-    listed = tuple(str(name) for name in names)
+    """Return the names as a tuple; one that stands twice, or is no text, is a ValueError."""
+    listed = tuple(names)
+    for name in listed:
+        if not isinstance(name, str):
+            raise ValueError(f"{what}: names are texts, not {name!r}")
     repeated = twice(listed)
     if repeated:
         raise ValueError(f"{what}: named twice: {', '.join(repeated)}")
@@ -87,7 +94,7 @@ def twice(names: Iterable[str]) -> list[str]:
 
 def possible_rate(rate: float) -> float:
     """Return the rate in frames per second; one not from 0.001 to 1e6 is a ValueError."""
-    if not 1e-3 <= rate <= 1e6:
+    if not SLOWEST <= rate <= FASTEST:
         raise ValueError(f"rate must be from 0.001 to 1e6 frames per second, got {rate}")
     return float(rate)
 

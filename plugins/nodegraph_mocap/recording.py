@@ -15,14 +15,13 @@ import numpy as np
 from nodegraph import Value, closest, listed
 from nodegraph_mocap.checks import distinct, possible_rate, set_fields, twice
 from nodegraph_mocap.frame_ranges import chunks, runs_of
+from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from numpy.typing import NDArray
-
-    from nodegraph_mocap.marker_set import MarkerSet
 
 
 _FROM_POSITIONS: Any = None
@@ -88,6 +87,8 @@ class Trajectories(Value):
             rate=possible_rate(self.rate),
             origin=origin,
         )
+        if not isinstance(self.marker_set, MarkerSet | None):
+            raise ValueError(f"marker_set must be a MarkerSet, got {self.marker_set!r}")
         if self.sigma is not None:
             set_fields(self, sigma=_checked_sigma(self.sigma, missing.shape))
 

@@ -338,10 +338,10 @@ def test_what_the_format_cannot_count_is_refused(shape: tuple[int, int, int]) ->
 
 
 def test_what_32_bits_cannot_hold_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    for value, rate in ((1e39, 60), (-1e39, 60), (1, 1e39), (1, 1e-39)):
+    for value in (1e39, -1e39):
         positions = np.full((2, 1, 3), np.nan)
         positions[1] = value
-        recording = Trajectories(positions=positions, markers=("m",), rate=rate)
+        recording = Trajectories(positions=positions, markers=("m",), rate=60)
         with pytest.raises(ValueError, match="32-bit"):
             write_c3d(recording, tmp_path / "it.c3d")
         assert not (tmp_path / "it.c3d").exists()

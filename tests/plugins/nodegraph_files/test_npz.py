@@ -73,7 +73,7 @@ def test_an_array_that_lacks_is_reported_with_those_there_are(tmp_path: Path, la
         ({"markers": [1, 2]}, "'markers' is of type int64"),
         ({"markers": ["a", "a"]}, "named twice: a"),
         ({"rate": [1.0, 2.0]}, ""),
-        ({"rate": 0.0}, "rate must be a positive number"),
+        ({"rate": 0.0}, "rate must be from 0.001 to 1e6 frames"),
         ({"rate": "60"}, "'rate' is of type"),
         ({"origin": np.zeros((4, 2), dtype=np.uint8)}, "origin must call"),
         ({"origin": np.ones((4, 2))}, "'origin' is of type float64"),

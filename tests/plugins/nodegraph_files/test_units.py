@@ -88,15 +88,9 @@ def test_a_size_that_nothing_has_is_reported_and_the_user_decides(
     np.testing.assert_allclose(read.positions, FACE)
 
 
-@pytest.mark.parametrize(
-    ("rate", "far", "message"),
-    [(1e300, 1.0, "1e.300 Hz; 0.001 to 1e.06 Hz"), (60, 1e100, "position at 1e.100 mm; up to")],
-)
-def test_rates_and_lengths_out_of_range_are_refused(
-    tmp_path: Path, rate: float, far: float, message: str
-) -> None:
+def test_lengths_out_of_range_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "it.npz"
-    positions = np.full((2, 1, 3), far)
-    path.write_bytes(npz_bytes(Trajectories(positions=positions, markers=("a",), rate=rate)))
-    with pytest.raises(ValueError, match=message):
+    positions = np.full((2, 1, 3), 1e100)
+    path.write_bytes(npz_bytes(Trajectories(positions=positions, markers=("a",), rate=60)))
+    with pytest.raises(ValueError, match=r"position at 1e\+100 mm; up to"):
         read_recording(path=path)

@@ -39,8 +39,9 @@ def test_a_recording_in_which_nothing_was_seen() -> None:
         ({"offsets": np.array([0, 3, 1, 3])}, "fall after frame 1"),
         ({"offsets": np.array([0.0, 3.0])}, "whole numbers, got float64"),
         ({"offsets": np.array([0, 4])}, "must lie in 0 to 3"),
-        ({"rate": 0.0}, "rate must be a positive number"),
-        ({"rate": float("nan")}, "rate must be a positive number"),
+        ({"rate": 0.0}, "rate must be from 0.001 to 1e6 frames"),
+        ({"rate": 1e300}, "rate must be from 0.001 to 1e6 frames"),
+        ({"rate": float("nan")}, "rate must be from 0.001 to 1e6 frames"),
     ],
 )
 def test_bad_detections_are_refused(changes: dict[str, object], message: str) -> None:

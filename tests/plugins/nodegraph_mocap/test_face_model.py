@@ -90,7 +90,7 @@ def test_a_bad_model_is_refused(changes: dict[str, object], message: str) -> Non
         ({"values": np.zeros((4, 3))}, r"weights: must be \(frames, 2\), got \(4, 3\)"),
         ({"values": np.full((4, 2), np.inf)}, r"weights: infinite at \(0, 0\)"),
         ({"names": ("smile", "smile")}, "named twice: smile"),
-        ({"rate": -1.0}, "rate must be a positive number"),
+        ({"rate": -1.0}, "rate must be from 0.001 to 1e6 frames"),
     ],
 )
 def test_bad_weights_are_refused(changes: dict[str, object], message: str) -> None:

@@ -70,6 +70,8 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
         ({"origin": np.ones((4, 2))}, "exactly the missing samples missing"),
         ({"origin": np.zeros((4, 2))}, "exactly the missing samples missing"),
         ({"origin": np.array([[1, 1], [0, 4], [1, 1], [1, 1]])}, "others 1 to 3"),
+        ({"markers": ("a", 1)}, "markers: names are texts, not 1"),
+        ({"marker_set": "face"}, "marker_set must be a MarkerSet, got 'face'"),
         ({"sigma": np.ones((4, 2, 3))}, r"sigma must be \(4, 2\), got \(4, 2, 3\)"),
     ],
 )
