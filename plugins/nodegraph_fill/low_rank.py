@@ -258,7 +258,8 @@ class Entries:
 
     def __init__(self, mask: NDArray[np.bool_]) -> None:
         self.mask = mask
-        self._row, self._column = np.nonzero(mask)
+        # contiguous, for which the kernels are compiled
+        self._row, self._column = map(np.ascontiguousarray, np.nonzero(mask))
         self._start = np.concatenate([[0], np.cumsum(np.count_nonzero(mask, axis=1))])
 
     def inverse(

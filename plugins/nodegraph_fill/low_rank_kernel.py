@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.integer]
 
 compiled = kernel(fastmath={"reassoc", "contract"})
+inner = kernel(fastmath={"reassoc", "contract"}, no_cpython_wrapper=True)  # for kernels only
 
 
 @compiled
@@ -57,7 +58,7 @@ def factorize(start: Integers, columns: Integers, precision: Floats) -> tuple[Fl
     return factors, where
 
 
-@compiled
+@inner
 def _factorize(precision: Floats, places: Integers, factor: Floats) -> None:
     for i in range(len(places)):
         line, first = precision[places[i]], i * (i + 1) // 2
@@ -79,7 +80,7 @@ def solve(start: Integers, factors: Floats, where: Integers, values: Floats) -> 
     return solution
 
 
-@compiled
+@inner
 def _solve(factor: Floats, values: Floats, solution: Floats) -> None:
     size = len(values)
     for i in range(size):

@@ -39,11 +39,11 @@ def follow(observations: Floats, variance: Floats, seconds: float, acceleration:
     (T, 3) array of float64
         Millimetres; NaN before the first frame that has an observation.
     """
-    path = np.full_like(observations, np.nan)
+    path = np.empty_like(observations)
     position, velocity, spread = np.full(3, np.nan), np.zeros(3), np.zeros(3)
     for t in range(len(observations)):
         _follow(position, velocity, spread, observations[t], variance[t], seconds, acceleration)
-        path[t] = position
+        path[t, 0], path[t, 1], path[t, 2] = position
     return path
 
 
@@ -75,7 +75,7 @@ def advance(
         )
 
 
-@kernel(forceinline=True)
+@kernel(no_cpython_wrapper=True)
 def _follow(
     position: Floats,
     velocity: Floats,
@@ -88,7 +88,8 @@ def _follow(
     here = not np.isnan(observation[0])
     if np.isnan(position[0]):
         if here:
-            position[:], velocity[:] = observation, 0.0
+            for i in range(3):  # `position[:]` would take four times as long to compile
+                position[i], velocity[i] = observation[i], 0.0
             # as if it had been speeding up for a second
             spread[0], spread[1], spread[2] = variance, 0.0, acceleration**2
         return

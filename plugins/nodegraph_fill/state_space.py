@@ -48,23 +48,52 @@ class StateSpace:
 
         For `ends` met, the estimates beside the gaps leave out what is missing in them.
         """
-        from nodegraph_fill import kalman_kernel
-
-        rows, basis = np.where(matrix.missing, 0.0, matrix.rows - self.middle), self._basis
-        states, covariances = kalman_kernel.smooth(
-            basis, self.noise, matrix.missing, rows, self._first
-        )
+        rows = np.where(matrix.missing, 0.0, matrix.rows - self.middle)
+        states, covariances = self._smoothed(rows, matrix.missing)
         sigma = self._sigma(matrix, gaps, covariances) if with_sigma else None
         estimate = Estimate(self._positions(matrix, states), sigma)
         if ends == "as_published":
             return estimate
         hidden = matrix.hidden_ends(gaps)
-        at = hidden.frame
+        at, beside = hidden.frame, states[hidden.frame]
         lacking = hidden.missing & ~matrix.missing[at]
-        beside = kalman_kernel.without(
-            lacking, rows[at], states[at], covariances[at], basis, self.noise
-        )
+        for row, lost, state, covariance in zip(
+            rows[at], lacking, beside, covariances[at], strict=True
+        ):
+            self._forget(row, lost, state, covariance)
         return replace(estimate, ends=hidden.of_gaps(self._positions(matrix, beside)))
+
+    def _smoothed(
+        self, rows: NDArray[np.float64], missing: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the state in every frame, (T, D), and its covariance, (T, D, D)."""
+        from nodegraph_fill import kalman_kernel
+
+        basis, identity = self._basis, np.eye(len(self.first))
+        weighted = basis / self.noise[:, None]
+        known = kalman_kernel.information(missing[0], basis, weighted, basis.T @ weighted)
+        start = np.linalg.solve(identity + self._first @ known, self._first)
+        states, covariances = rows @ weighted, np.empty((len(rows), *start.shape))
+        covariances[0] = np.linalg.solve(identity + start, start) if len(rows) > 1 else start
+        kalman_kernel.smooth(missing, basis, weighted, states, covariances)
+        return states, covariances
+
+    def _forget(
+        self,
+        row: NDArray[np.float64],
+        lost: NDArray[np.bool_],
+        state: NDArray[np.float64],
+        covariance: NDArray[np.float64],
+    ) -> None:
+        """Take some of the coordinates from a state that they were a part of.
+
+        With c their rows of the basis, r their noise and y their values, ``P c' inv(r - c P c')
+        (y - c x)`` is subtracted from x.
+        """
+        some = self._basis[lost]
+        gain = some @ covariance
+        off = row[lost] - some @ state
+        state -= np.linalg.solve(np.diag(self.noise[lost]) - gain @ some.T, off) @ gain
 
     @cached_property
     def _scale(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

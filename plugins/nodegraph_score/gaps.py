@@ -143,10 +143,10 @@ def gaps(
         If frame counts or markers differ, or the truth lacks a hidden sample.
     """
     error, mask = hidden_errors(estimate, truth, hidden)
-    jumps = np.zeros(mask.shape)
-    markers = mask.any(axis=1)
-    jumps[markers] = impulses(truth.positions[:, markers]).T
-    return _table(_find(mask), error, np.isfinite(error[..., 0]), jumps, truth.markers)
+    some = np.flatnonzero(mask.any(axis=1))
+    error, jumps = error[some], impulses(truth.positions[:, some]).T
+    markers = [truth.markers[column] for column in some]
+    return _table(_find(mask[some]), error, np.isfinite(error[..., 0]), jumps, markers)
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ def _table(
     error: NDArray[np.float64],
     has: NDArray[np.bool_],
     jumps: NDArray[np.float64],
-    markers: tuple[str, ...],
+    markers: list[str],
 ) -> Table:
     from pandas import DataFrame
 
