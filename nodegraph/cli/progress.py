@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 _MOST_LINES = 20
 _INTERVAL = 0.1
+_SOON = 2.0
+"""Seconds after which a line says how long the run will take."""
 _LONGEST = 40
 _COUNTS = ("run", State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -152,11 +154,11 @@ class _Bar(Display):
 
 
 class _Lines(Display):
-    """A line at the start, at the end, and after each tenth of the steps."""
+    """A line at the start, after two seconds, after each tenth of the steps, and at the end."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._tenths = 0
+        self._tenths = -1
         self._computed = 0
 
     def say(self, text: str) -> None:
@@ -176,7 +178,7 @@ class _Lines(Display):
         detail = event.detail
         settled, total = self.settled(detail)
         tenths = 10 * settled // total if total else 0
-        if tenths <= self._tenths:
+        if tenths <= self._tenths or (not tenths and event.seconds < _SOON):
             return
         self._tenths = tenths
         computed = detail["run"] + detail[State.FAILED] + detail[State.REFUSED]

@@ -18,8 +18,8 @@ from nodegraph.plan import Plan, Step
 from nodegraph.state import State
 
 FORMAT = 1
-_PROGRESS_EVENTS = 100
-"""Progress events of a run, about."""
+_INTERVAL = 0.5
+"""Seconds from one progress event to the next, at least."""
 
 
 class EventKind(StrEnum):
@@ -101,7 +101,7 @@ class EventLog:
         self._counts: Counter[State] = Counter()
         self._ended: dict[int, State] = {}
         self._steps = len(plan.steps)
-        self._interval = max(1, self._steps // _PROGRESS_EVENTS)
+        self._next = _INTERVAL
         self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
         self._remaining = RemainingTime((), {})
         self._first: float | None = None
@@ -136,14 +136,14 @@ class EventLog:
         steps
             Those that are to be computed.
         seconds
-            What `means` returned in earlier runs.
+            What `typical_seconds` returned in earlier runs.
         """
         self._left = left
         self._remaining = RemainingTime(steps if self.listeners else (), seconds)
 
-    def means(self) -> dict[str, float]:
-        """Return the mean seconds of the steps that were computed, by node and method."""
-        return self._remaining.means()
+    def typical_seconds(self) -> dict[str, float]:
+        """Return the seconds of the steps that were computed, by node and method."""
+        return self._remaining.typical()
 
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""
@@ -169,7 +169,8 @@ class EventLog:
         if step.index in self._ended:  # what was stored of it could not be used
             self._counts[self._ended[step.index]] -= 1
         self._ended[step.index] = status
-        if len(self._ended) % self._interval == 0:
+        if (now := self.seconds()) >= self._next:
+            self._next = now + _INTERVAL
             self._emit(EventKind.PROGRESS, None, self._progress())
 
     def interrupted(self) -> None:

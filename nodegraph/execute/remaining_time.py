@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping
+from statistics import fmean, median_low
 
 from nodegraph.plan import Gathered, Step
 
 _OVERHEAD = 0.002
 """Seconds that a step takes beside its function: its key, its inputs, storing its result."""
+_LATEST = 99
+"""Steps of each kind whose seconds are kept."""
 
 
 class RemainingTime:
@@ -19,7 +22,7 @@ class RemainingTime:
     steps
         Those that are to be computed.
     seconds
-        What a step took in earlier runs, as `means` returns it.
+        What a step took in earlier runs, as `typical` returns it.
     """
 
     def __init__(self, steps: Iterable[Step], seconds: Mapping[str, float]) -> None:
@@ -32,14 +35,18 @@ class RemainingTime:
             if name not in self._gathers:
                 inputs = step.inputs.values()
                 self._gathers[name] = any(isinstance(source, Gathered) for source in inputs)
-        self._ended: Counter[str] = Counter()
-        self._seconds: dict[str, float] = defaultdict(float)
+        self._first: dict[str, float] = {}
+        self._latest: dict[str, deque[float]] = {}
+        self._ended, self._spent = 0, 0.0
 
     def add(self, step: Step, seconds: float) -> None:
         """Note that a step was computed."""
         name = _kind(step)
-        self._ended[name] += 1
-        self._seconds[name] += seconds
+        if name in self._first:
+            self._latest.setdefault(name, deque(maxlen=_LATEST)).append(seconds)
+        else:
+            self._first[name] = seconds
+        self._ended, self._spent = self._ended + 1, self._spent + seconds
         self._left[name] -= 1
 
     def drop(self, step: Step) -> None:
@@ -49,32 +56,38 @@ class RemainingTime:
     def estimate(self, elapsed: float) -> float | None:
         """Return the seconds to go; None before the first step has ended.
 
+        The first call of a method also imports and compiles what it needs, and calls at the same
+        time may wait for that. So medians of the later calls count, and what the first ones took
+        longer is expected of methods that have not been called.
+
         Parameters
         ----------
         elapsed
             Seconds since the first step was begun. The steps that ended in them say how fast
             this is, whatever runs at the same time.
         """
-        means = self.means()
-        if not means:
+        if not self._ended:
             return None
-        # the first call of a method also imports and compiles what it needs
-        repeated = {name: mean for name, mean in means.items() if self._ended[name] > 1}
-        known = {**means, **self._earlier, **repeated}
-        ended = self._ended.total()
-        spent = sum(self._seconds.values())
-        # what gathers reads what many steps gave, and is as slow as the slowest rather than typical
-        unknown = {True: max(means.values()), False: spent / ended}
-        left = sum(
-            count * (known.get(name, unknown[self._gathers.get(name, False)]) + _OVERHEAD)
-            for name, count in self._left.items()
-            if count > 0
-        )
-        return elapsed * left / (spent + ended * _OVERHEAD)
+        repeated = self._repeated()
+        known = {**self._earlier, **repeated}
+        usual = fmean(repeated.values()) if repeated else self._spent / self._ended
+        # what gathers reads what many steps gave, and is as slow as the slowest rather than usual
+        unknown = {True: max(repeated.values(), default=usual), False: usual}
+        more = [max(0.0, self._first[name] - usually) for name, usually in repeated.items()]
+        begin = fmean(more) if more else 0.0
+        left = 0.0
+        for name, count in self._left.items():
+            if count > 0:
+                each = known.get(name, unknown[self._gathers.get(name, False)])
+                left += count * (each + _OVERHEAD) + (0.0 if name in self._first else begin)
+        return elapsed * left / (self._spent + self._ended * _OVERHEAD)
 
-    def means(self) -> dict[str, float]:
-        """Return the mean seconds of a step by node and method."""
-        return {name: self._seconds[name] / count for name, count in self._ended.items()}
+    def typical(self) -> dict[str, float]:
+        """Return the seconds of a step by node and method."""
+        return self._first | self._repeated()
+
+    def _repeated(self) -> dict[str, float]:
+        return {name: median_low(latest) for name, latest in self._latest.items()}
 
 
 def _kind(step: Step) -> str:

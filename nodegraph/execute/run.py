@@ -86,8 +86,8 @@ def execute(
                 f"executor {how.executor!r} ended with {len(schedule.left)} of {len(plan.steps)} "
                 "steps left to compute"
             )
-        if store is not None and (means := log.means()):
-            store.remember(_SECONDS, earlier | means)
+        if store is not None and (seconds := log.typical_seconds()):
+            store.remember(_SECONDS, earlier | seconds)
     except BaseException:
         log.interrupted()
         raise

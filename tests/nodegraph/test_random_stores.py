@@ -155,8 +155,7 @@ class Study:
         self.kept = {index for name in keep for index in steps.cells[name].values()}
         every = [events.append, *listeners]
         run = execute(steps, how=how, store=store, keep=keep, listeners=every)
-        last = [event.detail for event in events if event.kind == "progress"][-1:]
-        assert all(detail["left"] == 0 for detail in last)
+        assert sum(events[-1].detail.values()) == len(steps.steps)
         return run, [event.step for event in events if event.kind == "started"]
 
     def alone(self) -> Run:

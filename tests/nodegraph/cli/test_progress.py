@@ -73,6 +73,12 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
     assert len(lines) == 14
 
 
+def test_a_line_soon_says_how_long_a_slow_run_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    show(events(["done"] * 300)[:50])
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[1:] == ["0:02  11 of 300 steps: run 11 · left 289 · 0:12 to go"]
+
+
 def test_unneeded_steps_are_not_in_the_total(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -19,7 +19,10 @@ def test_a_line_is_json_whatever_is_in_it() -> None:
     }  # fmt: skip
 
 
-def test_counts_and_what_is_left_add_up(run_of: Callable[..., Run]) -> None:
+def test_counts_and_what_is_left_add_up(
+    run_of: Callable[..., Run], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nodegraph.execute.events._INTERVAL", 0.0)
     text = """
         axes: {start: {range: [-9, 9, 1]}}
         nodes:

@@ -50,6 +50,24 @@ def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, 
         assert remaining.estimate(elapsed) == pytest.approx(seconds, rel=0.5)
 
 
+def test_first_calls_that_compile_do_not_count_for_those_after(steps: tuple[Step, ...]) -> None:
+    remaining = RemainingTime(steps, {})
+    done = steps[: len(steps) // 10]
+    for step in done:
+        # the second one has waited for the first
+        remaining.add(step, 20.0 if step.index < 6 else took(step))
+    elapsed = 20.0 * 6 + sum(took(step) for step in done[6:])
+    truth = sum(took(step) + 0.002 for step in steps[len(done) :])
+    assert remaining.estimate(elapsed) == pytest.approx(truth, rel=0.1)
+
+
+def test_a_method_that_has_not_run_is_expected_to_compile(steps: tuple[Step, ...]) -> None:
+    remaining = RemainingTime([steps[0], steps[3], steps[1]], {})
+    remaining.add(steps[0], 5.0)
+    remaining.add(steps[3], 1.0)
+    assert remaining.estimate(6.004) == pytest.approx(5.0, abs=0.01)
+
+
 def test_nothing_is_known_before_a_step_has_ended(steps: tuple[Step, ...]) -> None:
     remaining = RemainingTime(steps, {"c strict.positive": 1.0})
     assert remaining.estimate(3.0) is None

@@ -300,7 +300,10 @@ def test_a_stand_in_is_shown_and_never_given_to_a_reader(
     assert third["b"].value == 4
 
 
-def test_events_list_what_was_stored(run_of: RunOf, tmp_path: Path) -> None:
+def test_events_list_what_was_stored(
+    run_of: RunOf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("nodegraph.execute.events._INTERVAL", 0.0)
     events: list[Event] = []
     run_of(PICKY, store=tmp_path)
     run_of(PICKY.replace("fill.hold", "fill.scale"), store=tmp_path, listeners=[events.append])
