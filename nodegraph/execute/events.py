@@ -6,11 +6,10 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.remaining_time import RemainingTime
@@ -32,8 +31,7 @@ class EventKind(StrEnum):
     INTERRUPTED = "interrupted"
 
 
-@dataclass(frozen=True, slots=True)
-class Event:
+class Event(NamedTuple):
     """Something that happened in a run.
 
     Attributes
@@ -54,8 +52,8 @@ class Event:
     seconds: float
     step: int = -1
     node: str = ""
-    labels: Mapping[str, object] = field(default_factory=dict)
-    detail: Mapping[str, Any] = field(default_factory=dict)
+    labels: Mapping[str, object] = MappingProxyType({})
+    detail: Mapping[str, Any] = MappingProxyType({})
 
     def as_dict(self) -> dict[str, object]:
         """Return the event as plain data, for a line of JSON."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import nodegraph as ng
 from nodegraph import node
 from nodegraph.execute import HowToRun, execute
 from nodegraph.execute.step_cache import open_store
@@ -27,16 +28,19 @@ def registry_of(work: Work) -> Registry:
 
 
 def nodegraph(executor: str) -> Engine:
-    """Return the engine with one of its executors; its build reads and checks the whole text."""
+    """Return the engine with one of its executors, as `nodegraph.run` has it.
+
+    Its build reads and checks the whole text; its run plans the steps, too.
+    """
 
     def prepare(work: Work, count: int) -> Build:
-        text, registry, how = chain_text(count), registry_of(work), HowToRun(executor)
+        text, registry = chain_text(count), registry_of(work)
 
         def build() -> Run:
-            planned = plan(build_graph(read_graph_text(text, "chain.yaml", HERE), registry))
+            graph = build_graph(read_graph_text(text, "chain.yaml", HERE), registry)
 
             def run() -> object:
-                return execute(planned, how=how, keep=[f"n{count}"])[f"n{count}"].value
+                return ng.run(graph, executor=executor, cache=False)[f"n{count}"].value
 
             return run
 
