@@ -134,7 +134,7 @@ def run(
     axis: Mapping[str, object] | None = None,
     only: Mapping[str, Label | Iterable[Label]] | None = None,
     until: Iterable[str] = (),
-    executor: str = "threads",
+    executor: str = "",
     jobs: int | None = None,
     scheduler: str = "",
     timeout: float | None = None,
@@ -154,14 +154,16 @@ def run(
     until
         Nodes to compute, with what they need; all by default.
     executor
-        ``threads``, ``serial``, ``processes``, or the name of a plugin's.
+        ``threads``, ``serial``, ``processes``, or the name of a plugin's; by default ``threads``,
+        and ``processes`` with `timeout` or `memory`.
     jobs
         Number of steps at a time; by default the number of processors.
     scheduler
         Address of a Dask cluster.
     timeout
         Seconds after which a step has failed. Only the executor ``processes`` ends it then; in
-        threads it continues until the program ends.
+        threads it continues until the program ends, and the run waits for a step that holds
+        Python's interpreter lock.
     memory
         Gigabytes that a step may take beside its inputs, with the executor ``processes`` on Linux.
     cache

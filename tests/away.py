@@ -143,11 +143,6 @@ def prints(x: int) -> int:
     return x
 
 
-@node("away.interrupts")
-def interrupts(x: int) -> int:
-    raise KeyboardInterrupt
-
-
 @node("away.exits")
 def exits(x: int, *, status: int = 3) -> int:
     os._exit(status)

@@ -17,7 +17,7 @@ from tests.records import read_record
 from tests.studies import ROOT, command
 
 NODES = """\
-import os, sys, time
+import ctypes, os, re, subprocess, sys, threading, time
 from pathlib import Path
 import numpy as np
 from nodegraph import node
@@ -42,6 +42,52 @@ def raises(x: np.ndarray) -> float:
 @node("bad.exits")
 def exits(x: np.ndarray) -> float:
     sys.exit("enough")
+
+@node("bad.interrupts")
+def interrupts(x: np.ndarray) -> float:
+    raise KeyboardInterrupt("enough")
+
+@node("bad.forks")
+def forks(x: np.ndarray) -> float:
+    return float(os.fork())
+
+@node("bad.threads")
+def threads(x: np.ndarray) -> float:
+    threading.Thread(target=time.sleep, args=(10,), name="late", daemon=True).start()
+    return 1.0
+
+@node("bad.forks_in_c")
+def forks_in_c(x: np.ndarray) -> float:
+    ctypes.CDLL(None).fork()
+    return 1.0
+
+@node("bad.forgets")
+def forgets(x: np.ndarray) -> float:
+    sys.path.clear()
+    return 1.0
+
+@node("bad.starts")
+def starts(x: np.ndarray, *, sign: str) -> float:
+    Path(sign).write_text(str(subprocess.Popen(["sleep", "100"]).pid))
+    return 1.0
+
+@node("bad.thread_stays")
+def thread_stays(x: np.ndarray) -> float:
+    # as a library would start it
+    start = "threading.Thread(target=time.sleep, args=(100,)).start()"
+    exec(start, {**globals(), "__name__": "other"})
+    return 1.0
+
+@node("bad.holds")
+def holds(x: np.ndarray, *, sign: str = "") -> float:
+    if sign:
+        Path(sign).write_text("holds the lock")
+    re.match("(a+)+$", "a" * 40 + "b")
+    return 1.0
+
+@node("bad.segfaults")
+def segfaults(x: np.ndarray) -> float:
+    return float(len(ctypes.string_at(0)))
 
 @node("bad.dies")
 def dies(x: np.ndarray) -> float:
@@ -112,23 +158,69 @@ BAD = {
     "read-only",
     "bad.raises": "KeyError: 'chin'",
     "bad.exits": "SystemExit: enough",
+    "bad.interrupts": "KeyboardInterrupt: enough",
+    "bad.forks": "RuntimeError: a step cannot fork; use multiprocessing or subprocess",
+    "bad.threads": "RuntimeError: it has returned while its thread late still runs",
 }
 
 
 @pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
 def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
     record = record_of(tmp_path, ", ".join(BAD), "--executor", executor)
-    assert record["counts"] == {**record["counts"], "done": 2, "failed": 4}
+    assert record["counts"] == {**record["counts"], "done": 2, "failed": len(BAD)}
     failed = {step["use"]: step["reason"] for step in record["steps"] if step["state"] == "failed"}
     assert failed == BAD
 
 
-def test_a_node_that_ends_its_process_fails_alone_among_processes(tmp_path: Path) -> None:
-    record = record_of(tmp_path, "bad.dies", "--executor", "processes", "--jobs", "1")
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        ("bad.dies", "the process that computed it ended with exit status 7"),
+        ("bad.segfaults", "the process that computed it was ended by signal SIGSEGV"),
+        ("bad.holds", "it takes longer than 2 s, which is the limit"),
+    ],
+)
+def test_a_node_that_only_a_process_holds_fails_alone(
+    tmp_path: Path, bad: str, reason: str
+) -> None:
+    # with a timeout, steps run in processes
+    record = record_of(tmp_path, bad, "--timeout", "2", "--jobs", "1")
     [failed] = (step for step in record["steps"] if step["state"] == "failed")
-    assert failed["use"] == "bad.dies"
-    assert "exit status 7" in failed["reason"]
+    assert (failed["use"], failed["reason"]) == (bad, reason)
     assert record["counts"]["done"] == 2
+
+
+def test_processes_that_a_node_leaves_end_with_the_run(tmp_path: Path) -> None:
+    sign = tmp_path / "sign"
+    bad = f"{{bad: {{use: bad.starts, with: {{sign: {sign}}}}}, good: {{use: good.sum}}}}"
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
+    words = words_for(tmp_path, "--executor", "processes")
+    assert command(*words, folder=tmp_path).status == 0
+    state = Path("/proc", sign.read_text(), "stat")
+    assert not state.exists() or state.read_text().split()[2] == "Z"
+
+
+@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
+@pytest.mark.parametrize("bad", ["bad.forks_in_c", "bad.forgets", "bad.thread_stays"])
+def test_a_node_that_spoils_its_process_spoils_nothing_else(
+    tmp_path: Path, bad: str, executor: str
+) -> None:
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
+    process = started(tmp_path, "--executor", executor)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 0, errors
+    record = read_record(tmp_path / "out")
+    assert (record["counts"]["done"], (tmp_path / "out" / "report.html").is_file()) == (3, True)
+    warned = ["it removed folders from sys.path, which are put back"] * (bad == "bad.forgets")
+    assert [text for step in record["steps"] for text in step.get("warnings", ())] == warned
+
+
+def test_what_a_thread_cannot_do_is_said_first(tmp_path: Path) -> None:
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, ", ""))
+    words = words_for(tmp_path, "--executor", "threads", "--timeout", "9")
+    ended = command(*words, folder=tmp_path)
+    assert ended.status == 0
+    assert ended.err.startswith("executor 'threads' cannot end a step that takes too long: ")
 
 
 @pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
@@ -170,10 +262,27 @@ def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: 
     assert (kinds.count("stored"), kinds.count("done")) == (2, 0)
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
-def test_a_node_that_never_returns_is_interrupted(tmp_path: Path, executor: str) -> None:
+CONTINUES = "the same command continues from there"
+LET_GO = "ended with a step that does not let go; finished steps are stored"
+
+
+@pytest.mark.parametrize(
+    ("executor", "bad", "status", "words"),
+    [
+        ("serial", "bad.sleeps", 130, CONTINUES),
+        ("threads", "bad.sleeps", 130, CONTINUES),
+        ("processes", "bad.sleeps", 130, CONTINUES),
+        ("serial", "bad.holds", 130, CONTINUES),
+        ("threads", "bad.holds", -signal.SIGKILL, LET_GO),
+        ("processes", "bad.holds", 130, CONTINUES),
+        ("dask", "bad.holds", 130, CONTINUES),
+    ],
+)
+def test_a_node_that_never_returns_is_interrupted(
+    tmp_path: Path, executor: str, bad: str, status: int, words: str
+) -> None:
     sign = tmp_path / "sign"
-    bad = f"{{make: {{use: good.sum}}, bad: {{use: bad.sleeps, with: {{sign: {sign}}}}}}}"
+    bad = f"{{make: {{use: good.sum}}, bad: {{use: {bad}, with: {{sign: {sign}}}}}}}"
     (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
     process = started(tmp_path, "--executor", executor, "--jobs", "2")
     while not sign.exists():
@@ -181,7 +290,6 @@ def test_a_node_that_never_returns_is_interrupted(tmp_path: Path, executor: str)
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "the same command continues from there" in errors
+    assert (process.returncode, words in errors) == (status, True), errors
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     assert [json.loads(line)["event"] for line in events].count("done") >= 1

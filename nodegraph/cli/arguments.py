@@ -61,7 +61,7 @@ def add_run(parser: ArgumentParser) -> None:
     parser.add_argument("run", type=Path, metavar="RUN", help="Folder of a run, such as runs/fill.")
 
 
-def add_executor(parser: ArgumentParser, default: str = "threads") -> None:
+def add_executor(parser: ArgumentParser, default: str = "") -> None:
     """Add the options that say where steps are computed."""
     parser.add_argument(
         "--jobs",
@@ -73,7 +73,9 @@ def add_executor(parser: ArgumentParser, default: str = "threads") -> None:
         "--executor",
         default=default,
         metavar="NAME",
-        help="threads, serial, processes, dask, or a plugin's (default: %(default)s).",
+        help="threads, serial, processes, dask, or a plugin's (default: "
+        + (default or "threads; processes with --timeout or --memory")
+        + ").",
     )
     parser.add_argument(
         "--scheduler", default="", metavar="ADDRESS", help="Address of a Dask scheduler."
@@ -88,7 +90,7 @@ def add_executor(parser: ArgumentParser, default: str = "threads") -> None:
         "--memory",
         type=float,
         metavar="GB",
-        help="A step that takes more memory fails; with --executor processes, on Linux.",
+        help="A step that takes more memory fails; in processes, on Linux.",
     )
 
 

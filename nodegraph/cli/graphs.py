@@ -105,12 +105,17 @@ def run_of(
     """
     from nodegraph.api import run_graph
     from nodegraph.cli.progress import progress
+    from nodegraph.execute.interruption import watched
 
+    how = how_of(arguments)
+    if how.timeout is not None and how.executor != "processes":
+        say(
+            f"executor {how.executor!r} cannot end a step that takes too long: it continues "
+            "beside the others, which wait for it if it holds Python's interpreter lock"
+        )
     for line in () if quiet else left_out_lines(graph):
         say(line)
-    with progress(quiet=quiet, color=color) as display:
+    with progress(quiet=quiet, color=color) as display, watched():
         if store is None and cache:
             store = store_of(arguments, graph, display.say)
-        return run_graph(
-            graph, how_of(arguments), store=store, until=until, listeners=[display, *listeners]
-        )
+        return run_graph(graph, how, store=store, until=until, listeners=[display, *listeners])

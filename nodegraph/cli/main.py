@@ -9,6 +9,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+import threading
 import warnings
 from argparse import SUPPRESS, Action, ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
@@ -30,6 +31,7 @@ COMMANDS = (
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
 
+_SECONDS_TO_END = 5.0
 _EXCERPT = 60  # characters of a line that are shown on either side of an error
 
 
@@ -46,6 +48,10 @@ def program() -> int:
     status = main()
     gc.freeze()
     gc.disable()
+    # a thread that a node has left running would keep the program alive for ever
+    end = threading.Timer(_SECONDS_TO_END, os._exit, [status])
+    end.daemon = True
+    end.start()
     return status
 
 

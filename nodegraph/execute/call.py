@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import os
+import sys
 import time
 import traceback
 import warnings
@@ -15,6 +17,7 @@ from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of, one_line, without_middle
 from nodegraph.execute.call_notes import Notes, notes_of_call
+from nodegraph.execute.interruption import is_interruption
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Port
@@ -130,18 +133,25 @@ def perform(call: Call) -> Outcome:
     # set and reset by hand: a context manager for each step would take three times as long
     noted = notes_of_call.set(notes)
     used = None if registry_of_call.get() is registry else registry_of_call.set(registry)
+    process, path = os.getpid(), sys.path.copy()
     start = time.perf_counter()
     try:
         values = values_of(node, node.function(**call.inputs, **call.settings))
+        notes.check_threads()
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
         reason = printable(message_of(refusal)) or "no reason given"
         outcome = Outcome(State.REFUSED, reason=reason)
-    except KeyboardInterrupt:
-        raise
     except BaseException as error:
+        if isinstance(error, KeyboardInterrupt) and is_interruption(error):
+            raise
         outcome = failure(node, error)
     finally:
+        if os.getpid() != process:
+            os._exit(0)  # C code has forked: the run goes on in the other process alone
+        if sys.path != path and not set(path).issubset(sys.path):
+            sys.path[:] = path  # the run itself imports modules yet
+            notes.warnings.append("it removed folders from sys.path, which are put back")
         notes_of_call.reset(noted)
         if used is not None:
             registry_of_call.reset(used)

@@ -1,4 +1,4 @@
-"""What is noted of a call while it is made: its warnings, and what it reads that is in no key.
+"""What is noted of a call while it is made: warnings, threads, and what it reads that is in no key.
 
 That is files and folders that no setting names, and environment variables.
 """
@@ -9,6 +9,7 @@ import os
 import site
 import sys
 import sysconfig
+import threading
 from collections.abc import Mapping
 from contextvars import ContextVar
 from functools import cache
@@ -18,10 +19,11 @@ from types import FrameType
 from nodegraph.node.decorator import Node
 
 _CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
-_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", __name__)
-"""Modules between a line that reads an environment variable or lists a folder, and this one."""
+_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threading", __name__)
+"""Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
 _LISTINGS = ("os.listdir", "os.scandir")
-_EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
+_FORKS = ("os.fork", "os.forkpty")
+_EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS, *_FORKS})
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
 """Of the call that is being made."""
@@ -47,7 +49,7 @@ class Notes:
     """
 
     # made for every call: what is seldom needed is a tuple, which costs nothing
-    __slots__ = ("_node", "_settings", "_written", "reads", "warnings", "with_reads")
+    __slots__ = ("_node", "_settings", "_threads", "_written", "reads", "warnings", "with_reads")
 
     def __init__(self, node: Node, settings: Mapping[str, object], *, with_reads: bool) -> None:
         if with_reads:
@@ -58,6 +60,7 @@ class Notes:
         self._node = node
         self._settings = settings
         self._written: tuple[str, ...] = ()
+        self._threads: tuple[threading.Thread, ...] = ()
 
     def file(self, path: str, *, writes: bool) -> None:
         """Note that a file was opened."""
@@ -79,6 +82,35 @@ class Notes:
         """Note an environment variable, if the node's own package reads it."""
         if self._is_by_package():
             self.reads[f"${name}"] = None
+
+    def fork(self) -> None:
+        """Refuse a fork by the node's own package, after which two processes would go on.
+
+        Raises
+        ------
+        RuntimeError
+        """
+        if self._is_by_package():
+            raise RuntimeError("a step cannot fork; use multiprocessing or subprocess")
+
+    def thread(self, thread: threading.Thread) -> None:
+        """Note a thread that the node's own package starts.
+
+        Those of libraries may wait for the next call.
+        """
+        if self._is_by_package():
+            self._threads += (thread,)
+
+    def check_threads(self) -> None:
+        """Check that no thread of the node's own package is left, which could write to values.
+
+        Raises
+        ------
+        RuntimeError
+        """
+        for thread in self._threads:
+            if thread.is_alive():
+                raise RuntimeError(f"it has returned while its thread {thread.name} still runs")
 
     def _is_read(self, path: str) -> bool:
         kept = (*self._written, *self._in_key(), *_installed())
@@ -131,9 +163,17 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
 
 @cache
 def _install() -> None:
-    """Have reads noted from now on; Python cannot remove an audit hook again."""
+    """Have reads and threads noted from now on; Python cannot remove an audit hook again."""
     sys.addaudithook(_note)
     os.environ.__class__ = _Environment
+    start = threading.Thread.start
+
+    def start_noted(thread: threading.Thread) -> None:
+        start(thread)
+        if notes := _noting_reads():
+            notes.thread(thread)
+
+    threading.Thread.start = start_noted  # type: ignore[assignment, method-assign]
 
 
 def _noting_reads() -> Notes | None:
@@ -143,6 +183,9 @@ def _noting_reads() -> Notes | None:
 
 def _note(event: str, arguments: tuple[object, ...]) -> None:
     if event not in _EVENTS or not (notes := _noting_reads()):
+        return
+    if event in _FORKS:
+        notes.fork()
         return
     path, *how = arguments
     if path is None:  # that of a listing

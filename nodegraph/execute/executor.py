@@ -22,6 +22,8 @@ class HowToRun:
     Attributes
     ----------
     executor : str
+        By default threads, or processes if a step may only take so long or so much memory: in a
+        thread, nothing can end it.
     jobs : int or None
         Calls at a time; by default as many as there are processors.
     scheduler : str
@@ -32,11 +34,16 @@ class HowToRun:
         Gigabytes that a step may take beside its inputs, for worker processes of this machine.
     """
 
-    executor: str = "threads"
+    executor: str = ""
     jobs: int | None = None
     scheduler: str = ""
     timeout: float | None = None
     memory: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.executor:
+            is_limited = self.timeout is not None or self.memory is not None
+            object.__setattr__(self, "executor", "processes" if is_limited else "threads")
 
     @property
     def at_a_time(self) -> int:

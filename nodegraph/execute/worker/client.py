@@ -77,8 +77,6 @@ class CallCodec:
         worker
             Name of the worker in messages.
         """
-        if response.kind is ResponseKind.INTERRUPTED:
-            raise KeyboardInterrupt
         if response.kind is ResponseKind.UNSENDABLE:
             return None
         if response.differences and response.differences not in self._reported:
@@ -242,14 +240,11 @@ class Worker:
             raise WorkerEndedError(self._end(), was_ready=self._is_ready) from error
 
     def close(self) -> None:
-        """Let the process end by itself, if it does so soon."""
+        """End the process, with those that nodes have started and left."""
+        self.kill()
         for pipe in (self._requests, self._responses):
             with suppress(OSError):  # for what it has not read
                 pipe.close()
-        try:
-            self._process.wait(self._SECONDS_TO_END)
-        except subprocess.TimeoutExpired:
-            self.kill()
 
     def kill(self) -> None:
         """End the process at once; from any thread."""
@@ -271,6 +266,7 @@ class Worker:
             return read_frames(self._responses)
         except (EOFError, OSError):
             if is_late.is_set():
+                self._process.wait()  # its pipes close a little before it has ended
                 raise TimeoutError from None
             raise
         finally:

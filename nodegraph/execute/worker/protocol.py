@@ -94,14 +94,12 @@ class Request:
 class ResponseKind(StrEnum):
     """The response of a worker to a request.
 
-    ``missing``: it does not have the node; ``unsendable``: a value cannot be sent;
-    ``interrupted``: the node asked for the end of the run.
+    ``missing``: it does not have the node; ``unsendable``: a value cannot be sent.
     """
 
     OUTCOME = "outcome"
     MISSING = "missing"
     UNSENDABLE = "unsendable"
-    INTERRUPTED = "interrupted"
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from io import BufferedReader, BufferedWriter
@@ -174,13 +174,10 @@ def _response(finder: NodeFinder, request: Request, timeout: float | None) -> Re
         return _failure(ResponseKind.MISSING, str(error))
     except Unreadable as error:
         return _failure(ResponseKind.UNSENDABLE, str(error))
-    try:
-        plugin = NodeAddress.decode(request.address).plugin
-        call = Call(0, node, plugin, inputs, settings, registry=finder.registry, timeout=timeout)
-        with _warnings.entered(), one_thread_each():
-            outcome = in_time(perform, call)
-    except KeyboardInterrupt:
-        return _failure(ResponseKind.INTERRUPTED, "")
+    plugin = NodeAddress.decode(request.address).plugin
+    call = Call(0, node, plugin, inputs, settings, registry=finder.registry, timeout=timeout)
+    with _warnings.entered(), one_thread_each():
+        outcome = in_time(perform, call)
     try:
         packed = finder.packer.pack(outcome.values)
     except Unstorable as error:
@@ -208,14 +205,20 @@ def main() -> None:
     limit = float(sys.argv[1]) if sys.argv[1:] else None
     limited_memory = nullcontext if limit is None else partial(_limited_memory, limit)
     requests, responses = _pipes()
-    try:
-        write_frames(responses, [b"ready"])
-    except BrokenPipeError:
-        os._exit(1)
     reader = _Reader(requests)
     threading.Thread(target=reader.read, daemon=True).start()
+    is_ready = False
     with one_thread_each():  # also of libraries that plugins load
         while (request := reader.requests.get()) is not None:
+            if not is_ready:
+                # plugins are loaded before the time of the first call begins
+                with suppress(Exception):  # to be reported in response to the call
+                    finder_for(request.environment)
+                try:
+                    write_frames(responses, [b"ready"])
+                except BrokenPipeError:
+                    os._exit(1)
+                is_ready = True
             with limited_memory():
                 response = respond(request)
             frames = response.frames()

@@ -6,7 +6,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nodegraph import node
 from nodegraph.execute import Event, HowToRun, Run
 
 
@@ -40,15 +39,16 @@ def test_counts_and_what_is_left_add_up(
     assert progress[-1]["left"] == 0
 
 
-@node("stop.interrupt")
-def interrupt(x: float) -> float:
-    raise KeyboardInterrupt
-
-
 def test_an_interruption_is_an_event(run_of: Callable[..., Run]) -> None:
     events: list[Event] = []
-    text = "nodes: {a: {use: read.number}, b: {use: stop.interrupt, in: a}}"
+
+    def listen(event: Event) -> None:
+        events.append(event)
+        if event.node == "b":
+            raise KeyboardInterrupt
+
+    text = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}}"
     with pytest.raises(KeyboardInterrupt):
-        run_of(text, more=[interrupt], how=HowToRun("threads"), listeners=[events.append])
+        run_of(text, how=HowToRun("threads"), listeners=[listen])
     assert events[-1].kind == "interrupted"
     assert (events[-1].detail["run"], events[-1].detail["left"]) == (1, 1)

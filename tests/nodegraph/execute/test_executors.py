@@ -36,16 +36,6 @@ def together(x: float) -> float:
     return x
 
 
-@node("stop.thread")
-def stop_thread(x: float) -> float:
-    raise SystemExit(3)
-
-
-@node("stop.interrupt")
-def interrupt(x: float) -> float:
-    raise KeyboardInterrupt
-
-
 @node("array.make")
 def make_array() -> np.ndarray:
     return np.ones(1000)
@@ -96,20 +86,10 @@ def test_independent_steps_run_at_the_same_time(run_of: Callable[..., Run]) -> N
     assert run.counts()["done"] == 4
 
 
-@pytest.mark.parametrize("how", WAYS)
-def test_a_node_that_wants_to_exit_fails_alone(run_of: Callable[..., Run], how: HowToRun) -> None:
-    text = (
-        "nodes: {a: {use: read.number}, b: {use: stop.thread, in: a}, c: {use: fill.hold, in: a}}"
-    )
-    run = run_of(text, more=[stop_thread], how=how)
-    assert run.counts() == {**COUNTS, "done": 2, "failed": 1}
-
-
-@pytest.mark.parametrize("how", WAYS)
-def test_an_interruption_ends_the_run(run_of: Callable[..., Run], how: HowToRun) -> None:
-    text = "nodes: {a: {use: read.number}, b: {use: stop.interrupt, in: a}}"
-    with pytest.raises(KeyboardInterrupt):
-        run_of(text, more=[interrupt], how=how)
+def test_steps_with_limits_run_in_processes() -> None:
+    assert HowToRun().executor == "threads"
+    assert HowToRun(timeout=1.0).executor == HowToRun(memory=1.0).executor == "processes"
+    assert HowToRun("serial", timeout=1.0).executor == "serial"
 
 
 PLUGIN = """

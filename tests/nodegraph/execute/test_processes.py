@@ -178,11 +178,6 @@ def test_a_process_that_ends_fails_its_step_alone(study: Callable[..., Run]) -> 
     assert ended["killed"].reason == by_signal
 
 
-def test_a_node_can_end_the_run(study: Callable[..., Run]) -> None:
-    with pytest.raises(KeyboardInterrupt):
-        study("nodes: {x: {use: away.pid}, a: {use: away.interrupts, in: x}}", ONE)
-
-
 def test_an_interruption_ends_a_node_that_never_returns(
     study: Callable[..., Run], fifo: Callable[[str], Path]
 ) -> None:

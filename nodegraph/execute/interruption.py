@@ -1,0 +1,93 @@
+"""Ctrl-C during a run: told from what a node raises, and obeyed if a node does not let go."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import NoReturn
+
+_SECONDS_TO_RESPOND = 3
+_WATCHER = f"""
+import os, select, signal, sys
+while read := os.read(0, 1):
+    if read[0] == signal.SIGINT and not select.select([0], [], [], {_SECONDS_TO_RESPOND})[0]:
+        print("nodegraph: interrupted, and ended with a step that does not let go; "
+              "finished steps are stored", file=sys.stderr, flush=True)
+        os.kill(int(sys.argv[1]), signal.SIGKILL)
+"""
+_HANDLED = b"\0"
+_watcher = -1
+"""The pipe to the process that `watched` has started; -1 if there is none."""
+
+
+class Interruption(KeyboardInterrupt):
+    """Ctrl-C, which ends the run; what a node raises by itself is another `KeyboardInterrupt`."""
+
+
+def is_interruption(error: KeyboardInterrupt) -> bool:
+    """Whether an error that passed through a node was Ctrl-C, as far as that can be told."""
+    if isinstance(error, Interruption):
+        return True
+    handler = signal.getsignal(signal.SIGINT)
+    return _is_in_main_thread() and handler is signal.default_int_handler
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Let `is_interruption` tell Ctrl-C from what nodes raise."""
+    is_default = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if not (_is_in_main_thread() and is_default):
+        yield
+        return
+    signal.signal(signal.SIGINT, _interrupt)
+    try:
+        yield
+    except Interruption:
+        raise KeyboardInterrupt from None
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
+    if _watcher >= 0:
+        os.write(_watcher, _HANDLED)
+    raise Interruption
+
+
+def _is_in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()
+
+
+@contextmanager
+def watched() -> Iterator[None]:
+    """End this process some seconds after Ctrl-C if Python cannot respond to it.
+
+    Python responds in its main thread, which never runs while C code in another holds the
+    interpreter's lock. The signal itself is noted in a pipe without that lock, and another process
+    reads the pipe.
+    """
+    global _watcher
+    if sys.platform == "win32" or not _is_in_main_thread():
+        yield
+        return
+    words = [sys.executable, "-I", "-S", "-c", _WATCHER, str(os.getpid())]
+    # in a session of its own, because Ctrl-C goes to all processes of this one
+    watcher = subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
+    assert watcher.stdin is not None
+    _watcher = watcher.stdin.fileno()
+    os.set_blocking(_watcher, False)
+    before = signal.set_wakeup_fd(_watcher, warn_on_full_buffer=False)
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        _watcher = -1
+        with suppress(OSError):
+            watcher.stdin.close()
+        watcher.wait()
