@@ -30,7 +30,7 @@ FLOORS = (  # from the top
     {"live"},
     {"executors", "runs"},
     {"execute"},
-    {"fingerprint"},
+    {"cache_key"},
     {"draw", "plan"},
     {"graph"},
     {"graphfile", "remote", "store"},

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path, PurePosixPath
 
+from nodegraph.cache_key import Files
 from nodegraph.filenames import fold, portable_name
-from nodegraph.fingerprint.step_keys import Files
 from nodegraph.runs.record import Record, RecordedStep
 
 FOLDER, PLUGINS = "inputs", "plugins"

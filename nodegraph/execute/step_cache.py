@@ -13,9 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nodegraph.cache_key import Files, StepDigest, StepDigests, code_of, followed, step_key
 from nodegraph.execute.call import Outcome, skipped
-from nodegraph.fingerprint import Code
-from nodegraph.fingerprint.step_keys import Files, StepDigest, StepDigests, followed, step_key
 from nodegraph.gc_pause import gc_paused
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
@@ -70,9 +69,7 @@ class StepCache:
         self._plan = plan
         self._remembered = {name: store.recall(name) for name in (_CODE, _FILES)}
         registry = plan.graph.registry
-        self._code = Code(
-            followed(registry), self._remembered[_CODE], lambda: registry.hooks.unguarded_formats
-        )
+        self._code = code_of(registry, self._remembered[_CODE])
         self._files = Files(self._remembered[_FILES])
         self._findings: dict[str, str] = {}
         self._digests = StepDigests(self._code, self._files, self._finding)
@@ -263,7 +260,7 @@ class StepCache:
 
     def _remember(self) -> None:
         """Leave to the next process what it need not read again."""
-        now = {_CODE: self._code.remembered(), _FILES: self._files.remembered()}
+        now = {_CODE: self._code.remembered(), _FILES: self._files.remembered}
         for name, known in now.items():
             if known != self._remembered[name]:
                 self.store.remember(name, known)

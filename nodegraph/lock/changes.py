@@ -8,7 +8,7 @@ from functools import cached_property
 
 from nodegraph.execute import Run
 from nodegraph.lock.document import LockedMethod, LockedStudy
-from nodegraph.lock.provenance import FileNames, file_names, provenance, short_digest, unit_digests
+from nodegraph.lock.provenance import FileNames, file_names, provenance
 from nodegraph.lock.results import Cell
 from nodegraph.plan import Step
 from nodegraph.runs.changes import setting_changes
@@ -64,7 +64,11 @@ class Changes:
         return Change(tuple(own), tuple(self._versions(self._libraries(step))))
 
     def everywhere(self) -> Iterator[str]:
-        """Yield the changes of the study as a whole: of versions, and of the content of files."""
+        """Yield the changes of the study as a whole: of versions, code and the content of files."""
+        pairs = [(was.code, self._now.methods.get(name)) for name, was in self._was.methods.items()]
+        edited = sum(now is not None and now.code != code for code, now in pairs)
+        if edited and self.same_syntax:
+            yield f"the code digests of {edited} of {len(pairs)} methods differ"
         yield from self._versions({**self._was.versions, **self._now.versions})
         for name, digest in self._was.files.items():
             if self._now.files.get(name, digest) != digest:
@@ -97,17 +101,12 @@ class Changes:
     def _edited(self, step: Step) -> Iterator[str]:
         if self._run.cache is None:
             return
-        for name, digest in self._run.cache.digest_of(step).code.units.items():
-            module, _, unit = name.partition(":")
-            known = self._units.get(module, {}).get(unit or module)
+        for name in self._run.cache.digest_of(step).code.units:
+            known = self._was.code.get(name)
             if known is None:
                 yield f"code: {name} was not used before"
-            elif known != short_digest(digest):
-                yield f"code: {name} was edited"
-
-    @cached_property
-    def _units(self) -> Mapping[str, Mapping[str, str]]:
-        return {module: unit_digests(line) for module, line in self._was.code.items()}
+            elif known != self._now.code[name]:
+                yield f"code: {name} has another digest"
 
     def _libraries(self, step: Step) -> Mapping[str, str]:
         cache = self._run.cache

@@ -155,7 +155,7 @@ class _Comparison:
         else:
             moved = Moved(cell, match, self._changes.of(cell))
             sources = self._network.pred[cell.index]
-            compared.add(moved, cell.node, cell.index, sources, changed=bool(moved.change.own))
+            compared.add(moved, cell.node, cell.index, sources, moved.change.own)
 
     def _match(self, cell: Cell, was: LockedResult) -> Match:
         ending = self._results.ending(cell.index)

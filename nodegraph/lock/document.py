@@ -127,7 +127,7 @@ class Provenance(_Model):
         Digests of the contents.
     methods : dict of node or alternative to LockedMethod
     code : dict of module to str
-        Its functions with their digests, in a line.
+        Digests; also of functions without a file.
     """
 
     versions: Annotated[dict[str, str], AfterValidator(_has_python)]

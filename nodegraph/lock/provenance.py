@@ -8,11 +8,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
+from nodegraph.cache_key import UNKNOWN, Reached
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.events import plain
-from nodegraph.fingerprint import Reached
-from nodegraph.fingerprint.modules import UNKNOWN
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graphfile.spec import Reference
@@ -25,8 +24,6 @@ _LONGEST = 200
 """Characters of a line in a message."""
 
 _DIGITS = 10
-_SHORT = 4
-"""Digits per function, enough to see which functions of an edited method changed."""
 
 
 def relative(path: Path, folder: Path) -> str:
@@ -163,7 +160,11 @@ def provenance(run: Run, names: FileNames) -> Provenance:
             for node in graph.nodes.values()
             for method in node.methods.values()
         },
-        code=_modules(reached),
+        code={
+            name: digest[:_DIGITS]
+            for code in reached.values()
+            for name, digest in code.units.items()
+        },
     )
 
 
@@ -189,16 +190,6 @@ def file_names(step: Step, names: FileNames) -> dict[str, str]:
 def code_digest(reached: Reached) -> str:
     """Return a digest of all code that a method reaches."""
     return hashlib.sha256(repr(sorted(reached.units.items())).encode()).hexdigest()[:_DIGITS]
-
-
-def unit_digests(line: str) -> dict[str, str]:
-    """Return the short digests of a module's functions from its line."""
-    return dict(unit.rsplit(" ", 1) for unit in line.split(", ") if " " in unit)
-
-
-def short_digest(digest: str) -> str:
-    """Return the digest of a function as it is in the line of its module."""
-    return digest[:_SHORT]
 
 
 def _reached(run: Run) -> Iterator[tuple[str, Reached]]:
@@ -263,15 +254,3 @@ def _source_text(feed: Reference | Gather) -> str | dict[str, str]:
         return f"{feed} at {labels_of(feed.at)}" if feed.at else str(feed)
     texts = {label: str(_source_text(source)) for label, source in feed.sources.items()}
     return texts if feed.axis else texts[""]
-
-
-def _modules(reached: Mapping[str, Reached]) -> dict[str, str]:
-    """Return the functions, classes and constants of each module with their digests, in a line."""
-    units: dict[str, str] = {}
-    for code in reached.values():
-        units |= code.units
-    modules: dict[str, list[str]] = {}
-    for name, digest in sorted(units.items()):
-        module, _, unit = name.partition(":")
-        modules.setdefault(module, []).append(f"{unit or module} {short_digest(digest)}")
-    return {module: ", ".join(lines) for module, lines in modules.items()}

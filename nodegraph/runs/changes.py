@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from nodegraph.fingerprint.code import Reached
+from nodegraph.cache_key import Reached
 from nodegraph.formatting import labels_of
 from nodegraph.runs.record import RecordedCode, RecordedStep
 
@@ -31,7 +31,7 @@ def file_change(setting: str, was: object, now: object) -> str:
 
 
 def code_changes(was: Code, now: Code) -> Iterator[str]:
-    """Yield a text per function that was edited, and per distribution of another version."""
+    """Yield a text per module that was edited, and per distribution of another version."""
     for name in {**was.units, **now.units}:
         if name not in was.units:
             yield f"code: {name} was not used before"

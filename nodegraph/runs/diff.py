@@ -31,15 +31,17 @@ class Spread(Generic[_T]):
     Attributes
     ----------
     origins : list
-        Combinations whose step changed, or whose inputs have the same results; in the order of
-        the graph.
+        Combinations whose inputs have the same results, or whose step changed in another way than
+        the steps that feed it; in the order of the graph.
     followers : Counter of str
         How many further combinations of each node have another result.
     """
 
     origins: list[_T] = field(default_factory=list)
     followers: Counter[str] = field(default_factory=Counter)
-    _steps: set[int] = field(default_factory=set, repr=False, compare=False, kw_only=True)
+    _steps: dict[int, frozenset[str]] = field(
+        default_factory=dict, repr=False, compare=False, kw_only=True
+    )
 
     @property
     def beyond(self) -> int:
@@ -48,10 +50,10 @@ class Spread(Generic[_T]):
 
     def reaches(self, needed: Iterable[int]) -> bool:
         """Return whether any of these steps has another result."""
-        return not self._steps.isdisjoint(needed)
+        return not self._steps.keys().isdisjoint(needed)
 
     def add(
-        self, origin: _T, node: str, step: int, needed: Collection[int], *, changed: bool
+        self, origin: _T, node: str, step: int, needed: Collection[int], changes: Collection[str]
     ) -> None:
         """Add a combination with another result, after all that feeds it.
 
@@ -62,14 +64,15 @@ class Spread(Generic[_T]):
         node
         step, needed
             Its step, and the steps that feed it. A step may stand for several combinations.
-        changed
-            Whether the step itself changed.
+        changes
+            How the step itself changed.
         """
-        if self.reaches(needed) and not changed:
+        before = {text for index in needed for text in self._steps.get(index, ())}
+        if self.reaches(needed) and before.issuperset(changes):
             self.followers[node] += 1
         else:
             self.origins.append(origin)
-        self._steps.add(step)
+        self._steps[step] = frozenset(before.union(changes))
 
 
 @dataclass(frozen=True)
@@ -158,7 +161,7 @@ def differences(was: Record, now: Record, store: Store) -> Differences:
         pair = replace(pair, changes=tuple(changes.of(pair)))
         if not same:
             needed = [source.step for _, sources in step.sources() for source in sources]
-            result.add(pair, pair.node, step.step, needed, changed=bool(pair.changes))
+            result.add(pair, pair.node, step.step, needed, pair.changes)
             continue
         result.equal += 1
         if pair.changes:

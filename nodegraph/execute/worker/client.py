@@ -15,6 +15,7 @@ from dataclasses import replace
 from io import BufferedReader, BufferedWriter
 from typing import cast
 
+from nodegraph.cache_key import code_of
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.execute.worker.protocol import (
     Environment,
@@ -51,7 +52,8 @@ class CallCodec:
         self._packer = packer
         self._registry = registry
         self._shares_files = shares_files
-        self._environment = Environment.of(registry, with_code=not is_new).encode()
+        self._environment = Environment.of(registry).encode()
+        self._code = None if is_new else code_of(registry)
         self._addresses: dict[int, bytes | None] = {}
         self._reported: set[str] = set()
 
@@ -97,7 +99,7 @@ class CallCodec:
         # by identity: the plan keeps the nodes, and comparing them would read their signatures
         known = id(call.node)
         if known not in self._addresses:
-            address = NodeAddress.of(call, self._registry)
+            address = NodeAddress.of(call, self._registry, self._code)
             ports = (*call.node.inputs, *call.node.outputs)
             can_go = address is not None and all(self._packer.travels(port.type) for port in ports)
             self._addresses[known] = address.encode() if address is not None and can_go else None

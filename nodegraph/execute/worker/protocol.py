@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import atexit
-import hashlib
 import json
 import platform
-import re
 import shutil
 import struct
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from io import BufferedReader, BufferedWriter
@@ -19,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nodegraph.cache_key import Code
 from nodegraph.execute.call import Call, Outcome
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registry
@@ -154,6 +153,8 @@ class NodeAddress:
         Name and version of the package that the plugin is from; empty for a file.
     module, qualname : str
         Where the function is defined, for a node of no plugin.
+    code : mapping of module to digest
+        Of all that the node reaches; empty for workers that start after this process.
     """
 
     plugin: str
@@ -161,9 +162,10 @@ class NodeAddress:
     distribution: str
     module: str
     qualname: str
+    code: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, call: Call, registry: Registry) -> NodeAddress | None:
+    def of(cls, call: Call, registry: Registry, code: Code | None) -> NodeAddress | None:
         """Return the address of the node of a call, or None if no other process can find it."""
         if type(call.node) is not Node or call.plugin == "nodegraph":
             return None  # it exists in this graph only
@@ -173,7 +175,8 @@ class NodeAddress:
             return None
         distribution = distributions.get(call.plugin, "")
         module, qualname = function.__module__, function.__qualname__
-        return cls(call.plugin, call.node.name, distribution, module, qualname)
+        units = code.of(function).units if code is not None else {}
+        return cls(call.plugin, call.node.name, distribution, module, qualname, units)
 
     def encode(self) -> bytes:
         """Return the address as JSON."""
@@ -196,64 +199,6 @@ def _is_importable(function: Callable[..., object]) -> bool:
 
 
 @dataclass(frozen=True)
-class PackageCode:
-    """The code of a top-level package.
-
-    Attributes
-    ----------
-    digest : str
-        Of all its files.
-    imports : tuple of str
-        Which others of the packages in question it imports.
-    """
-
-    digest: str
-    imports: tuple[str, ...] = ()
-
-
-_IMPORT = re.compile(rb"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
-
-
-def code_of(packages: Iterable[str]) -> dict[str, PackageCode]:
-    """Return the code of imported top-level packages; those without files are left out."""
-    names = sorted(set(packages))
-    code: dict[str, PackageCode] = {}
-    for name in names:
-        if files := _source_files(name):
-            digest, imported = hashlib.sha256(), set[str]()
-            for relative, file in files:
-                content = file.read_bytes()
-                digest.update(f"{relative} {len(content)}\n".encode() + content)
-                imported.update(match.decode() for match in _IMPORT.findall(content))
-            imports = [other for other in names if other in imported and other != name]
-            code[name] = PackageCode(digest.hexdigest(), tuple(imports))
-    return code
-
-
-def reached(package: str, code: Mapping[str, PackageCode]) -> set[str]:
-    """Return a package and all that it imports, directly or not."""
-    names: set[str] = set()
-    pending = [package]
-    while pending:
-        name = pending.pop()
-        if name in code and name not in names:
-            names.add(name)
-            pending.extend(code[name].imports)
-    return names
-
-
-def _source_files(package: str) -> list[tuple[str, Path]]:
-    """Return the files of an imported package, with their paths inside it."""
-    module = sys.modules.get(package)
-    folders = [Path(folder) for folder in getattr(module, "__path__", ())]
-    if not folders and getattr(module, "__file__", None):
-        file = Path(str(getattr(module, "__file__", "")))
-        return [(file.name, file)] if file.suffix == ".py" and file.is_file() else []
-    files = ((file, folder) for folder in folders for file in folder.rglob("*.py"))
-    return sorted((file.relative_to(folder).as_posix(), file) for file, folder in files)
-
-
-@dataclass(frozen=True)
 class Environment:
     """The environment of the process that sends requests, on which results depend.
 
@@ -264,36 +209,29 @@ class Environment:
         machine may not have them, or may have imported an earlier version.
     python, numpy : str
         Versions, because results may differ in their last bits between them.
-    code : mapping of package to PackageCode
-        Of the packages of the other plugins; empty for workers that start after this process.
     """
 
     files: tuple[tuple[str, bytes], ...] = ()
     python: str = ".".join(platform.python_version_tuple()[:2])
     numpy: str = np.__version__
-    code: Mapping[str, PackageCode] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, registry: Registry, *, with_code: bool) -> Environment:
+    def of(cls, registry: Registry) -> Environment:
         """Return the environment of this process, with the plugins of a registry."""
         files = [Path(p.module.__file__) for p in registry.loaded if not p.distribution]
-        modules = [p.module.__name__ for p in registry.loaded if p.distribution]
-        packages = {name.partition(".")[0] for name in modules} if with_code else set()
-        return cls(tuple((str(path), path.read_bytes()) for path in files), code=code_of(packages))
+        return cls(tuple((str(path), path.read_bytes()) for path in files))
 
     def encode(self) -> bytes:
         """Return the environment as JSON."""
         files = [(path, content.decode("latin-1")) for path, content in self.files]
-        code = {name: asdict(package) for name, package in self.code.items()}
-        return json.dumps([files, self.python, self.numpy, code]).encode()
+        return json.dumps([files, self.python, self.numpy]).encode()
 
     @classmethod
     def decode(cls, text: bytes) -> Environment:
         """Return the environment that `encode` returned as JSON."""
-        files, python, numpy, code = json.loads(text)
+        files, python, numpy = json.loads(text)
         contents = tuple((path, content.encode("latin-1")) for path, content in files)
-        packages = {name: PackageCode(**package) for name, package in code.items()}
-        return cls(contents, python, numpy, packages)
+        return cls(contents, python, numpy)
 
     def differences(self, worker: Environment) -> Iterator[str]:
         """Yield which versions a worker has that are not those of this environment."""

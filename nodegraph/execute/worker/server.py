@@ -16,6 +16,7 @@ from io import BufferedReader, BufferedWriter
 from pathlib import Path
 from queue import SimpleQueue
 
+from nodegraph.cache_key import code_of
 from nodegraph.errors import NodegraphError, UnknownNodeError
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import SharedContext, one_thread_each
@@ -23,12 +24,9 @@ from nodegraph.execute.threads import in_time
 from nodegraph.execute.worker.protocol import (
     Environment,
     NodeAddress,
-    PackageCode,
     Request,
     Response,
     ResponseKind,
-    code_of,
-    reached,
     read_frames,
     write_frames,
 )
@@ -40,8 +38,6 @@ from nodegraph.store import Packer, Unreadable, Unstorable
 _lock = threading.RLock()
 _finders: dict[bytes, NodeFinder] = {}
 _plugin_files: set[str] = set()
-_imported_code: dict[str, PackageCode] = {}
-"""The code of packages when they were imported: later edits of files do not reach this process."""
 
 
 class MissingNodeError(NodegraphError):
@@ -86,9 +82,7 @@ class NodeFinder:
         # requests may name a node in any module, so values may be of classes of any module
         self.packer = Packer(self.registry.hooks.storages, lambda package: True)
         self.differences = "; ".join(environment.differences(Environment()))
-        self._code = environment.code
-        for package, code in code_of(environment.code).items():
-            _imported_code.setdefault(package, code)
+        self._code = code_of(self.registry)
 
     def find(self, address: bytes) -> Node:
         """Return the node at an address.
@@ -113,13 +107,14 @@ class NodeFinder:
             theirs = registered.distribution or "a file"
             ours = address.distribution or "a file"
             raise MissingNodeError(f"has {theirs}, here it is {ours}, for {address.node}")
-        package = registered.node.function.__module__.partition(".")[0]
-        for name in reached(package, self._code):
-            code = _imported_code.get(name)
-            if code is not None and code.digest != self._code[name].digest:
+        if address.code:
+            here = self._code.of(registered.node.function)
+            names = sorted({*address.code, *here.units})
+            other = [name for name in names if address.code.get(name) != here.units.get(name)]
+            if other or here.unstable:
                 raise MissingNodeError(
-                    f"has other code of {name} than here, for {address.node}; "
-                    "install the same version there, and restart its workers"
+                    f"has other code of {other[0] if other else address.node} than here, for "
+                    f"{address.node}; install the same version there, and restart its workers"
                 )
         return registered.node
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from nodegraph.archive.inputs import files_read
 from nodegraph.fingerprint.step_keys import Files
+
+from nodegraph.archive.inputs import files_read
 from nodegraph.runs.record import RecordedStep
 from nodegraph.state import State
 

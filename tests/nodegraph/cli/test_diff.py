@@ -51,7 +51,7 @@ def test_an_edited_method_and_its_outputs_are_named(command: Command) -> None:
     first = out.split("\n\n")[1]
     assert first.splitlines() == [
         "gaps(length=1) and 1 more of gaps",
-        "    code: toys:cut was edited",
+        "    code: toys was edited",
         "    gappy: value: 4.0 and 3.0",
     ]
 
@@ -73,7 +73,7 @@ def test_an_edit_without_effect_is_counted(command: Command) -> None:
     status, out = compared(command)
     assert status == 0
     assert "all 9 combinations have the same results" in out
-    assert "changed, with the same results: gaps (2)" in out
+    assert "changed, with the same results: a (1), gaps (2), fill (4)" in out
 
 
 def test_a_step_that_failed_in_one_run_only(command: Command) -> None:

@@ -164,11 +164,12 @@ def test_an_edited_constant_is_named_with_its_node_and_where_results_differ(
     lines = out.splitlines()
     assert status == 1
     assert lines[0].startswith("diverged: study.lock: 6 of 10 results identical, 4 beyond")
-    assert lines[2] == f"first: {SHIFTED}"
-    assert lines[3] == "    code: study:SHIFT was edited"
-    assert lines[4].startswith("    by ")
-    assert "times their usual size (root mean square, fill(length=5, fill=shift) most)" in lines[4]
-    assert lines[5] == "    output.cells: differs in rows 0 to 1, of column left"
+    assert lines[1].startswith("    the code digests of ")
+    assert lines[3] == f"first: {SHIFTED}"
+    assert lines[4] == "    code: study has another digest"
+    assert lines[5].startswith("    by ")
+    assert "times their usual size (root mean square, fill(length=5, fill=shift) most)" in lines[5]
+    assert lines[6] == "    output.cells: differs in rows 0 to 1, of column left"
     assert "what follows from that: order (1), picture (1)" in lines
     assert "all conclusions are the same (1)" in lines
     assert any(line.startswith("order: 1 of 2 rows changed; most of all mean of") for line in lines)
@@ -183,8 +184,8 @@ def test_how_far_it_is_off_is_about_as_far_as_it_is(verified: Verified) -> None:
 def test_locked_values_that_are_stored_are_compared_exactly(verified: Verified) -> None:
     frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
     lines = verified()[1].splitlines()
-    assert lines[2] == f"first: {SHIFTED}"
-    assert lines[5] == "    output: value.cells[0, 0]: 1001.0 and 1001.5 (2 such places)"
+    assert lines[3] == f"first: {SHIFTED}"
+    assert lines[6] == "    output: value.cells[0, 0]: 1001.0 and 1001.5 (2 such places)"
 
 
 def test_an_edit_without_effect_is_none(verified: Verified) -> None:
@@ -272,7 +273,10 @@ def test_a_family_that_has_grown_is_taken_as_it_was(verified: Verified) -> None:
     )
     text = Path("study.py").read_text().replace("@hookimpl\n", more, 1)
     Path("study.py").write_text(text.replace("mean, shift, rank", "mean, other, shift, rank"))
-    assert verified()[1] == "identical: study.lock: 10 of 10 results identical\n"
+    assert verified()[1].splitlines() == [
+        "identical: study.lock: 10 of 10 results identical",
+        "    the code digests of 7 of 7 methods differ",
+    ]
 
 
 @pytest.mark.parametrize("alternatives", ["fill.*", "[fill.mean, fill.shift]"])
@@ -316,7 +320,7 @@ def test_a_refusal_is_a_result(verified: Verified) -> None:
     status, out, _ = verified()
     lines = out.splitlines()
     assert status == 1
-    assert lines[2] == "first: fill(length=5, fill=shift)"
+    assert lines[3] == "first: fill(length=5, fill=shift)"
     assert "    was done, now refused: a gap of 5.0 cells" in lines
 
 
@@ -336,6 +340,7 @@ def test_a_picture_drawn_otherwise_is_no_other_result(verified: Verified) -> Non
     assert status == 0
     assert out.splitlines() == [
         "identical: study.lock: 10 of 10 results identical",
+        "    the code digests of 7 of 7 methods differ",
         "    drawn otherwise from the same numbers: picture (1)",
     ]
 
@@ -345,9 +350,9 @@ def test_a_file_with_other_bytes_is_another_result(verified: Verified) -> None:
     status, out, _ = verified()
     lines = out.splitlines()
     assert status == 1
-    assert lines[2:5] == [
+    assert lines[3:6] == [
         "first: written",
-        "    code: study:ENDING was edited",
+        "    code: study has another digest",
         "    the bytes of its files differ",
     ]
 

@@ -96,13 +96,13 @@ def without_keys(earlier: Record) -> Record:
 def test_versions_and_edited_functions_are_named(why_of: WhyOf) -> None:
     def older(earlier: Record) -> Record:
         code = earlier.code["toys:fill.hold"]
-        [hold] = [name for name in code.units if name.endswith(":hold")]
+        [hold] = [name for name in code.units if name.endswith("conftest")]
         changed = RecordedCode({**code.units, hold: "another"}, {**code.versions, "python": "2.7"})
         return replace(without_keys(earlier), code={**earlier.code, "toys:fill.hold": changed})
 
     [_, changes, _] = why_of(TEXT, TEXT, "c", older)
     assert any(text.startswith("fill.hold: python was 2.7, now 3.") for text in changes)
-    assert any(text.endswith(":hold was edited") for text in changes)
+    assert any(text.endswith("conftest was edited") for text in changes)
 
 
 def test_a_run_that_stored_nothing_has_no_code_to_compare(why_of: WhyOf) -> None:

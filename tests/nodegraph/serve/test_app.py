@@ -151,7 +151,7 @@ def test_changed_code_is_named_and_used_only_when_asked_for(opened: Opened) -> N
     shutil.rmtree("store")
     pages = opened()
     page = shown(pages.get(f"/value?{VALUE}"))
-    assert "toys:hold was edited" in page
+    assert "code: toys was edited" in page
     query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold"}
     answer = pages.post(json.dumps({"for": "value", "query": query}).encode())
     assert answer.status == 409

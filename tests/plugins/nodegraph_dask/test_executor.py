@@ -221,7 +221,7 @@ def test_other_versions_are_reported_once(
     two_workers: HowToRun,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    here = replace(Environment.of(registry, with_code=True), python="3.9", numpy="1.0")
+    here = replace(Environment.of(registry), python="3.9", numpy="1.0")
     monkeypatch.setattr(Environment, "of", lambda *_, **__: here)
     text = "axes: {k: {count: 9}}\nnodes: {a: {use: away.pid, with: {mark: $k}}}"
     message = r"worker tcp://.* has Python .*, here it is 3\.9; numpy .*, here it is 1\.0"

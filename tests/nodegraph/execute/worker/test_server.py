@@ -115,4 +115,4 @@ def test_a_function_inside_another_has_no_address() -> None:
 
     described = node_of(inside)
     assert described is not None
-    assert NodeAddress.of(Call(0, described, "given", {}, {}), Registry()) is None
+    assert NodeAddress.of(Call(0, described, "given", {}, {}), Registry(), None) is None

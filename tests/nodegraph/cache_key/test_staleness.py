@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.fingerprint import Code
+from nodegraph.cache_key import Code
 from nodegraph.import_time import STARTED
 from nodegraph.plugin import loading
 
@@ -27,7 +27,7 @@ FUTURE = 10_000_000_000
 
 @pytest.fixture(autouse=True)
 def _begun(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nodegraph.fingerprint.code.STARTED", STARTED)
+    monkeypatch.setattr("nodegraph.cache_key.functions.STARTED", STARTED)
 
 
 def edited(path: Path, text: str) -> None:

@@ -8,15 +8,13 @@ that they name, and the keys of the steps that feed it. Two steps of one key hav
 from __future__ import annotations
 
 import hashlib
-import os
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from nodegraph.fingerprint.code import Code, Reached
-from nodegraph.fingerprint.source import SETTLED
+from nodegraph.cache_key.files import Files
+from nodegraph.cache_key.functions import Code, Reached
 from nodegraph.plan import Gathered, Step, StepInput
 from nodegraph.state import State
 
@@ -167,49 +165,9 @@ class StepDigests:
         return StepDigest(_joined(parts), code, files)
 
 
-class Files:
-    """Digests of the content of files; a file that has not changed is not read again.
-
-    Parameters
-    ----------
-    remembered
-        What `remembered` returned in an earlier process.
-    """
-
-    def __init__(self, remembered: Mapping[str, object] | None = None) -> None:
-        self._known = dict(remembered or {})
-
-    def digest(self, path: Path) -> str:
-        """Return the digest of a file with its suffix, or of all files in a folder.
-
-        Raises
-        ------
-        OSError
-            If it cannot be read.
-        """
-        if not path.is_dir():
-            return self._content(str(path)) + path.suffix.lower()
-        files = sorted(file for file in path.rglob("*") if file.is_file())
-        return _joined(
-            [f"{file.relative_to(path).as_posix()} {self._content(str(file))}" for file in files]
-        )
-
-    def remembered(self) -> dict[str, object]:
-        """Return data that saves a later process from reading the same files again."""
-        return self._known
-
-    def _content(self, path: str) -> str:
-        status = os.stat(path)
-        mark = [status.st_size, status.st_mtime_ns, status.st_ino]
-        match self._known.get(path):
-            case [known, str(digest)] if known == mark:
-                return digest
-        with open(path, "rb") as opened:
-            digest = hashlib.file_digest(opened, "sha256").hexdigest()
-        # a file that was written just now may be written again within one tick of its clock
-        if time.time_ns() - status.st_mtime_ns > SETTLED:
-            self._known[path] = [mark, digest]
-        return digest
+def code_of(registry: Registry, remembered: Mapping[str, Any] | None = None) -> Code:
+    """Return a finder of the code of nodes that use the plugins of a registry."""
+    return Code(followed(registry), remembered, lambda: registry.hooks.unguarded_formats)
 
 
 def followed(registry: Registry) -> set[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.fingerprint import Code, Reached
+from nodegraph.cache_key import Code, Reached
 
 
 @dataclass
@@ -68,4 +68,4 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Folder]:
 @pytest.fixture(autouse=True)
 def _just_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the program begin after whatever the tests write and import."""
-    monkeypatch.setattr("nodegraph.fingerprint.code.STARTED", 2**62)
+    monkeypatch.setattr("nodegraph.cache_key.functions.STARTED", 2**62)

@@ -1,0 +1,18 @@
+"""Keys of steps: everything that decides a result, read from source files and from memory."""
+
+from nodegraph.cache_key.files import Files
+from nodegraph.cache_key.functions import Code, Reached
+from nodegraph.cache_key.modules import UNKNOWN
+from nodegraph.cache_key.steps import StepDigest, StepDigests, code_of, followed, step_key
+
+__all__ = [
+    "UNKNOWN",
+    "Code",
+    "Files",
+    "Reached",
+    "StepDigest",
+    "StepDigests",
+    "code_of",
+    "followed",
+    "step_key",
+]
