@@ -54,7 +54,7 @@ class RemainingTime:
         self._left[_kind(step)] -= 1
 
     def estimate(self, elapsed: float) -> float | None:
-        """Return the seconds to go; None before the first step has ended.
+        """Return the seconds to go; None before a method was called twice, now or in earlier runs.
 
         The first call of a method also imports and compiles what it needs, and calls at the same
         time may wait for that. So medians of the later calls count, and what the first ones took
@@ -66,11 +66,11 @@ class RemainingTime:
             Seconds since the first step was begun. The steps that ended in them say how fast
             this is, whatever runs at the same time.
         """
-        if not self._ended:
-            return None
         repeated = self._repeated()
         known = {**self._earlier, **repeated}
-        usual = fmean(repeated.values()) if repeated else self._spent / self._ended
+        if not self._ended or not known:
+            return None
+        usual = fmean(known.values())
         # what gathers reads what many steps gave, and is as slow as the slowest rather than usual
         unknown = {True: max(repeated.values(), default=usual), False: usual}
         more = [max(0.0, self._first[name] - usually) for name, usually in repeated.items()]

@@ -166,7 +166,7 @@ def _distances(recording: Trajectories, marker: int | np.intp) -> NDArray[np.flo
     apart = recording.positions[here] - recording.positions[here, marker, None]
     both = recording.present[here]
     count = np.count_nonzero(both, axis=0)
-    total = np.linalg.norm(np.nan_to_num(apart), axis=2).sum(axis=0)
+    total = np.where(both, np.linalg.norm(apart, axis=2), 0.0).sum(axis=0)
     return np.where(count, total / np.maximum(count, 1), np.nan)
 
 

@@ -68,14 +68,22 @@ def test_a_method_that_has_not_run_is_expected_to_compile(steps: tuple[Step, ...
     assert remaining.estimate(6.004) == pytest.approx(5.0, abs=0.01)
 
 
-def test_nothing_is_known_before_a_step_has_ended(steps: tuple[Step, ...]) -> None:
-    remaining = RemainingTime(steps, {"c strict.positive": 1.0})
+def test_nothing_is_known_before_a_step_has_ended_and_its_method_was_called_twice(
+    steps: tuple[Step, ...],
+) -> None:
+    assert RemainingTime(steps, {"c strict.positive": 1.0}).estimate(3.0) is None
+    remaining = RemainingTime(steps, {})
+    remaining.add(steps[0], 1.0)
     assert remaining.estimate(3.0) is None
+    remaining.add(steps[3], 1.0)
+    assert remaining.estimate(3.0) is not None
 
 
 def test_steps_that_are_skipped_take_no_time(steps: tuple[Step, ...]) -> None:
     remaining = RemainingTime(steps, {})
-    remaining.add(steps[0], 1.0)
-    for step in steps[1:]:
-        remaining.drop(step)
+    for step in steps:
+        if step.node == "a":
+            remaining.add(step, 1.0)
+        else:
+            remaining.drop(step)
     assert remaining.estimate(1.0) == 0.0
