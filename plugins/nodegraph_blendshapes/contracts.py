@@ -11,6 +11,7 @@ import numpy as np
 from nodegraph import Tried
 from nodegraph_mocap import Animation, BlendshapeModel, Head, Trajectories, Weights
 from nodegraph_mocap.promises import SHIFT, TOLERANCE, TURN
+from nodegraph_mocap.shape_names import sides_as
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,7 +86,7 @@ def gives_an_animation_of_its_weights(tried: Tried) -> Iterator[str]:
     ):
         yield "the head that it animates is not the one that was given"
     elif unlike := [
-        name for name in animation.weights.names if not _same_weight(animation, weights, name)
+        name for name in animation.weights.names if not _same_weight(animation, weights, name, head)
     ]:
         yield f"weights went in otherwise than they came out: {', '.join(unlike)}"
 
@@ -110,12 +111,13 @@ def _markers_given(tried: Tried) -> tuple[str, ...]:
     return next(markers, ())
 
 
-def _same_weight(animation: Animation, weights: Weights, name: str) -> bool:
-    if name not in weights.names:
+def _same_weight(animation: Animation, weights: Weights, name: str, head: Head) -> bool:
+    sides = sides_as(weights.names, head.names)
+    if name not in sides.names:
         return False
-    came, went = animation.weights.names.index(name), weights.names.index(name)
+    came, went = animation.weights.names.index(name), sides.names.index(name)
     return np.array_equal(
-        animation.weights.values[:, came], weights.values[:, went], equal_nan=True
+        animation.weights.values[:, came], sides.of(weights.values)[:, went], equal_nan=True
     )
 
 
