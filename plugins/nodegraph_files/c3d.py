@@ -232,16 +232,23 @@ def _markers(description: Description) -> tuple[list[str], list[int]]:
         If there are no frames, or none is a marker.
     """
     layout, parameters = description.layout, description.parameters
+    held = f"it holds {layout.frames} frames of {layout.points} points"
+    if not layout.frames or not layout.points:
+        raise ValueError(held)
     types = (*_MODEL_OUTPUTS, *_texts_of(parameters, "TYPE_GROUPS")[::2])
     type_of = {label: each for each in types for label in _texts_of(parameters, each) if label}
     labels = _texts_of(parameters, "LABELS")
-    computed = [label in type_of for label in labels[: layout.points]]
-    markers = [place for place in range(layout.points) if not any(computed[place : place + 1])]
-    counts = Counter(type_of[label] for label in labels[: layout.points] if label in type_of)
+    points = range(layout.points)
+    computed = {
+        place: type_of[label]
+        for place, label in zip(points, labels, strict=False)
+        if label in type_of
+    }
+    markers = [place for place in points if place not in computed]
+    counts = Counter(computed.values())
     left_out = ", ".join(f"{count} {each}" for each, count in counts.items())
-    if not layout.frames or not markers:
-        what = f", none of them a marker: {left_out}" if left_out else ""
-        raise ValueError(f"it holds {layout.frames} frames of {layout.points} points{what}")
+    if not markers:
+        raise ValueError(f"{held}, none of them a marker: {left_out}")
     if left_out:
         warnings.warn(
             f"{counts.total()} of {layout.points} points are results of a model, not markers, and "

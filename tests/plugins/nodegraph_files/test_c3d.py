@@ -210,6 +210,15 @@ def test_a_file_without_samples_is_refused(build_c3d: Build, shape: tuple[int, .
         read_c3d(build_c3d(np.zeros(shape)))
 
 
+def test_points_without_end_and_no_frames_are_refused_at_once(build_c3d: Build) -> None:
+    path = build_c3d(np.zeros((0, 3, 4)), USED=1e30)
+    with (
+        pytest.warns(UserWarning, match="disagree"),
+        pytest.raises(ValueError, match="it holds 0 frames of 10000000"),
+    ):
+        read_c3d(path)
+
+
 def test_a_huge_announcement_takes_no_memory(
     build_c3d: Build, samples: Samples, peak_memory: Callable[[], int]
 ) -> None:
