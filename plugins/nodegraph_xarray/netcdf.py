@@ -55,10 +55,12 @@ def read_nc(
 ) -> Trajectories:
     """Read a recording from a netCDF file that holds a dataset of poses; see `from_xarray`.
 
+    A file in the form of netCDF-4 is read in a process of its own, with limits of time and memory.
+
     Raises
     ------
     ValueError
-        With the file, if it is no such file.
+        With the file, if it is no such file, or keeps data in another one.
     NodegraphError
         If xarray is not installed.
     """
@@ -73,7 +75,7 @@ def read_nc(
         raise ValueError(f"{path}: not a readable netCDF file: {error}") from None
     try:
         return from_xarray(dataset, unit=unit, rate=rate, zeros_missing=zeros_missing)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:  # the latter of JSON in an attribute
         raise ValueError(f"{path}: no recording: {error}") from None
 
 

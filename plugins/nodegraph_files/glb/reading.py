@@ -141,6 +141,7 @@ def placed_meshes(document: Document, accessors: Accessors) -> list[Placed]:
     """
     if not document.nodes:
         return [Placed(index, 0, np.eye(4)) for index in range(len(document.meshes))]
+    accessors.charge(16 * len(document.nodes), len(document.nodes))
     places = dict(_tree(document))
     return [
         _placed(document, accessors, index, node.mesh, places)

@@ -176,6 +176,7 @@ HEADS = {
     "vertices of one accessor": glb(
         [{"attributes": {"POSITION": 0, f"_{each}": 0}} for each in range(5000)]
     ),
+    "places of nothing": glb([{}], nodes=[{"mesh": 0}, *([{}] * 40_000)]),
     "places of one mesh": glb([{"mode": 1, "targets": [{}] * 3000}], nodes=[{"mesh": 0}] * 3000),
 }
 

@@ -194,6 +194,15 @@ def test_a_hostile_file_is_refused_with_its_name(
     assert not printed
 
 
+def test_an_attribute_that_is_nested_too_deeply_is_refused(
+    tmp_path: Path, processed: Trajectories
+) -> None:
+    dataset = to_xarray(processed).assign_attrs(marker_set="[" * 100_000)
+    dataset.to_netcdf(tmp_path / "it.nc", engine="scipy")
+    with pytest.raises(ValueError, match=r"it\.nc: no recording: maximum recursion depth"):
+        get_node("read.recording")(path=tmp_path / "it.nc")
+
+
 def stored_outside(file: h5py.File) -> None:
     file.create_dataset("position", (4,), "f8", external=[("other.nc", 0, 32)])
 
