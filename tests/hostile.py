@@ -27,7 +27,7 @@ from nodegraph.live.files import replay
 from nodegraph.live.packet_file import PacketFileWriter
 from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.registry import Registry
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap.specimens import recordings
 from nodegraph_xarray import to_xarray
 from tests.plugins.nodegraph_live.test_packets import SOURCES, taken
 
@@ -169,7 +169,8 @@ def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, str, Read, 
         ports = [port for port in writer.inputs if not port.optional] or writer.inputs[:1]
         if not any(port.across for port in ports):
             files |= writer.function(*(specimens[port.type] for port in ports)).content
-    to_xarray(specimens[Trajectories]).to_netcdf(folder / "netcdf4.nc", engine="h5netcdf")
+    recording = next(iter(recordings().values()))
+    to_xarray(recording).to_netcdf(folder / "netcdf4.nc", engine="h5netcdf")
     files["netcdf4.nc"] = (folder / "netcdf4.nc").read_bytes()
     known = set()
     for reader in map(registry.find, READERS):
