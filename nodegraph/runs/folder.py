@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 import shutil
 import stat
 import warnings
@@ -133,7 +134,9 @@ class RunFolder:
             raise _unwritable(path, error) from error
         try:
             path.mkdir(parents=True, exist_ok=True)
-            self._events: FileIO = (path / EVENTS).open("ab", buffering=0)
+            with files.Folder(os.path.realpath(path)) as folder:
+                events = folder.open(EVENTS, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+            self._events = FileIO(events, "ab")
         except OSError as error:
             self._undo()
             raise _unwritable(path, error) from error
@@ -178,8 +181,10 @@ class RunFolder:
         OSError
             If it cannot be written.
         """
-        target = self._place / name
-        files.write(str(target.parent), target.name, content)
+        *inner, last = name.split("/")
+        # a folder of several users may hold a link by now
+        with files.Folder(os.path.realpath(self._place), *inner, make=True) as folder:
+            folder.write(last, (content,))
 
     def replace_same(self) -> None:
         """Remove the earlier run if this one, which is written by now, is the same.
@@ -215,12 +220,13 @@ class RunFolder:
             If one cannot be written, with its path.
         """
         for name, text in texts.items():
-            target = (self._place / name).resolve()
-            if target.is_relative_to(self._place.resolve()):
+            inside = os.path.normpath(name)
+            if not os.path.isabs(inside) and Path(inside).parts[:1] != (os.pardir,):
                 try:
-                    files.write(str(target.parent), target.name, text.encode())
+                    self.write(Path(inside).as_posix(), text.encode())
                 except OSError as error:
-                    raise OSError(error.errno, error.strerror, str(self.path / name)) from error
+                    reason = error.strerror or str(error)
+                    raise OSError(error.errno, reason, str(self.path / name)) from error
 
     def _undo(self) -> None:
         shutil.rmtree(self._place, ignore_errors=True)

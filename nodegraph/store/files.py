@@ -43,7 +43,7 @@ _NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 # without waiting: a pipe in place of a file is empty
 _READ = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
 _LONGEST = 2**28
-_WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+_WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 _own = secrets.token_hex(4)
 _numbers = itertools.count()
 
@@ -139,13 +139,14 @@ class Folder:
             return _open_folder(name, above, self.path)
         except OSError as error:
             if os.path.islink(self.path):
-                text = f"{self.path} is a symbolic link, which a store does not follow"
+                text = f"{self.path} is a symbolic link, which is not followed"
                 raise OSError(text) from error
             raise
 
     def open(self, name: str, flags: int) -> int:
         """Open a file that is not a link, as `os.open` does."""
-        return os.open(f"{self._before}{name}", flags | _NO_LINK, 0o666, dir_fd=self._number)
+        flags |= _NO_LINK | getattr(os, "O_BINARY", 0)
+        return os.open(f"{self._before}{name}", flags, 0o666, dir_fd=self._number)
 
     def write(self, name: str, parts: Iterable[object], *, durable: bool = False) -> None:
         """Write a file, part after part, whole or not at all, over any that is there.

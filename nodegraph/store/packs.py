@@ -96,9 +96,9 @@ class Pack:
         self.name = name
         self.path = path = f"{folder.path}/{name}"
         try:
-            self._file = folder.open(name, os.O_RDWR | getattr(os, "O_BINARY", 0))
+            self._file = folder.open(name, os.O_RDWR)
         except OSError:  # nobody may write there
-            self._file = folder.open(name, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+            self._file = folder.open(name, os.O_RDONLY)
         # not at the end of a block: a store may go on reading what another has replaced
         weakref.finalize(self, os.close, self._file)
         self.size = os.fstat(self._file).st_size

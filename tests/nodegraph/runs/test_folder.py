@@ -124,6 +124,27 @@ def test_a_run_that_is_going_on_is_left_alone(tmp_path: Path) -> None:
     assert finished(path).moved is not None
 
 
+def test_a_link_that_another_user_put_into_a_run_is_not_followed(tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    finished(other)
+    before = {name: (other / name).read_bytes() for name in names(other)}
+    folder = RunFolder(tmp_path / "run", "")
+    (tmp_path / "run" / "t").symlink_to(other / "t")
+    (tmp_path / "run" / "report.html").symlink_to(other / "report.html")
+    with pytest.raises(OSError, match="run/t is a symbolic link, which is not followed"):
+        folder.write("t/t.csv", b"")
+    folder.write("report.html", b"")
+    folder.close()
+    assert {name: (other / name).read_bytes() for name in names(other)} == before
+
+
+def test_a_run_may_be_written_through_a_link_to_a_folder(tmp_path: Path) -> None:
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "runs").symlink_to(tmp_path / "disk")
+    finished(tmp_path / "runs" / "fill")
+    assert "fill/t/t.csv" in names(tmp_path / "disk")
+
+
 def test_the_folder_does_not_depend_on_the_working_directory_of_nodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
