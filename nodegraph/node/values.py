@@ -71,9 +71,9 @@ def read_only(array: NDArray[Scalar]) -> NDArray[Scalar]:
 
     An array that owns its memory is locked in place, without a copy: code that still writes to it
     gets an error, instead of changing a value behind a reader's back. A view into memory that can
-    still be written to is copied.
+    still be written to is copied, and so is one with gaps: stored results have none.
     """
-    if not array.flags.writeable and _base_is_locked(array):
+    if not array.flags.writeable and _base_is_locked(array) and _is_dense(array):
         return array
     if array.base is not None:
         # sums run along the order in memory: in another one they differ in their last bit
@@ -130,6 +130,14 @@ class _ShortRepr(Repr):
 
     def repr_instance(self, value: object, level: int) -> str:
         return repr(value) if isinstance(value, Value) else super().repr_instance(value, level)
+
+
+def _is_dense(array: NDArray[np.generic]) -> bool:
+    """Return whether an array has all bytes between its ends, whatever the order of its axes."""
+    if array.flags.forc:
+        return True
+    order = sorted(range(array.ndim), key=lambda axis: -abs(array.strides[axis]))
+    return array.transpose(order).flags.c_contiguous
 
 
 def _base_is_locked(array: NDArray[np.generic]) -> bool:

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property, lru_cache, partial
 from importlib import import_module
 from inspect import signature
-from math import inf, prod
+from math import prod
 from operator import is_
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -77,10 +77,10 @@ _LAST_CHARACTER = 0x10FFFF
 
 
 def array_apart(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
-    """Return an array's type, shape and layout, and its bytes: no copy unless it has gaps.
+    """Return an array's type, shape and order of axes, and its bytes: no copy unless it has gaps.
 
-    The layout is the order of axes from the slowest to the fastest in memory, or nothing where
-    that is their own order; strides follow only where they do not result from it.
+    The order is that from the slowest axis to the fastest in memory, left out where it is their
+    own.
     """
     kind = type_name(array.dtype)
     shape = list(array.shape)
@@ -90,9 +90,7 @@ def array_apart(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
         return [kind, shape], _bytes_of(array)
     order = sorted(range(array.ndim), key=lambda axis: -abs(array.strides[axis]))
     moved = array.transpose(order)
-    if moved.flags.c_contiguous:
-        return [kind, shape, order], _bytes_of(moved)
-    return [kind, shape, order, list(array.strides)], _bytes_of(moved.copy(order="C"))
+    return [kind, shape, order], _bytes_of(moved if moved.flags.c_contiguous else moved.copy("C"))
 
 
 def array_together(
@@ -100,9 +98,6 @@ def array_together(
     name: str,
     shape: list[int],
     order: list[int] | None = None,
-    strides: list[int] | None = None,
-    *,
-    room: float = inf,
 ) -> NDArray[np.generic]:
     """Return the array again, read-only, upon the given bytes themselves.
 
@@ -110,10 +105,8 @@ def array_together(
     ----------
     buffer
         Its bytes.
-    name, shape, order, strides
+    name, shape, order
         What `array_apart` returned; everything is checked before any memory is taken.
-    room
-        Bytes that an array with gaps may take.
 
     Raises
     ------
@@ -137,24 +130,7 @@ def array_together(
     slow_to_fast.flags.writeable = False
     if order is None:
         return slow_to_fast
-    if strides is not None:
-        return _with_gaps(slow_to_fast, order, shape, strides, room)
     return slow_to_fast.transpose([order.index(axis) for axis in axes])
-
-
-def span(shape: Iterable[int], strides: Iterable[int], itemsize: int) -> int:
-    """Return the number of bytes between the ends of an array, gaps included."""
-    steps = zip(shape, strides, strict=True)
-    return sum((length - 1) * abs(stride) for length, stride in steps) + itemsize
-
-
-def room_for_gaps(size: int) -> int:
-    """Return how many bytes all arrays with gaps in a value may take, of as many bytes of arrays.
-
-    A view of a large array may be a few numbers far apart. What is kept of it is small, and must
-    not take any amount of memory when it is read.
-    """
-    return 2**28 + 16 * size
 
 
 def type_name(kind: np.dtype[np.generic]) -> str:
@@ -244,26 +220,6 @@ def _check_characters(texts: NDArray[np.generic]) -> None:
         raise Unreadable("an array of texts has what is no character")
 
 
-def _with_gaps(
-    packed: NDArray[np.generic], order: list[int], shape: list[int], strides: list[int], room: float
-) -> NDArray[np.generic]:
-    """Return the array in memory of its own, spaced as it was."""
-    import numpy as np
-
-    if not packed.size or not all(type(stride) is int for stride in strides):
-        raise Unreadable("an array has gaps that no array has")
-    size = span(shape, strides, packed.itemsize)
-    if size > room:
-        raise Unreadable(f"an array of {packed.nbytes} bytes is spread over {size}")
-    memory = np.zeros(size, np.uint8)
-    back = zip(shape, strides, strict=True)
-    start = sum((length - 1) * -stride for length, stride in back if stride < 0)
-    spaced: NDArray[np.generic] = np.ndarray(shape, packed.dtype, memory, start, strides)
-    spaced.transpose(order)[...] = packed
-    memory.flags.writeable = spaced.flags.writeable = False
-    return spaced
-
-
 def is_numpys(kind: type) -> bool:
     """Return whether values of the type are arrays of numpy, or numbers taken from them."""
     if not kind.__module__.startswith("numpy"):
@@ -279,8 +235,6 @@ def numpys_way(kind: type) -> Callable[[Any, Apart], object]:
 
     def array(value: Any, apart: Apart) -> object:
         parts, buffer = array_apart(value)
-        if len(parts) > 3:
-            apart.gaps += span(value.shape, value.strides, value.itemsize)
         return ["array", apart.keep(buffer), *parts]
 
     if kind is np.ndarray:
@@ -293,8 +247,8 @@ def numpys_way(kind: type) -> Callable[[Any, Apart], object]:
     return lambda value, apart: ["number", *number_apart(value)]
 
 
-def _array_again(together: Together, number: int, *parts: object) -> object:
-    return together.array(together.buffer(number), parts)
+def _array_again(together: Together, number: int, *parts: Any) -> object:
+    return array_together(together.buffer(number), *parts)
 
 
 def _number_again(together: Together, name: str, content: str) -> object:
@@ -461,19 +415,16 @@ class Apart:
     ----------
     buffers : list of memoryview
         So far.
-    gaps : int
-        Bytes of memory in which its arrays that have gaps lie.
     faithful : bool
         Whether all of it comes back.
     """
 
-    __slots__ = ("_depth", "_ways", "buffers", "faithful", "gaps")
+    __slots__ = ("_depth", "_ways", "buffers", "faithful")
 
     def __init__(self, ways: Mapping[type, Way]) -> None:
         self._ways = ways
         self._depth = 0
         self.buffers: list[memoryview] = []
-        self.gaps = 0
         self.faithful = True
 
     def plain(self, value: object) -> object:
@@ -561,25 +512,6 @@ class Together:
             self._known[id(buffer)] = bytes(buffer)
         content: bytes = self._known[id(buffer)]
         return content
-
-    def array(self, buffer: Buffer, parts: Sequence[Any]) -> NDArray[np.generic]:
-        """Return an array; with gaps, the same one wherever that buffer has a further place."""
-        if len(parts) < 4:
-            return array_together(buffer, *parts)
-        name, shape, order, strides = parts
-        at = id(buffer), name, *map(tuple, (shape, order, strides))
-        if at not in self._known:
-            array = array_together(buffer, *parts, room=self._room)
-            self._room -= span(shape, strides, array.itemsize)
-            self._known[at] = array
-        known: NDArray[np.generic] = self._known[at]
-        return known
-
-    @cached_property
-    def _room(self) -> int:
-        """How many bytes arrays with gaps may still take."""
-        sizes = {id(buffer): len(buffer) for buffer in self._buffers}
-        return room_for_gaps(sum(sizes.values()))
 
 
 def way_of(kind: type, storage: Storage | None) -> Way:
@@ -857,9 +789,6 @@ class Packer:
             head = _encode(apart.plain(value))
         except RecursionError:
             raise Unstorable(type(value).__name__, "it is nested too deeply") from None
-        if apart.gaps > room_for_gaps(sum(map(len, apart.buffers))):
-            why = "its arrays are views with large gaps: copy them"
-            raise Unstorable(type(value).__name__, why)
         return Packed(head, tuple(apart.buffers), apart.faithful)
 
     def unpack(self, head: str, buffers: Sequence[Buffer] = (), *, stand_ins: bool = True) -> Any:
@@ -958,7 +887,7 @@ class Packer:
         return replace(gathered, entries=entries)
 
     def _copy_array(self, array: Any) -> object:
-        if array.dtype.hasobject or not array.flags.forc:
+        if array.dtype.hasobject:
             return self._copy_packed(array)
         return locked(array.copy(order="K"))
 

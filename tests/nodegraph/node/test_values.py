@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,6 +51,15 @@ def test_a_locked_view_into_open_memory_is_copied_too() -> None:
 def test_a_view_into_locked_memory_is_passed_on() -> None:
     view = read_only(np.arange(6.0))[1:4]
     assert read_only(view) is view
+
+
+@pytest.mark.parametrize("part", [np.s_[:, :2], np.s_[::-1], np.s_[:, None], np.s_[::2, ::-1]])
+def test_a_view_with_gaps_is_copied_as_a_stored_result_has_none(part: Any) -> None:
+    view = read_only(np.arange(12.0).reshape(4, 3))[part]
+    copied = read_only(view)
+    assert (copied is view) == (part == np.s_[:, None])
+    assert copied.tolist() == view.tolist()
+    assert copied.base is None or copied is view
 
 
 def test_a_copy_keeps_the_order_in_memory_in_which_sums_run() -> None:

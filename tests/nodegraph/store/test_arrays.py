@@ -54,14 +54,17 @@ def test_every_kind_shape_and_layout(data: st.DataObject) -> None:
     assert_same(back, array)
     assert not back.flags.writeable
     if array.size > 1:
+        dense = array.copy(order="K")
         long = [axis for axis, length in enumerate(array.shape) if length > 1]
-        assert [back.strides[axis] for axis in long] == [array.strides[axis] for axis in long]
+        assert [back.strides[axis] for axis in long] == [dense.strides[axis] for axis in long]
 
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_a_sum_has_the_same_last_bit(order: tuple[int, ...]) -> None:
     array = np.random.default_rng(7).normal(size=(37, 41, 43)).transpose(order)
-    for value in (array, array[:, 3:], array[::-1], np.broadcast_to(array[0], array.shape)):
+    array = read_only(array)
+    for view in (array, array[:, 3:], array[::-1], np.broadcast_to(array[0], array.shape)):
+        value = read_only(view)  # as every node returns it
         back = there_and_back(value)
         assert back.sum() == value.sum()
         assert (back.sum(axis=0) == value.sum(axis=0)).all()
@@ -188,24 +191,6 @@ def test_no_array_without_numbers_is_as_long_as_one_likes(shape: list[int]) -> N
     with pytest.raises(Unstorable, match="too long"):
         PACKER.pack(np.empty(shape))
     assert there_and_back(np.empty((10**6, 0, 3))).shape == (10**6, 0, 3)
-
-
-def test_a_view_of_much_more_memory_is_refused() -> None:
-    large = np.zeros((2**20, 40))
-    half = large[: 2**19 : 2**10, 3]
-    assert_same(there_and_back(half), half)
-    with pytest.raises(Unstorable, match=r"tuple cannot be kept: .*copy"):
-        PACKER.pack((1, large[:: 2**10, 3]))
-
-
-def test_views_with_gaps_take_together_no_more_memory_than_one() -> None:
-    views = [np.zeros(2**12)[:: 2**9] + number for number in range(3)]
-    head = ["list", *(["array", n, "<f8", [8], [0], [2**25]] for n in range(len(views)))]
-    with pytest.raises(Unreadable, match="spread"):
-        PACKER.unpack(json.dumps(head), [buffer.tobytes() for buffer in views])
-    same = views[0].tobytes()
-    first, *others = PACKER.unpack(json.dumps(head), [same] * 3)
-    assert all(value is first for value in others)
 
 
 def test_bytes_that_have_several_places_are_copied_once() -> None:
