@@ -5,9 +5,8 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from nodegraph.fingerprint.step_keys import Files
-
 from nodegraph.archive.inputs import files_read
+from nodegraph.cache_key import Files
 from nodegraph.runs.record import RecordedStep
 from nodegraph.state import State
 
