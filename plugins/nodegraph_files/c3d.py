@@ -271,7 +271,9 @@ def _samples(
         stream.seek(layout.start)
         for piece in chunks(layout.frames, layout.frame_bytes):
             content = stream.read((piece.stop - piece.start) * layout.frame_bytes)
-            numbers = _numbers(content, description)[:, points]
+            numbers = _numbers(content, description)
+            if len(points) < layout.points:
+                numbers = numbers[:, points]  # a copy
             for axis in range(3):
                 positions[piece, :, axis] = numbers[..., axis]
             np.less(numbers[..., 3], 0, out=lost[piece])
