@@ -127,7 +127,9 @@ class Run:
         return tuple(map(self.packer.lend, values))
 
     def has_at_hand(self, index: int) -> bool:
-        """Whether a step's values are in memory or stored, so that nothing is computed for them."""
+        """Whether a step has values in memory or stored, so that nothing is computed for them."""
+        if not self.outcomes[index].state.has_value:
+            return False
         if index in self.in_memory or self.cache is None or index not in self.cache:
             return index in self.in_memory
         return self.cache.gives(index, range(len(self.plan.steps[index].method.node.outputs)))

@@ -173,7 +173,9 @@ class ReopenedRun(Run):
                 self.in_memory[index] = schedule.values[index]
 
     def has_at_hand(self, index: int) -> bool:
-        """Whether a step's values are in memory or stored as they were in the run."""
+        """Whether a step has values in memory or stored as they were in the run."""
+        if not self.outcomes[index].state.has_value:
+            return False
         entry = self.steps.entry(self.plan.steps[index], self.outcomes[index].key)
         return index in self.in_memory or (entry is not None and all(entry.faithful))
 
