@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph_tables.info import info_of
-from nodegraph_tables.style import scale_of, unit_text
+from nodegraph_tables.numbers import chance_digits
+from nodegraph_tables.style import CHANCE, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -96,6 +97,8 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str]) -> Column:
     values = _scaled(column, scale)
     decimals = None if label or not numeric else _decimals(values)
     texts = [_labelled(value) if label else shown(value, decimals) for value in values]
+    if unit == CHANCE:
+        texts = [chance_digits(p) if text else "" for p, text in zip(values, texts, strict=True)]
     if label:
         texts = [
             ALL if not text and row in info.overall else text for row, text in enumerate(texts)

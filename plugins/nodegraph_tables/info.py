@@ -32,6 +32,8 @@ class TableInfo:
     notes : tuple of str
         Remarks below the table.
     units : mapping of column to str
+        ``share`` for a number from 0 to 1 that is shown in percent; ``chance`` for a p, which is
+        shown in four decimals, and below 0.0001 as such.
     better : mapping of column to {"lower", "higher", "none"}
         Which end of a column is the better one; "none" for a value that is best in between, such
         as a lag. Default: lower.

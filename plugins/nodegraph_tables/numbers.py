@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from nodegraph_tables.style import scale_of, unit_text
+from nodegraph_tables.style import SMALLEST_CHANCE, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,6 +33,17 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
     """Return numbers from first to last with their unit; equal ones once, shares in percent."""
     texts = dict.fromkeys(_digits(scale_of(unit) * value) for value in values)
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
+
+
+def chance_text(p: float) -> str:
+    """Return a p for a sentence: ``p = 0.0340``, ``p < 0.0001``."""
+    text = chance_digits(p)
+    return f"p {text}" if text.startswith("<") else f"p = {text}"
+
+
+def chance_digits(p: float) -> str:
+    """Return a p in four decimals: ``0.0340``, ``< 0.0001``."""
+    return f"< {SMALLEST_CHANCE:g}" if p < SMALLEST_CHANCE else f"{p:.4f}"
 
 
 def percent(share: float) -> str:

@@ -49,6 +49,14 @@ LINES: tuple[Line, ...] = ("-", "--", ":", "-.")
 SHARE = "share"
 """The unit of a number from 0 to 1 that people read in percent."""
 
+CHANCE = "chance"
+"""The unit of a p, which has none in print."""
+
+SMALLEST_CHANCE = 1e-4
+"""A smaller p is shown as such: no test of some ten units says how much smaller it is."""
+
+_PRINTED = {SHARE: "%", CHANCE: ""}
+
 _HIDDEN = "_"
 """The legends of matplotlib leave out labels that begin with it."""
 
@@ -90,12 +98,10 @@ def looks(labels: Iterable[object]) -> dict[str, Look]:
 
 
 def unit_text(unit: str) -> str:
-    """Return a unit as it is printed: ``mm²`` for ``mm^2``, ``%`` for a share."""
-    return (
-        "%"
-        if unit == SHARE
-        else unit.replace("^2", "\N{SUPERSCRIPT TWO}").replace("^3", "\N{SUPERSCRIPT THREE}")
-    )
+    """Return a unit as it is printed: ``mm²`` for ``mm^2``, ``%`` for a share, none for a p."""
+    if unit in _PRINTED:
+        return _PRINTED[unit]
+    return unit.replace("^2", "\N{SUPERSCRIPT TWO}").replace("^3", "\N{SUPERSCRIPT THREE}")
 
 
 def scale_of(unit: str) -> float:

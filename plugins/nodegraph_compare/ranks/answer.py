@@ -19,6 +19,7 @@ from nodegraph_compare.left_out import (
 )
 from nodegraph_compare.ranks.signed_rank import TEST_NAMES
 from nodegraph_compare.scope import caution, scope, unit_text
+from nodegraph_tables.numbers import chance_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -90,20 +91,15 @@ def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
     return f"{sentence}; {tested}{f'; {few}' if few else ''}"
 
 
-def chance(p: float) -> str:
-    """Return a p for a sentence: ``p = 0.034``, ``p < 0.001``."""
-    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
-
-
 def _two(ranking: Ranking) -> str:
     p = float(ranking.pairs.p[0])
     apart = "apart" if p < LEVEL else "not clearly apart"
-    return f"the two are {apart} by Wilcoxon's signed-rank test ({chance(p)})"
+    return f"the two are {apart} by Wilcoxon's signed-rank test ({chance_text(p)})"
 
 
 def _many(ranking: Ranking, first: list[int], test: PairTest) -> str:
     overall, pairs = ranking.overall, ranking.pairs
-    numbers = f"F = {overall.f:.3g}, {chance(overall.p_f)}; Kendall's W = {overall.w:.2f}"
+    numbers = f"F = {overall.f:.3g}, {chance_text(overall.p_f)}; Kendall's W = {overall.w:.2f}"
     if not ranking.differ:
         return f"Friedman's test does not tell the methods apart ({numbers})"
     near = [

@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.left_out import group_text
 from nodegraph_compare.scope import caution, scope
 from nodegraph_tables.lead import Card, Lead, Line, Text, dot, svg
-from nodegraph_tables.numbers import number_text
+from nodegraph_tables.numbers import chance_text, number_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,9 +93,14 @@ def _card(ranking: Ranking, question: Question, blocks: str) -> Card:
         ("Apart", f"{np.count_nonzero(~near & ~first)} methods"),
     )
     p = ranking.overall.p_f if len(first) > 2 else float(pairs.p[0])
-    chance = "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
     return Card(
-        title, ranking.first_names, value, chance, _picture(ranking, first, near), facts, True
+        title,
+        ranking.first_names,
+        value,
+        chance_text(p),
+        _picture(ranking, first, near),
+        facts,
+        True,
     )
 
 

@@ -25,6 +25,7 @@ from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank_by_rules
 from nodegraph_compare.scope import rules
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables.style import CHANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -217,7 +218,11 @@ def _pairs(rankings: Sequence[Ranking], question: Question) -> Table:
     labels = (*question.within, "first", "second")
     return with_info(
         DataFrame(rows),
-        TableInfo(title=f"Pairs by ranks of {question.metric}{question.by}", labels=labels),
+        TableInfo(
+            title=f"Pairs by ranks of {question.metric}{question.by}",
+            units={"p": CHANCE},
+            labels=labels,
+        ),
     )
 
 
@@ -234,7 +239,8 @@ def _overall(rankings: Sequence[Ranking], question: Question) -> Table:
             | {"W": overall.w, "critical difference": overall.critical}
         )
     title = f"Friedman's test of {question.metric}{question.by}"
-    return with_info(DataFrame(rows), TableInfo(title=title, labels=question.within))
+    units = {"p": CHANCE, "p of F": CHANCE}
+    return with_info(DataFrame(rows), TableInfo(title=title, units=units, labels=question.within))
 
 
 def _labels(ranking: Ranking, question: Question) -> dict[str, Label]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph_compare.table.sensitivity import COMMON, WORST, behind_by_all_rules, tied_with_best
 from nodegraph_tables import TableInfo, with_info
-from nodegraph_tables.style import SHARE
+from nodegraph_tables.style import CHANCE, SHARE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -307,6 +307,7 @@ def long_table(
     units = {name: unit for name in valued if unit and name in frame}
     margin = next((s.margin for s in summaries), None)
     in_unit = paired != "ratio" if margin is None else not margin.ratio
+    units |= {name: CHANCE for name in ("p", "p of flips") if name in frame}
     units |= {"margin": unit} if unit and in_unit and "margin" in frame else {}
     intervals: dict[str, Mapping[Part, str]] = {
         name: {"low": low, "high": high}

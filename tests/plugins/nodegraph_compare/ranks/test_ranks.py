@@ -147,7 +147,7 @@ def test_two_methods_one_method_one_block() -> None:
     two = Across.of({"a": scored(1, 2, 3, 4, 5, 6, 7), "b": scored(2, 3, 4, 5, 6, 7, 9)}, axis="f")
     (sentence,) = info_of(ranks(two).table).answer
     assert sentence.endswith(
-        "the two are apart by Wilcoxon's signed-rank test (p = 0.016); provisional, as of 7 gaps."
+        "the two are apart by Wilcoxon's signed-rank test (p = 0.0156); provisional, as of 7 gaps."
     )
     axis = ranks(Across.of({"a": scored(1, 2)}, axis="f"))
     assert list(info_of(axis.table).answer) == ["only a has numbers; there is nothing to rank."]
