@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 COLUMN = "suspect"
 """Column of scores with the reason why a row's truth is suspect; empty where it is not."""
 
+MARKER = "marker"
+"""Column of scores with the marker of each row."""
+
 FARTHEST = 5.0
 """Robust standard deviations above which the smallest error of a block is suspect."""
 
@@ -111,10 +114,16 @@ def _texts(scores: Across[Table]) -> NDArray[np.object_]:
 
 
 def identifying(scores: Across[Table], question: Question) -> tuple[str, ...]:
-    """Return the axes and columns by which a reader finds a block, its marker among them."""
+    """Return the axes and columns by which a reader finds a block: the marker, if each has one."""
     names = tuple(dict.fromkeys((*question.clusters, *question.identity)))
-    if "marker" not in names and all("marker" in table for table in scores.values()):
-        names = (*names, "marker")
+    if MARKER not in names and all(MARKER in table for table in scores.values()):
+        block = tuple(dict.fromkeys((*question.within, *names)))
+        counts = [
+            len(np.unique(columns_of(scores, columns).combined()))
+            for columns in (block, (*block, MARKER))
+        ]
+        if counts[0] == counts[1]:
+            names = (*names, MARKER)
     return names
 
 

@@ -1,6 +1,6 @@
 "use strict";
 // Where it is hard: at each place of the layout a disc of the error there, for the best method, the
-// selected or next best one and the reference, on one scale.
+// selected or next best one and the reference, on one scale. A place without blocks is hollow.
 nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale", "compare/overview"], (page, chart, scales, { medianOf }) => {
   const { element, svg } = page;
   const { strong, text, line } = chart;
@@ -64,6 +64,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
     const share = (value) => scales.between(scale.place(value), 0, 1);
     const { places, width: wide, height, radius } = fit(layout);
     const size = (value) => radius * (0.28 + 0.72 * share(value));
+    const hollow = pictures.some(({ at }) => at.some(({ value }) => !Number.isFinite(value)));
     const inRegion = new Set(view.region === null ? [] : view.overview.regionLabels(view.region));
     const order = places.map((_, at) => at).sort((a, b) => places[a][1] - places[b][1] || places[a][0] - places[b][0]);
     const disc = ({ method, at }, place) => {
@@ -84,6 +85,8 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
       element("h4", {}, view.overview.methods[picture.method], element("span", {}, ` ${picture.why}`)),
       svg("svg", { viewBox: `0 0 ${wide.toFixed(1)} ${height.toFixed(1)}`, role: "group", "aria-label": `${view.metric.name} ${layout.title}, ${view.overview.methods[picture.method]}` },
         ...layout.edges.map(([a, b]) => line(...places[a].map(Math.round), ...places[b].map(Math.round), "edge")),
+        ...places.filter((_, place) => !Number.isFinite(picture.at[place].value))
+          .map(([x, y]) => svg("circle", { class: "place", cx: x.toFixed(1), cy: y.toFixed(1), r: 2.2 })),
         ...places.map((_, place) => place).filter((place) => Number.isFinite(picture.at[place].value))
           .sort((a, b) => picture.at[b].value - picture.at[a].value).map((place) => disc(picture, place)))));
     plot.replaceChildren(element("div", { class: "maps" }, ...faces), here(view, pictures), legend(view, scale, log, size, share));
@@ -91,7 +94,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
       finding: finding(view, pictures[0]),
       caption: [
         strong(`${view.statistic === "median" ? "Median" : "Mean"} ${view.metric.name} at each ${layout.column}, ${log ? "log scale, " : ""}one scale for all. `),
-        "Area and colour say the same. ", `About ${medianOf(pictures[0].at.map(({ count }) => count).filter(Boolean))} ${view.overview.json.blocks_name} stand behind a disc: trust regions, not single discs. `,
+        "Area and colour say the same. ", hollow ? `Hollow: a ${layout.column} without ${view.overview.json.blocks_name}. ` : "", `Median number of ${view.overview.json.blocks_name} behind a disc: ${medianOf(pictures[0].at.map(({ count }) => count).filter(Boolean))}. Trust regions, not single discs. `,
         `Click a disc to show its ${view.overview.json.blocks_name} only, and to open one.`,
       ],
     };
