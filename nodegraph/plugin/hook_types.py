@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from html import escape
@@ -192,8 +192,12 @@ class Origin(Protocol):
     def details(self) -> tuple[Detail, ...]:
         """How plugins show single blocks of a comparison."""
 
-    def seconds(self, axis: str) -> Mapping[Label, float]:
-        """Return the median time of a step by label of an axis; empty if no node has the name."""
+    def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
+        """Return the times of results by label of an axis; empty if no node has the name.
+
+        The time of a result is that of its step and of the steps before it that no other label of
+        the axis needs. The first call of a node may have compiled it, too.
+        """
 
     def uses(self, axis: str) -> Mapping[Label, str]:
         """Return the full names of the methods by label of an axis: ``fill.ridge``."""

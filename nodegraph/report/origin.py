@@ -6,7 +6,8 @@ from collections import OrderedDict, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from statistics import median
+
+import networkx as nx
 
 from nodegraph.execute import Run
 from nodegraph.node.ports import Label
@@ -46,13 +47,22 @@ class RunOrigin:
         """How plugins show single blocks of a comparison."""
         return self.run.plan.graph.registry.hooks.details
 
-    def seconds(self, axis: str) -> dict[Label, float]:
-        """Return the median time of a step by label of an axis; empty if no node has the name."""
+    def seconds(self, axis: str) -> dict[Label, list[float]]:
+        """Return the times of results by label of an axis; empty if no node has the name."""
+        plan, outcomes = self.run.plan, self.run.outcomes
+        steps = [step for step in plan.steps if step.node == axis and axis in step.labels]
+        before = {step.index: nx.ancestors(plan.network, step.index) for step in steps}
+        needed_by: dict[int, set[Label]] = defaultdict(set)
+        for step in steps:
+            for index in before[step.index]:
+                needed_by[index].add(step.labels[axis])
         times: dict[Label, list[float]] = defaultdict(list)
-        for step, outcome in self.run.settled(State.DONE):
-            if step.node == axis and axis in step.labels:
-                times[step.labels[axis]].append(outcome.seconds)
-        return {label: median(seconds) for label, seconds in times.items()}
+        for step in steps:
+            own = [index for index in before[step.index] if len(needed_by[index]) == 1]
+            counted = [outcomes[index] for index in (step.index, *own)]
+            if all(outcome.state is State.DONE for outcome in counted):
+                times[step.labels[axis]].append(sum(outcome.seconds for outcome in counted))
+        return dict(times)
 
     def uses(self, axis: str) -> dict[Label, str]:
         """Return the full names of the methods by label of an axis."""

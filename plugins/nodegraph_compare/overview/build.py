@@ -36,7 +36,6 @@ _PAIRED = {
     "difference": "difference",
     "difference_low": "difference_low",
     "difference_high": "difference_high",
-    "p": "p",
 }
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from nodegraph import Origin
+    from nodegraph import Label, Origin
     from nodegraph_compare.overview.value import GroupOverview, Overview
 
 _NOTHING = 65535
@@ -73,7 +73,12 @@ def excerpt_of(overview: Overview) -> Excerpt:
 
 
 def packed(
-    overview: Overview, named: Overview, excerpt: Excerpt, title: str, origin: Origin
+    overview: Overview,
+    named: Overview,
+    excerpt: Excerpt,
+    title: str,
+    origin: Origin,
+    seconds: Mapping[Label, float],
 ) -> dict[str, Any]:
     """Return the overview as JSON has it.
 
@@ -89,8 +94,10 @@ def packed(
         Of the section.
     origin
         Of the run.
+    seconds
+        The time that a method takes, of those of which it is known.
     """
-    seconds, uses = origin.seconds(overview.compare), origin.uses(overview.compare)
+    uses = origin.uses(overview.compare)
     columns = {name: excerpt.used(overview, name) for name in overview.columns}
     return {
         "node": origin.node,
@@ -192,7 +199,6 @@ def _group(
         "difference": _numbers(group.difference),
         "difference_low": _numbers(group.difference_low),
         "difference_high": _numbers(group.difference_high),
-        "p": _numbers(group.p),
         "best": list(group.best),
         "tied": list(group.tied),
         "behind": list(group.behind),

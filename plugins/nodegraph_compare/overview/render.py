@@ -11,6 +11,7 @@ from markupsafe import Markup, escape
 from nodegraph import Rendered, json_script
 from nodegraph_compare.left_out import start_text
 from nodegraph_compare.overview.cards import scope_line, scope_sentences, verdicts
+from nodegraph_compare.overview.cost import typical_seconds
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.sentence import sentences
@@ -55,12 +56,13 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
         return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)
     excerpt = excerpt_of(overview)
     details = details_of(overview, excerpt, origin)
-    data = {**packed(overview, named, excerpt, title, origin), **details.data}
+    seconds = typical_seconds(origin.seconds(overview.compare))
+    data = {**packed(overview, named, excerpt, title, origin, seconds), **details.data}
     layout = data["layout"]
     charts = {"controls": ""}
     if any(group.best for group in overview.groups) and len(overview.methods) > 1:
         charts["ranking"] = _ranking_heading(overview)
-        if len(origin.seconds(overview.compare)) > 1:
+        if seconds:
             charts["cost"] = "What does accuracy cost?"
     if layout is not None:
         charts["layout"] = f"Where {layout['title']} is it hard?"

@@ -57,8 +57,6 @@ class GroupOverview(Value):
         To the best: the ratio of mean errors, or the difference of means; see `Overview.ratio`.
     difference, difference_low, difference_high : (K,) arrays of float64
         Of means to that of the best, in the metric's unit.
-    p : (K,) array of float64
-        Of the difference to the best.
     p_of_step : (K,) array of float64
         Of the difference to the one before, where they follow one another.
     missing : (K,) array of int
@@ -99,7 +97,6 @@ class GroupOverview(Value):
     difference: NDArray[np.float64]
     difference_low: NDArray[np.float64]
     difference_high: NDArray[np.float64]
-    p: NDArray[np.float64]
     p_of_step: NDArray[np.float64]
     missing: NDArray[np.int64]
     used: int

@@ -1,6 +1,6 @@
 "use strict";
-// What accuracy costs: error against the median time of a step. The stepped line joins the methods
-// that no other beats in both.
+// What accuracy costs: error against time. The stepped line joins the methods that no other beats in
+// both.
 nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale", "compare/view"], (page, chart, scales, { seconds }) => {
   const { svg } = page;
   const { strong, text, line } = chart;
@@ -58,7 +58,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
     }
     picture.append(
       text(0, HEIGHT - 6, `\u2191 ${view.what.toLowerCase()}${view.unit ? `, ${view.unit}` : ""}`, { class: "tick" }),
-      text(width, HEIGHT - 6, "median time of a step \u2192", { class: "tick", "text-anchor": "end" }));
+      text(width, HEIGHT - 6, "time of a result \u2192", { class: "tick", "text-anchor": "end" }));
     const front = view.better === "none" ? [] : pareto(points, sign);
     const path = front.map((point, at) => (at ? `H${point.x}V${point.y}` : `M${point.x},${point.y}`)).join("");
     if (front.length) picture.append(svg("path", { class: "pareto", d: path }));
@@ -81,7 +81,8 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
     return {
       finding: finding(view, points, front),
       caption: [
-        strong(`${view.what} against the median time of a step, ${x.log && y.log ? "both on log scales" : "time on a log scale"}. `),
+        strong(`${view.what} against time, ${x.log && y.log ? "both on log scales" : "time on a log scale"}. `),
+        "The time of a result is that of its step and of the steps that its method alone needs: the median, without the longest, which may be a first call. ",
         front.length ? "The stepped line joins methods that none beats in both. " : "",
         tied.length ? "Ringed: tied with the best. " : "",
         "Click a dot to follow the method through the page.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -51,8 +51,8 @@ class Bakery:
         default_factory=lambda: {"kitchen": range(8), "heat": FACTORS, "recipe": RECIPES}
     )
 
-    def seconds(self, axis: str) -> Mapping[Label, float]:
-        return {recipe: 0.001 * 3**at for at, recipe in enumerate(RECIPES)}
+    def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
+        return {recipe: [0.001 * 3**at] * 4 for at, recipe in enumerate(RECIPES)}
 
     def uses(self, axis: str) -> Mapping[Label, str]:
         return {}

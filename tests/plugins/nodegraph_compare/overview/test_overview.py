@@ -3,7 +3,7 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -61,8 +61,8 @@ class Bakery:
     caption: str = ""
     details: tuple[Detail, ...] = ()
 
-    def seconds(self, axis: str) -> Mapping[Label, float]:
-        return {"plain": 0.002, "rich": 0.2}
+    def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
+        return {"plain": [3.0, 0.002, 0.002, 0.002, 0.002], "rich": [0.2] * 5, "vegan": [0.1] * 3}
 
     def uses(self, axis: str) -> Mapping[Label, str]:
         return {"plain": "bake.plain"}
