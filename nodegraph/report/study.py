@@ -379,8 +379,8 @@ def _without_foreign_code(path: Path, study: Study) -> Study:
         sections.append(replace(section, rendered=rendered))
     if count:
         warnings.warn(
-            f"{path}: {number_of(count, 'result')} with scripts or links that act by themselves "
-            "and are of no installed package; shown without them",
+            f"{path}: {number_of(count, 'result')} with scripts, styles or elements that could "
+            "act on the rest of the page and are of no installed package; shown without them",
             stacklevel=3,
         )
     return replace(study, sections=tuple(sections), graph_svg=drawing)
