@@ -9,15 +9,13 @@ from nodegraph.draw.from_graph import drawing_for_page, labels_text
 from nodegraph.execute import Run
 from nodegraph.formatting import duration
 from nodegraph.graph import Graph
-from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.from_run import compose
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.page import templates_of, titled
+from nodegraph.report.page import standalone_page, templates_of, titled
 from nodegraph.runs.settings import RunSettings
 
 _MOST = 24
 _FEW = 3
-_FONT = "<style>body { font: 0.925rem/1.5 system-ui, sans-serif; margin: 0; }</style>"
 _LONGEST_LABELS = 72
 _PALETTE = re.compile(r"^\.nodegraph-picture \{([^}]*)\}", re.MULTILINE)
 _LIGHT = '[data-jp-theme-light="true"], .vscode-light, html[theme="light"]'
@@ -41,7 +39,11 @@ def graph_html(graph: Graph) -> str:
 
 
 def run_html(run: Run) -> str:
-    """Return the outcome of a run's steps and its report as HTML."""
+    """Return the outcome of a run's steps and its report as HTML.
+
+    A result with scripts is a page in a frame: a notebook may show a cell several times in one
+    page, where names of scripts would clash.
+    """
     graph = run.plan.graph
     study = compose(run, RunSettings(graph.spec.file)).study
     return (
@@ -57,19 +59,9 @@ def run_html(run: Run) -> str:
             results=titled(study.sections),
             most=_MOST,
             few=_FEW,
-            framed=framed,
+            standalone_page=standalone_page,
         )
     )
-
-
-def framed(rendered: Rendered) -> str:
-    """Return a fragment with scripts as a page of its own, for a frame.
-
-    A notebook may show a cell several times in one page, where names of scripts would clash.
-    """
-    styles = "".join(f"<style>{text}</style>" for text in rendered.styles)
-    scripts = "".join(f"<script>{text}</script>" for text in rendered.scripts)
-    return f"<!DOCTYPE html><meta charset=utf-8>{_FONT}{styles}{rendered.html}{scripts}"
 
 
 def _axes(graph: Graph) -> dict[str, str]:

@@ -15,8 +15,7 @@ from nodegraph import node
 from nodegraph.api import show_in_notebooks
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
-from nodegraph.notebook import framed, graph_html, run_html
-from nodegraph.plugin.hook_types import Rendered
+from nodegraph.notebook import graph_html, run_html
 
 HOSTILE = "</style></div><script>alert(1)</script>&amp;\"'"
 TEXT = f"""
@@ -154,12 +153,3 @@ def test_a_graph_that_is_too_large_to_draw_says_so(graph_of: Callable[..., Graph
     shown = graph_html(graph_of(f"nodes:\n{nodes}"))
     assert "<svg" not in shown
     assert "501 nodes are too many to draw here" in shown
-
-
-def test_a_fragment_with_scripts_is_a_page_for_a_frame() -> None:
-    rendered = Rendered("<p>{name}</p>", scripts=("one();", "two();"), styles=("p { top: 0 }",))
-    page = framed(rendered)
-    assert page.startswith("<!DOCTYPE html><meta charset=utf-8><style>body { font: ")
-    assert page.endswith(
-        "<style>p { top: 0 }</style><p>{name}</p><script>one();</script><script>two();</script>"
-    )
