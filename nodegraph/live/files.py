@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import struct
 import time
@@ -45,7 +46,7 @@ def replay(address: str) -> Source:
     name = match[1] if match else address
     pace = float(match[2]) if match else None
     path = current_registry().hooks.place(name) or Path(name)
-    if not path.exists():
+    if not os.path.exists(path):  # of a path, the method raises where the name is too long
         raise NodegraphError(f"replay:{address}: there is no file {path}")
     return (_Packets if _has_packets(path) else _Take)(path, pace)
 

@@ -108,7 +108,9 @@ def describe_departure(node: Node) -> str:
         return ""
     phrases = [f"leaves {form.leaves} missing"] if form.leaves else []
     if form.tolerance:
-        phrases.append(f"numbers within {form.tolerance:g} of those of the whole take")
+        phrases.append(
+            f"numbers within {form.tolerance:g} of those of the whole take, of their size above 1"
+        )
     return ", ".join(phrases)
 
 

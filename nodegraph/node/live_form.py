@@ -140,7 +140,7 @@ class StateForm:
         Outputs that it gives; by default all. Others need the whole take: a table, say.
     tolerance : float
         By how much a number may differ from the function's, which computes many frames at once
-        in another order of operations.
+        in another order of operations: relative to its size, or to 1 where it is smaller.
     """
 
     state: Callable[..., LiveState]

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,10 @@ from nodegraph.live.forms import header_of, live_state, rows_of, streamable_of
 from nodegraph.node.live_form import FrameForm, LiveForm, LiveState, RunningForm, StateForm
 from nodegraph.testing.trial import Trial
 
-Row = tuple[object, ...]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Row = tuple[Any, ...]
 
 _DIFFERS = (
     "gives on a stream another result than of the whole take: let the function be "
@@ -46,7 +49,13 @@ _NOT_BY_FRAME = (
 )
 
 
-def check_live_form(trial: Trial, outputs: Mapping[str, object]) -> None:
+_LONG = 400
+"""Frames of a long take."""
+_LONG_GAP = range(205, 295)
+"""Its longest gap."""
+
+
+def check_live_form(trial: Trial, outputs: Mapping[str, object], *, long: bool) -> None:
     """Note the faults of a node's live form that a specimen shows.
 
     Parameters
@@ -54,6 +63,8 @@ def check_live_form(trial: Trial, outputs: Mapping[str, object]) -> None:
     trial
     outputs
         What the function gives of the whole take.
+    long
+        Whether to draw a long take from the specimen's frames as well.
     """
     node = trial.node
     settings = {**node.defaults, **trial.settings}
@@ -63,7 +74,10 @@ def check_live_form(trial: Trial, outputs: Mapping[str, object]) -> None:
     if isinstance(node.live, FrameForm) and lookahead:
         trial.add_fault(_NOT_BY_FRAME, f"look-ahead {lookahead}")
         return
-    _Stream(trial, settings, lookahead).check(outputs)
+    stream = _Stream(trial, settings, lookahead)
+    stream.check(outputs)
+    if long:
+        stream.check_long()
 
 
 class _Stream:
@@ -77,25 +91,53 @@ class _Stream:
         self._streams = {name: inputs[name] for name in trial.node.streams if name in inputs}
         self._rest = {name: value for name, value in inputs.items() if name not in self._streams}
         self._headers = {name: header_of(value) for name, value in self._streams.items()}
+        self._rows = list(rows_of(map(self._streams.get, self._trial.node.streams)))
+        self._missing = tuple(
+            None if name not in self._headers else _missing_of(self._headers[name])
+            for name in self._trial.node.streams
+        )
 
     def check(self, outputs: Mapping[str, object]) -> None:
         """Compare stream and whole take: of all frames, of the first, and with frames missing."""
-        rows = list(rows_of(map(self._streams.get, self._trial.node.streams)))
+        rows = self._rows
         if not self._agrees(rows, outputs, "all frames"):
             return
         count = len(rows)
         for frames in sorted({1, self._lookahead, self._lookahead + 1, count // 2} - {0, count}):
             if frames < count and not self._agrees(rows[:frames], None, f"the first {frames}"):
                 return
-        headers = [self._headers.get(name) for name in self._trial.node.streams]
-        missing = tuple(
-            None if header is None else streamable_of(type(header)).missing(header)
-            for header in headers
-        )
         for gone in ({0}, {count - 1}, {count // 2, count // 2 + 1}, set(range(count // 3))):
-            damaged = [missing if frame in gone else row for frame, row in enumerate(rows)]
+            damaged = [self._missing if frame in gone else row for frame, row in enumerate(rows)]
             if not self._agrees(damaged, None, f"frames {sorted(gone)} missing"):
                 return
+
+    def check_long(self) -> None:
+        """Compare them over a long take, in which much is missing at the first port.
+
+        It is drawn from the specimen's frames: pieces in their order, and between them one frame
+        that stays for a while. Gaps begin and end anywhere, some at the ends of the take; all is
+        missing in a few frames in a row; the longest gap lasts 90 frames.
+        """
+        draw = np.random.default_rng(len(self._rows))
+        order: list[int] = []
+        while len(order) < _LONG:
+            start = int(draw.integers(len(self._rows)))
+            order += [*range(start, len(self._rows)), *([start] * int(draw.integers(40)))]
+        missing: Any = self._missing[0]
+        part = missing[0] if isinstance(missing, tuple) else missing
+        gone = np.zeros((_LONG, max(len(part), 1)), dtype=np.bool_)
+        for column in gone.T:
+            for start in draw.integers(-10, _LONG, 8):
+                column[max(start, 0) : max(start + int(draw.integers(1, 25)), 0)] = True
+        gone[150:154] = True
+        around = slice(_LONG_GAP.start - 5, _LONG_GAP.stop + 5)
+        gone[around] = False
+        gone[_LONG_GAP.start : _LONG_GAP.stop, 0] = True
+        rows = [
+            (_without(self._rows[number][0], missing, where), *self._rows[number][1:])
+            for number, where in zip(order, gone, strict=False)
+        ]
+        self._agrees(rows, None, f"a drawn take of {_LONG} frames")
 
     def _agrees(self, rows: Sequence[Row], outputs: Mapping[str, object] | None, what: str) -> bool:
         """Return whether the live form gives what the function gives, without other faults."""
@@ -184,11 +226,37 @@ class _Stream:
         return live_state(self._trial.node, self._headers, self._rest, self._settings)
 
 
+def _missing_of(header: object) -> Any:
+    return streamable_of(type(header)).missing(header)
+
+
+def _without(payload: Any, missing: Any, where: NDArray[np.bool_]) -> Any:
+    """Return a payload without some of its markers, weights or whatever its arrays are of.
+
+    Parameters
+    ----------
+    payload
+    missing
+        The payload of a frame that never arrived.
+    where
+        Which are missing. Of a payload with another number of them, all are if any is.
+    """
+    if not where.any():
+        return payload
+    if not isinstance(missing, tuple):
+        if np.shape(payload) != np.shape(missing) or len(payload) != len(where):
+            return missing
+        return np.where(where.reshape(-1, *[1] * (missing.ndim - 1)), missing, payload)
+    kind: Any = type(missing)
+    parts = zip(payload, missing, strict=True)
+    return kind(*(part if part is None else _without(part, other, where) for part, other in parts))
+
+
 def _difference(form: LiveForm | None, streamed: Any, whole: object, name: str) -> str:
     """Return where a stream's result is not that of the whole take, beyond what a form declares."""
     if isinstance(form, RunningForm):
         streamed = streamed.values[-1:]  # nothing of a stream without frames
-        numbers = np.array([list(form.summary(whole))][: len(streamed)], dtype=np.float64)
+        numbers = np.array([list(form.summary(whole))], dtype=np.float64)[: len(streamed)]
         if streamed.shape == numbers.shape:
             near = np.abs(streamed - numbers) <= form.tolerance * np.abs(numbers)
             streamed = np.where(near, numbers, streamed)
@@ -226,5 +294,5 @@ def _departing_payload(
         left[at] = left.get(at, True) & is_missing
         free |= left[at]
     if whole.dtype.kind == "f":
-        free |= np.abs(streamed - whole) <= form.tolerance
+        free |= np.abs(streamed - whole) <= form.tolerance * np.maximum(np.abs(whole), 1.0)
     return np.where(free, streamed, whole)

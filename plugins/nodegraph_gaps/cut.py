@@ -228,5 +228,4 @@ def _groups(
 
 def _without(recording: Trajectories, hidden: NDArray[np.bool_]) -> Trajectories:
     positions = np.where(hidden[..., None], np.nan, recording.positions)
-    sigma = None if recording.sigma is None else np.where(hidden, np.nan, recording.sigma)
-    return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING, sigma=sigma)
+    return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)

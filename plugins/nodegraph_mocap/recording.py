@@ -55,6 +55,7 @@ class Trajectories(Value):
     sigma : (T, M) array of float64, or None
         Standard deviation of each sample in millimetres, where a method knows it: 95 % of the
         errors of a coordinate lie within 1.96 of it, in general more than 50 % within 0.67.
+        NaN for a missing sample, whatever is given.
 
     Raises
     ------
@@ -90,7 +91,7 @@ class Trajectories(Value):
         if not isinstance(self.marker_set, MarkerSet | None):
             raise ValueError(f"marker_set must be a MarkerSet, got {self.marker_set!r}")
         if self.sigma is not None:
-            set_fields(self, sigma=_checked_sigma(self.sigma, missing.shape))
+            set_fields(self, sigma=_checked_sigma(self.sigma, missing))
 
     @property
     def frames(self) -> int:
@@ -254,11 +255,12 @@ def _check_origin(origin: NDArray[np.integer], missing: NDArray[np.bool_]) -> No
         raise ValueError("origin must call exactly the missing samples missing (0), others 1 to 3")
 
 
-def _checked_sigma(sigma: NDArray[np.float64], shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _checked_sigma(sigma: NDArray[np.float64], missing: NDArray[np.bool_]) -> NDArray[np.float64]:
     sigma = np.asarray(sigma, dtype=np.float64)
-    if sigma.shape != shape:
-        raise ValueError(f"sigma must be {shape}, got {sigma.shape}")
-    return sigma
+    if sigma.shape != missing.shape:
+        raise ValueError(f"sigma must be {missing.shape}, got {sigma.shape}")
+    stays = np.isnan(sigma[missing]).all()
+    return sigma if stays else np.where(missing, np.nan, sigma)
 
 
 _COLOURS = (

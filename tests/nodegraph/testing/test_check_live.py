@@ -205,6 +205,59 @@ def test_a_live_form_that_differs_from_the_whole_take_fails_with_the_reason(
         check_node(hold_with(cheat, lookahead))
 
 
+class LeaksLate(Delayed):
+    """Is off after 64 frames."""
+
+    pushed = 0
+
+    def push(self, frame: Frame) -> Frame | None:
+        self.pushed += 1
+        result = super().push(frame)
+        return _moved(result) if result and self.pushed > 64 else result
+
+
+class RewritesLate(Delayed):
+    """Writes each frame into the array of the one 50 frames before."""
+
+    def __init__(self, recording: Trajectories, *, frames: int) -> None:
+        super().__init__(recording, frames=frames)
+        self.ring: list[NDArray[np.float64]] = []
+
+    def push(self, frame: Frame) -> Frame | None:
+        result = super().push(frame)
+        if result is None:
+            return None
+        if len(self.ring) < 50:
+            self.ring.append(result.positions.copy())
+        else:
+            self.ring.append(self.ring.pop(0))
+            self.ring[-1][:] = result.positions
+        return result._replace(positions=self.ring[-1])
+
+
+class GivesUp(Delayed):
+    """Holds no longer than the 40 frames for which it waits for a sample."""
+
+    def push(self, frame: Frame) -> Frame | None:
+        missing = np.isnan(frame.positions)
+        self.missing = np.where(missing, getattr(self, "missing", 0) + 1, 0)
+        self.last = np.where(self.missing > 40, np.nan, self.last)
+        return super().push(frame)
+
+
+@pytest.mark.parametrize(
+    ("cheat", "complaint"),
+    [
+        (LeaksLate, "another result than of the whole take"),
+        (RewritesLate, "changes what it has already returned"),
+        (GivesUp, "another result than of the whole take"),
+    ],
+)
+def test_what_shows_only_in_a_long_take_is_a_fault(cheat: Function, complaint: str) -> None:
+    with pytest.raises(AssertionError, match=f"{complaint}(.|\n)*a drawn take of 400 frames"):
+        check_node(hold_with(cheat))
+
+
 def test_running_numbers_are_those_of_a_take_that_ends_here() -> None:
     with pytest.raises(AssertionError, match="another result than of the whole take"):
         check_node(missing_with(SkipsFrames))

@@ -153,7 +153,7 @@ def test_marks_counts_and_means() -> None:
     assert despiked.origin[1, 0] == Origin.MISSING
     assert despiked.sigma is not None
     assert np.isnan(despiked.sigma[marks(despiked)]).all()
-    assert np.all(despiked.sigma[~marks(despiked)] == 0.1)
+    assert np.all(despiked.sigma[~marks(despiked) & despiked.present] == 0.1)
 
 
 def test_nothing_to_repair_is_no_news() -> None:

@@ -227,11 +227,11 @@ def test_two_markers_in_one_place(fill: Fill) -> None:
     np.testing.assert_array_equal(filled.positions[2:4, 0], 0)
 
 
-def test_sigma_is_kept() -> None:
+def test_sigma_of_measured_samples_is_kept() -> None:
     positions = np.zeros((3, 2, 3))
     positions[:, 1, 0] = 5
     positions[1, 0] = np.nan
     recording = replace(make_recording(positions), sigma=np.full((3, 2), 0.5))
     sigma = muscle(recording).sigma
     assert sigma is not None
-    np.testing.assert_array_equal(sigma, 0.5)
+    np.testing.assert_array_equal(sigma, np.where(recording.present, 0.5, np.nan))

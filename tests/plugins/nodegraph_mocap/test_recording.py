@@ -56,6 +56,16 @@ def test_integers_and_lists_become_what_they_stand_for() -> None:
     assert isinstance(recording.rate, float)
 
 
+def test_a_missing_sample_has_no_sigma() -> None:
+    positions = np.ones((4, 2, 3))
+    positions[1, 0] = np.nan
+    given = np.full((4, 2), 0.5)
+    recording = recording_of(positions=positions, sigma=given)
+    assert recording.sigma is not None
+    np.testing.assert_array_equal(np.isnan(recording.sigma), ~recording.present)
+    assert not np.isnan(given).any()
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -111,13 +121,14 @@ def test_written_samples_get_their_origin_and_others_keep_theirs() -> None:
     filled = recording.with_samples(positions, changed=changed, origin=Origin.FILLED)
     assert filled.origin.tolist() == [[1, 1], [2, 1], [1, 1], [1, 0]]
     assert filled.positions[1, 0].tolist() == [5, 5, 5]
-    assert filled.sigma is recording.sigma
+    assert filled.sigma is not None
+    assert np.isnan(filled.sigma).tolist() == changed.tolist()
     assert recording.origin[1, 0] == Origin.MISSING
     known = recording.with_samples(
         positions, changed=changed, origin=Origin.REPAIRED, sigma=np.ones((4, 2))
     )
     assert known.sigma is not None
-    assert known.sigma.sum() == 8
+    assert np.nansum(known.sigma) == 7
 
 
 def test_kept_markers_come_with_all_that_is_theirs() -> None:
