@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph.store.codec import array_together
+from nodegraph.store.codec import decode_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -278,7 +278,7 @@ class _FloatExtraction:
         return self._without_numbers(array, at) if array.dtype.kind in "fc" else plain
 
     def _array(self, plain: list[Any], at: str) -> object:
-        array = array_together(self._buffers[plain[1]], *plain[2:])
+        array = decode_array(self._buffers[plain[1]], *plain[2:])
         if array.dtype.kind in "fc":
             return self._without_numbers(array, at)
         content = hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()

@@ -1,8 +1,8 @@
 """Values as a text and buffers, and back, without pickle: on disk, and to other processes.
 
 What comes back is what went in, to the bit, or `Unstorable` says what cannot be kept. Numbers,
-texts, truths and nothing stand for themselves in the text, which is JSON; anything else is a list
-that begins with what it is.
+strings, booleans and null are written as JSON; anything else is a list whose first item names its
+kind.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ _EMPTY = 2**28
 _LAST_CHARACTER = 0x10FFFF
 
 
-def array_apart(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
+def encode_array(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
     """Return an array's type, shape and order of axes, and its bytes: no copy unless it has gaps.
 
     The order is that from the slowest axis to the fastest in memory, left out where it is their
@@ -93,7 +93,7 @@ def array_apart(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
     return [kind, shape, order], _bytes_of(moved if moved.flags.c_contiguous else moved.copy("C"))
 
 
-def array_together(
+def decode_array(
     buffer: Buffer,
     name: str,
     shape: list[int],
@@ -106,7 +106,7 @@ def array_together(
     buffer
         Its bytes.
     name, shape, order
-        What `array_apart` returned; everything is checked before any memory is taken.
+        As `encode_array` returned them; everything is checked before any memory is taken.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def type_name(kind: np.dtype[np.generic]) -> str:
 
     shown = f"array of {kind.name}"
     if kind.kind not in _KINDS:
-        raise Unstorable(shown, "only numbers, texts and times are kept as arrays")
+        raise Unstorable(shown, "only numbers, strings and times are kept as arrays")
     if kind.char in _OF_ONE_MACHINE:
         raise Unstorable(shown, "its bytes mean other numbers on another processor")
     for name in (kind.str, f"{kind.str[0]}{kind.char}"):
@@ -155,12 +155,12 @@ def type_name(kind: np.dtype[np.generic]) -> str:
     raise Unstorable(shown)
 
 
-def number_apart(number: np.generic) -> list[str]:
+def encode_number(number: np.generic) -> list[str]:
     """Return the type and the bytes of a number of numpy's, such as ``numpy.float32(1)``."""
     return [type_name(number.dtype), number.tobytes().hex()]
 
 
-def number_together(name: str, content: str) -> object:
+def decode_number(name: str, content: str) -> object:
     """Return the number again.
 
     Raises
@@ -214,13 +214,13 @@ def _is_too_long(shape: Iterable[int], itemsize: int) -> bool:
 
 
 def _check_characters(texts: NDArray[np.generic]) -> None:
-    """Refuse texts of what are no characters: numpy fails wherever one of them is looked at."""
+    """Refuse strings with invalid code points: numpy fails when one of them is read."""
     codes = texts.reshape(-1).view(texts.dtype.str[0] + "u4")
     if codes.max() > _LAST_CHARACTER:
-        raise Unreadable("an array of texts has what is no character")
+        raise Unreadable("an array of strings has an invalid code point")
 
 
-def is_numpys(kind: type) -> bool:
+def is_numpy(kind: type) -> bool:
     """Return whether values of the type are arrays of numpy, or numbers taken from them."""
     if not kind.__module__.startswith("numpy"):
         return False
@@ -229,49 +229,49 @@ def is_numpys(kind: type) -> bool:
     return kind is np.ndarray or (issubclass(kind, np.generic) and kind.__module__ == "numpy")
 
 
-def numpys_way(kind: type) -> Callable[[Any, Apart], object]:
-    """Return the function that takes values of such a type apart."""
+def numpy_encoder(kind: type) -> Callable[[Any, Encoder], object]:
+    """Return the function that encodes values of such a type."""
     import numpy as np
 
-    def array(value: Any, apart: Apart) -> object:
-        parts, buffer = array_apart(value)
-        return ["array", apart.keep(buffer), *parts]
+    def array(value: Any, encoder: Encoder) -> object:
+        parts, buffer = encode_array(value)
+        return ["array", encoder.keep(buffer), *parts]
 
     if kind is np.ndarray:
         return array
     if kind is np.str_:
         # str() of it would drop zeros at its end
-        return lambda value, apart: ["numpy.str", apart.plain("".join(value))]
+        return lambda value, encoder: ["numpy.str", encoder.plain("".join(value))]
     if kind is np.bytes_:
-        return lambda value, apart: ["numpy.bytes", bytes(value).hex()]
-    return lambda value, apart: ["number", *number_apart(value)]
+        return lambda value, encoder: ["numpy.bytes", bytes(value).hex()]
+    return lambda value, encoder: ["number", *encode_number(value)]
 
 
-def _array_again(together: Together, number: int, *parts: Any) -> object:
-    return array_together(together.buffer(number), *parts)
+def _decode_array(decoder: Decoder, number: int, *parts: Any) -> object:
+    return decode_array(decoder.buffer(number), *parts)
 
 
-def _number_again(together: Together, name: str, content: str) -> object:
-    return number_together(name, content)
+def _decode_number(decoder: Decoder, name: str, content: str) -> object:
+    return decode_number(name, content)
 
 
-def _numpys_str(together: Together, plain: object) -> object:
+def _decode_numpy_str(decoder: Decoder, plain: object) -> object:
     import numpy as np
 
-    return np.str_(together.text(plain))
+    return np.str_(decoder.text(plain))
 
 
-def _numpys_bytes(together: Together, content: str) -> object:
+def _decode_numpy_bytes(decoder: Decoder, content: str) -> object:
     import numpy as np
 
     return np.bytes_(bytes.fromhex(content))
 
 
-NUMPYS: dict[str, Callable[..., object]] = {
-    "array": _array_again,
-    "number": _number_again,
-    "numpy.str": _numpys_str,
-    "numpy.bytes": _numpys_bytes,
+NUMPY_DECODERS: dict[str, Callable[..., object]] = {
+    "array": _decode_array,
+    "number": _decode_number,
+    "numpy.str": _decode_numpy_str,
+    "numpy.bytes": _decode_numpy_bytes,
 }
 
 
@@ -381,7 +381,7 @@ def _check_type(where: str, value: Any, expected: Any) -> None:
     kind = type(value)
     if kind is not type(expected):
         raise Unreadable(f"{where} is {kind.__name__}, not {type(expected).__name__}")
-    if is_numpys(kind) and value.dtype != expected.dtype:
+    if is_numpy(kind) and value.dtype != expected.dtype:
         raise Unreadable(f"{where} is of {value.dtype}, not of {expected.dtype}")
 
 
@@ -403,13 +403,13 @@ _LARGEST = 2**63
 _DEEPEST = 100
 """Levels of lists in lists: what is kept must be read again wherever in the program that is."""
 
-Way = Callable[[Any, "Apart"], object]
-Restorer = Callable[..., object]
-"""Called with a `Together` and what follows the first word of a list."""
+Encode = Callable[[Any, "Encoder"], object]
+Decode = Callable[..., object]
+"""Called with a `Decoder` and the items of a list after the first."""
 
 
-class Apart:
-    """One value being taken apart.
+class Encoder:
+    """Encodes one value.
 
     Attributes
     ----------
@@ -419,17 +419,17 @@ class Apart:
         Whether all of it comes back.
     """
 
-    __slots__ = ("_depth", "_ways", "buffers", "faithful")
+    __slots__ = ("_depth", "_encoders", "buffers", "faithful")
 
-    def __init__(self, ways: Mapping[type, Way]) -> None:
-        self._ways = ways
+    def __init__(self, encoders: Mapping[type, Encode]) -> None:
+        self._encoders = encoders
         self._depth = 0
         self.buffers: list[memoryview] = []
         self.faithful = True
 
     def plain(self, value: object) -> object:
         """Return a value as JSON knows it."""
-        return self._ways[type(value)](value, self)
+        return self._encoders[type(value)](value, self)
 
     def all(self, values: Iterable[object], outer: str) -> list[object]:
         """Return the plain parts of a value; errors name the place of what cannot be kept."""
@@ -437,7 +437,7 @@ class Apart:
         if self._depth > _DEEPEST:
             raise RecursionError
         try:
-            plain = [self._ways[type(value)](value, self) for value in values]
+            plain = [self._encoders[type(value)](value, self) for value in values]
         except Unstorable as error:
             error.inside += (outer,)
             raise
@@ -450,12 +450,13 @@ class Apart:
         return len(self.buffers) - 1
 
 
-class Together:
-    """One value being put together from its text and buffers, neither of which is trusted.
+class Decoder:
+    """Decodes one value from its text and buffers, neither of which is trusted.
 
     Parameters
     ----------
-    ways
+    decoders
+        By the first item of a list.
     buffers
         Each belongs to one place in the text, in the same order.
     stand_ins
@@ -463,9 +464,9 @@ class Together:
     """
 
     def __init__(
-        self, ways: Mapping[str, Restorer], buffers: Sequence[Buffer], *, stand_ins: bool
+        self, decoders: Mapping[str, Decode], buffers: Sequence[Buffer], *, stand_ins: bool
     ) -> None:
-        self._ways = ways
+        self._decoders = decoders
         self._buffers = buffers
         self._next = 0
         self._depth = 0
@@ -473,15 +474,15 @@ class Together:
         self.stand_ins = stand_ins
 
     def whole(self, plain: object) -> object:
-        """Return the value that `Apart.plain` made this and all buffers of."""
+        """Return the value that `Encoder.plain` encoded as this with all buffers."""
         value = self.value(plain)
         if self._next != len(self._buffers):
             raise Unreadable(f"{len(self._buffers)} buffers, of which {self._next} have a place")
         return value
 
     def value(self, plain: object) -> object:
-        """Return the value that `Apart.plain` made this of."""
-        return self._ways[plain[0]](self, *plain[1:]) if isinstance(plain, list) else plain
+        """Return the value that `Encoder.plain` encoded as this."""
+        return self._decoders[plain[0]](self, *plain[1:]) if isinstance(plain, list) else plain
 
     def all(self, plain: Iterable[object]) -> list[Any]:
         """Return several values."""
@@ -514,8 +515,8 @@ class Together:
         return content
 
 
-def way_of(kind: type, storage: Storage | None) -> Way:
-    """Return the function that takes values of a type apart.
+def encoder_for(kind: type, storage: Storage | None) -> Encode:
+    """Return the function that encodes values of a type.
 
     Raises
     ------
@@ -523,15 +524,15 @@ def way_of(kind: type, storage: Storage | None) -> Way:
         If nothing does.
     """
     if storage is not None:
-        return partial(_stored, storage, storage_name(storage))
-    if kind in BASIC:
-        return BASIC[kind]
+        return partial(_encode_stored, storage, storage_name(storage))
+    if kind in BASIC_ENCODERS:
+        return BASIC_ENCODERS[kind]
     if kind in (Across, Absent):
-        return partial(_record, kind.__name__.lower(), field_names(kind), _own_contents)
-    if is_numpys(kind):
-        return numpys_way(kind)
+        return partial(_encode_record, kind.__name__.lower(), field_names(kind), _field_values)
+    if is_numpy(kind):
+        return numpy_encoder(kind)
     if issubclass(kind, Value):
-        return partial(_value, class_name(kind), field_names(kind))
+        return partial(_encode_value, class_name(kind), field_names(kind))
     raise Unstorable(kind.__qualname__)
 
 
@@ -540,33 +541,33 @@ def storage_name(storage: Storage) -> str:
     return f"{storage.type.__module__}:{storage.type.__qualname__}"
 
 
-def restorers(
+def decoders_with(
     storages: Iterable[Storage], packages: Callable[[str], bool]
-) -> Mapping[str, Restorer]:
-    """Return the functions that restore each kind of list, by its first word."""
+) -> Mapping[str, Decode]:
+    """Return the functions that decode each kind of list, by its first item."""
     by_name = {storage_name(storage): storage for storage in reversed(tuple(storages))}
     return {
-        **_RESTORERS,
-        **NUMPYS,
-        "stored": partial(_restored, by_name),
-        "value": partial(_restored_value, packages),
+        **_DECODERS,
+        **NUMPY_DECODERS,
+        "stored": partial(_decode_stored, by_name),
+        "value": partial(_decode_value, packages),
     }
 
 
-def _itself(value: object, apart: Apart) -> object:
+def _encode_as_is(value: object, encoder: Encoder) -> object:
     return value
 
 
-def _int(value: int, apart: Apart) -> object:
+def _encode_int(value: int, encoder: Encoder) -> object:
     return value if -_LARGEST < value < _LARGEST else ["int", hex(value)]
 
 
-def _float(value: float, apart: Apart) -> object:
+def _encode_float(value: float, encoder: Encoder) -> object:
     # a NaN has 52 bits of its own, and no way into JSON
     return value if math.isfinite(value) else ["float", struct.pack("<d", value).hex()]
 
 
-def _str(value: str, apart: Apart) -> object:
+def _encode_str(value: str, encoder: Encoder) -> object:
     if value.isascii():
         return value
     try:
@@ -576,66 +577,66 @@ def _str(value: str, apart: Apart) -> object:
     return value
 
 
-def _bytes(value: bytes, apart: Apart) -> object:
-    return ["bytes", apart.keep(memoryview(value))]
+def _encode_bytes(value: bytes, encoder: Encoder) -> object:
+    return ["bytes", encoder.keep(memoryview(value))]
 
 
-def _path(value: Path, apart: Apart) -> object:
-    return ["path", _str(str(value), apart)]
+def _encode_path(value: Path, encoder: Encoder) -> object:
+    return ["path", _encode_str(str(value), encoder)]
 
 
-def _tuple(value: tuple[object, ...], apart: Apart) -> object:
-    return ["tuple", *apart.all(value, "tuple")]
+def _encode_tuple(value: tuple[object, ...], encoder: Encoder) -> object:
+    return ["tuple", *encoder.all(value, "tuple")]
 
 
-def _list(value: list[object], apart: Apart) -> object:
-    return ["list", *apart.all(value, "list")]
+def _encode_list(value: list[object], encoder: Encoder) -> object:
+    return ["list", *encoder.all(value, "list")]
 
 
-def _dict(value: dict[object, object], apart: Apart) -> object:
-    return ["dict", *apart.all((part for item in value.items() for part in item), "dict")]
+def _encode_dict(value: dict[object, object], encoder: Encoder) -> object:
+    return ["dict", *encoder.all((part for item in value.items() for part in item), "dict")]
 
 
-def _own_contents(value: object, names: tuple[str, ...]) -> list[object]:
+def _field_values(value: object, names: tuple[str, ...]) -> list[object]:
     return [getattr(value, name) for name in names]
 
 
-def _record(
+def _encode_record(
     word: str,
     names: tuple[str, ...],
     contents_of: Callable[[Any, tuple[str, ...]], list[object]],
     value: object,
-    apart: Apart,
+    encoder: Encoder,
 ) -> object:
-    return [word, *apart.all(contents_of(value, names), type(value).__name__)]
+    return [word, *encoder.all(contents_of(value, names), type(value).__name__)]
 
 
-def _value(name: str, names: tuple[str, ...], value: Value, apart: Apart) -> object:
-    plain = apart.all(contents(value, names), type(value).__name__)
+def _encode_value(name: str, names: tuple[str, ...], value: Value, encoder: Encoder) -> object:
+    plain = encoder.all(contents(value, names), type(value).__name__)
     return ["value", name, list(names), *plain]
 
 
-def _stored(storage: Storage, name: str, value: object, apart: Apart) -> object:
+def _encode_stored(storage: Storage, name: str, value: object, encoder: Encoder) -> object:
     try:
         parts = storage.take_apart(value)
     except Unstorable:
         raise
     except Exception as error:
         raise Unstorable(type(value).__name__, str(error) or type(error).__name__) from error
-    apart.faithful &= storage.faithful
-    return ["stored", name, *apart.all((parts,), type(value).__name__)]
+    encoder.faithful &= storage.faithful
+    return ["stored", name, *encoder.all((parts,), type(value).__name__)]
 
 
-def _dict_again(together: Together, *plain: object) -> dict[object, object]:
-    parts = together.all(plain)
+def _decode_dict(decoder: Decoder, *plain: object) -> dict[object, object]:
+    parts = decoder.all(plain)
     again = dict(zip(parts[::2], parts[1::2], strict=True))
     if 2 * len(again) < len(parts):
         raise Unreadable("a dict has a key twice")
     return again
 
 
-def _across_again(together: Together, *plain: object) -> Across[object]:
-    axes, entries, absent, known, sources, unused, methods = together.all(plain)
+def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
+    axes, entries, absent, known, sources, unused, methods = decoder.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
         and all(isinstance(labels, dict) for labels, _ in entries)
@@ -646,60 +647,60 @@ def _across_again(together: Together, *plain: object) -> Across[object]:
         and isinstance(methods, dict)
     )
     if not whole:
-        raise Unreadable("what was gathered is not what is gathered")
+        raise Unreadable("corrupt Across value: wrong field types")
     return Across(axes, entries, absent, known, sources, unused, methods)
 
 
-def _absent_again(together: Together, *plain: object) -> Absent:
-    labels, kind, reason = together.all(plain)
+def _decode_absent(decoder: Decoder, *plain: object) -> Absent:
+    labels, kind, reason = decoder.all(plain)
     if not (isinstance(labels, dict) and isinstance(kind, str) and isinstance(reason, str)):
-        raise Unreadable("what is absent has no labels or no reason")
+        raise Unreadable("corrupt Absent value: wrong field types")
     return Absent(labels, kind, reason)
 
 
-def _restored(
-    by_name: Mapping[str, Storage], together: Together, name: str, plain: object
+def _decode_stored(
+    by_name: Mapping[str, Storage], decoder: Decoder, name: str, plain: object
 ) -> object:
     storage = by_name.get(name)
     if storage is None:
         raise Unreadable(f"no plugin says how to put a {name} together")
-    if not (storage.faithful or together.stand_ins):
+    if not (storage.faithful or decoder.stand_ins):
         raise Unreadable(f"something stands in for a {storage.type.__name__}")
-    (parts,) = together.all((plain,))
+    (parts,) = decoder.all((plain,))
     return storage.put_together(parts)
 
 
-def _restored_value(
-    packages: Callable[[str], bool], together: Together, name: str, names: list[str], *plain: object
+def _decode_value(
+    packages: Callable[[str], bool], decoder: Decoder, name: str, names: list[str], *plain: object
 ) -> Value:
-    fields = dict(zip(names, together.all(plain), strict=True))
+    fields = dict(zip(names, decoder.all(plain), strict=True))
     return with_contents(class_named(name, packages), fields)
 
 
-BASIC: dict[type, Way] = {
-    type(None): _itself,
-    bool: _itself,
-    int: _int,
-    float: _float,
-    str: _str,
-    bytes: _bytes,
-    _PATH: _path,
-    tuple: _tuple,
-    list: _list,
-    dict: _dict,
+BASIC_ENCODERS: dict[type, Encode] = {
+    type(None): _encode_as_is,
+    bool: _encode_as_is,
+    int: _encode_int,
+    float: _encode_float,
+    str: _encode_str,
+    bytes: _encode_bytes,
+    _PATH: _encode_path,
+    tuple: _encode_tuple,
+    list: _encode_list,
+    dict: _encode_dict,
 }
 
-_RESTORERS: dict[str, Restorer] = {
-    "int": lambda together, digits: int(digits, 16),
-    "float": lambda together, content: struct.unpack("<d", bytes.fromhex(content))[0],
-    "str": lambda together, content: bytes.fromhex(content).decode("utf-8", "surrogatepass"),
-    "bytes": lambda together, number: together.content(together.buffer(number)),
-    "path": lambda together, plain: Path(together.text(plain)),
-    "tuple": lambda together, *plain: tuple(together.all(plain)),
-    "list": lambda together, *plain: together.all(plain),
-    "dict": _dict_again,
-    "across": _across_again,
-    "absent": _absent_again,
+_DECODERS: dict[str, Decode] = {
+    "int": lambda decoder, digits: int(digits, 16),
+    "float": lambda decoder, content: struct.unpack("<d", bytes.fromhex(content))[0],
+    "str": lambda decoder, content: bytes.fromhex(content).decode("utf-8", "surrogatepass"),
+    "bytes": lambda decoder, number: decoder.content(decoder.buffer(number)),
+    "path": lambda decoder, plain: Path(decoder.text(plain)),
+    "tuple": lambda decoder, *plain: tuple(decoder.all(plain)),
+    "list": lambda decoder, *plain: decoder.all(plain),
+    "dict": _decode_dict,
+    "across": _decode_across,
+    "absent": _decode_absent,
 }
 
 
@@ -752,7 +753,7 @@ def digest_of(head: str, sums: Iterable[str]) -> str:
 
 
 class Packer:
-    """Takes values apart and puts them together.
+    """Encodes and decodes values.
 
     Parameters
     ----------
@@ -771,28 +772,28 @@ class Packer:
     ) -> None:
         self._storages = tuple(storages)
         self._storage = _ByType(self._storage_of)
-        self._ways = _ByType(lambda kind: way_of(kind, self._storage[kind]))
+        self._encoders = _ByType(lambda kind: encoder_for(kind, self._storage[kind]))
         self._lenders = _ByType(self._lender_of)
         self._copiers = _ByType(self._copier_of)
-        self._restorers = restorers(self._storages, packages)
+        self._decoders = decoders_with(self._storages, packages)
 
     def pack(self, value: object) -> Packed:
-        """Take a value apart.
+        """Encode a value.
 
         Raises
         ------
         Unstorable
             If it, or anything inside it, cannot be kept.
         """
-        apart = Apart(self._ways)
+        encoder = Encoder(self._encoders)
         try:
-            head = _encode(apart.plain(value))
+            head = _encode(encoder.plain(value))
         except RecursionError:
             raise Unstorable(type(value).__name__, "it is nested too deeply") from None
-        return Packed(head, tuple(apart.buffers), apart.faithful)
+        return Packed(head, tuple(encoder.buffers), encoder.faithful)
 
     def unpack(self, head: str, buffers: Sequence[Buffer] = (), *, stand_ins: bool = True) -> Any:
-        """Put a value together; its arrays lie in the given buffers, and nobody can write there.
+        """Decode a value; its arrays lie in the given buffers, and nobody can write there.
 
         Whatever the text and the buffers are, this takes no more memory than they do, times a
         small number.
@@ -809,9 +810,9 @@ class Packer:
         Unreadable
             If that is not possible.
         """
-        together = Together(self._restorers, buffers, stand_ins=stand_ins)
+        decoder = Decoder(self._decoders, buffers, stand_ins=stand_ins)
         try:
-            return together.whole(_decode(head))
+            return decoder.whole(_decode(head))
         except (Unreadable, MemoryError):
             raise
         except (Exception, SystemExit) as error:
@@ -829,7 +830,7 @@ class Packer:
         storage = self._storage[kind]
         if storage is not None:
             return storage.faithful
-        return kind in BASIC or kind is Across or issubclass(kind, Value) or is_numpys(kind)
+        return kind in BASIC_ENCODERS or kind is Across or issubclass(kind, Value) or is_numpy(kind)
 
     def lend(self, value: object) -> Any:
         """Return a value as one reader gets it.
@@ -875,7 +876,7 @@ class Packer:
             return self._copy_packed
         if kind is Across:
             return self._copy_entries
-        if is_numpys(kind):
+        if is_numpy(kind):
             import numpy as np
 
             is_number = issubclass(kind, np.generic) and kind is not np.void
