@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _MOST_LINES = 20
 _INTERVAL = 0.1
 _SOON = 2.0
-"""Seconds after which a line says how long the run will take."""
+"""Seconds after which a line says how long the run will take, as soon as that is known."""
 _LONGEST = 40
 _COUNTS = ("run", State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -154,7 +154,7 @@ class _Bar(Display):
 
 
 class _Lines(Display):
-    """A line at the start, after two seconds, after each tenth of the steps, and at the end."""
+    """A line at the start, a few seconds later, after each tenth of the steps, and at the end."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -178,7 +178,8 @@ class _Lines(Display):
         detail = event.detail
         settled, total = self.settled(detail)
         tenths = 10 * settled // total if total else 0
-        if tenths <= self._tenths or (not tenths and event.seconds < _SOON):
+        is_soon = event.seconds < _SOON or detail["to_go"] is None
+        if tenths <= self._tenths or (not tenths and is_soon):
             return
         self._tenths = tenths
         computed = detail["run"] + detail[State.FAILED] + detail[State.REFUSED]

@@ -74,7 +74,9 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
 
 
 def test_a_line_soon_says_how_long_a_slow_run_takes(capsys: pytest.CaptureFixture[str]) -> None:
-    show(events(["done"] * 300)[:50])
+    run = events(["done"] * 300)[:50]
+    unknown = Event("progress", 2.0, detail={**run[3].detail, "to_go": None})
+    show([run[0], unknown, *run[1:]])
     lines = capsys.readouterr().err.splitlines()
     assert lines[1:] == ["0:02  11 of 300 steps: run 11 · left 289 · 0:12 to go"]
 
