@@ -54,7 +54,7 @@ class Margin:
         return f"{self.size:g} {self.unit}".rstrip()
 
 
-_MARGIN = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([^\s\d.].*?)\s*")
+_MARGIN = re.compile(r"(\d+(?:\.\d*)?|\.\d+)\s*([^\s\d.].*)")
 
 
 def margin_of(equivalent: float | str) -> Margin:
@@ -69,8 +69,8 @@ def margin_of(equivalent: float | str) -> Margin:
         if not 1.0 < equivalent < math.inf:
             raise ValueError("must be above 1 as a ratio; a difference has its unit: 0.05 mm")
         return Margin(float(equivalent))
-    match = _MARGIN.fullmatch(equivalent)
-    if match is None or not float(match[1]) > 0.0:
+    match = _MARGIN.fullmatch(equivalent.strip())
+    if match is None or not 0.0 < float(match[1]) < math.inf:
         raise ValueError("must be a ratio above 1, or a difference above 0 and its unit: 0.05 mm")
     return Margin(float(match[1]), match[2])
 

@@ -165,6 +165,7 @@ def test_a_block_in_which_every_method_fails_is_named(
         ("clusters: [actr]", 2, ("no axis or column 'actr'", "'actor'")),
         ("fallback: sy", 2, ("fallback", "no label 'sy'", "'shy'")),
         ("equivalent: 0.9", 2, ("'equivalent'", "above 1", "0.05 mm")),
+        (f"equivalent: {'1' * 400} mm", 2, ("'equivalent'", "above 0")),
         ("equivalent: 0 mm", 2, ("'equivalent'", "above 0")),
     ],
 )

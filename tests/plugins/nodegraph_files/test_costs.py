@@ -21,6 +21,7 @@ import nodegraph.archive
 import nodegraph.graphfile
 import nodegraph.live
 import nodegraph.lock
+import nodegraph_compare
 import nodegraph_files
 import nodegraph_live
 import nodegraph_mocap
@@ -29,8 +30,8 @@ from nodegraph import get_node
 from nodegraph_files.glb.buffers import GlbBuffer, joined_glb
 
 READERS = (
-    nodegraph.archive, nodegraph.graphfile, nodegraph.live, nodegraph.lock, nodegraph_files,
-    nodegraph_live, nodegraph_mocap, nodegraph_xarray,
+    nodegraph.archive, nodegraph.graphfile, nodegraph.live, nodegraph.lock, nodegraph_compare,
+    nodegraph_files, nodegraph_live, nodegraph_mocap, nodegraph_xarray,
 )  # fmt: skip
 METHODS = "match|fullmatch|search|sub|split|findall|finditer"
 OFTEN = 50_000
