@@ -1,13 +1,19 @@
-"""Reports of odd studies in a browser: markup in names, ties, nothing finite, many rows."""
+"""Reports of odd studies: markup in names, ties, nothing finite, many rows, any shape."""
 
 from __future__ import annotations
 
+import csv
+import json
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page
 
+from nodegraph.report.study import Kind, Study, read_study
+from tests import odd_studies
 from tests.browser import load
+from tests.odd_studies import odd_study
 from tests.studies import command
 
 MARKUP = "<script>window.ran = 1</script>"
@@ -89,10 +95,10 @@ report: [table]
 """
 
 
-def run_of(text: str, folder: Path) -> Path:
+def run_of(text: str, folder: Path, nodes: str = NODES) -> Path:
     """Run a graph with the odd nodes; some of its steps may fail."""
     (folder / "graph.yaml").write_text(text)
-    (folder / "odd.py").write_text(NODES)
+    (folder / "odd.py").write_text(nodes)
     words = ("--plugin", "odd.py", "--out", "run", "--no-cache")
     ended = command("run", "graph.yaml", *words, folder=folder)
     assert (folder / "run" / "report.html").is_file(), ended.err
@@ -191,3 +197,90 @@ def test_many_rows_are_folded_filter_and_sort(tmp_path: Path, tab: Page) -> None
     top = f"{head}.getBoundingClientRect().top - {scroll}.getBoundingClientRect().top"
     assert 0 <= tab.evaluate(top) < 40
     assert (folder / "report.html").stat().st_size < 10e6
+
+
+MINIMAL = """
+nodegraph: 1
+nodes:
+  face: {use: synthesize.face, with: {seconds: 2}}
+  gaps: {use: gaps.cut, in: face, with: {length: 10, seed: 1}}
+  fill: {in: gaps.gappy, alternatives: [fill.linear, fill.burke_lasenby, fill.cubic]}
+  error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
+  table: {use: compare.table, in: error, with: {compare: fill}}
+report: [table]
+"""
+
+
+def test_a_refused_method_is_left_out_of_the_charts(tmp_path: Path, tab: Page) -> None:
+    (tmp_path / "graph.yaml").write_text(MINIMAL)
+    for _ in range(2):  # then from the store
+        ended = command("run", "graph.yaml", "--out", "run", folder=tmp_path)
+        assert (ended.status, "cannot be shown" in ended.out) == (0, False), ended.out
+    load(tab, tmp_path / "run" / "report.html")
+    places = "document.querySelectorAll('.map-chart .map:first-child .%s').length"
+    assert tab.evaluate(places % "disc") > 0
+    assert tab.evaluate(places % "disc") + tab.evaluate(places % "place") == 60
+    assert "Hollow: a marker without gaps." in tab.inner_text(".map-chart")
+
+
+def overview_of(study: Study) -> dict[str, list[dict[str, object]]]:
+    """Return the data of the first charts of a report; nothing without any."""
+    start = '<script type="application/json" id="overview-table">'
+    pages = [section.rendered.html for section in study.sections if section.node == "table"]
+    html = next((html for html in pages if start in html), f"{start}{{}}</script>")
+    data: dict[str, list[dict[str, object]]] = json.loads(
+        html.partition(start)[2].partition("</script>")[0]
+    )
+    return data
+
+
+def check_odd(seed: int, folder: Path) -> Path:
+    """Run the study of a seed; its report must be whole, and its charts have the table's means."""
+    odd = odd_study(seed)
+    run = run_of(odd.text, folder, odd_studies.NODES)
+    study = read_study(run)
+    failed = [note.reason for note in study.notes if note.kind is Kind.FAILED]
+    assert not [reason for reason in failed if "cannot be" in reason], (seed, failed)
+    data = overview_of(study)
+    assert {each["label"] for each in data.get("methods", ())} <= {*odd.methods}, seed
+    if not data:
+        return run
+    of_table = (each for each in study.sections if (each.node, each.output) == ("table", ""))
+    path = next(file.path for section in of_table for file in section.files if file.text == "CSV")
+    with (run / path).open(newline="", encoding="utf-8") as lines:
+        rows = list(csv.DictReader(lines))
+    if rows and "mean" in rows[0]:
+        said: dict[float, int] = defaultdict(int)
+        for row in rows:
+            if row["mean"] and all(row[each["name"]] for each in data["within"]):
+                said[float(f"{float(row['mean']):.6g}")] += 1
+        drawn: dict[float, int] = defaultdict(int)
+        for group in data["groups"]:
+            for mean in group["mean"]:
+                if mean is not None:
+                    drawn[mean] += 1
+        assert drawn == said, seed
+    return run
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_shape_of_a_comparison_has_a_report(tmp_path: Path, seed: int) -> None:
+    check_odd(seed, tmp_path)
+
+
+@pytest.mark.parametrize("seed", [10, 11, 12, 13])
+def test_any_shape_of_a_report_opens_and_hides_nothing(
+    tmp_path: Path, tab: Page, seed: int
+) -> None:
+    run = check_odd(seed, tmp_path)
+    load(tab, run / "report.html")
+    title = json.loads(odd_study(seed).text)["title"]
+    assert tab.evaluate("document.querySelector('h1').textContent") == title
+    tab.evaluate("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
+    marks = "document.querySelectorAll('.overview [role=button], .overview button')"
+    tab.evaluate(
+        f"[...{marks}].slice(0, 20).forEach((mark) => mark.dispatchEvent(new Event('click')))"
+    )
+    assert tab.evaluate("document.querySelector('#download').checkVisibility()")
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 1200
+    assert tab.evaluate("window.ran") is None
