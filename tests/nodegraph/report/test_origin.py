@@ -8,7 +8,7 @@ from typing import Annotated
 import pytest
 
 from nodegraph import Across, Origin, Rendered, Renderer, Unit, hookimpl, node
-from nodegraph.execute import execute
+from nodegraph.execute import Run, execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
@@ -24,6 +24,19 @@ nodes:
   source: {use: origin.source, with: {value: $trial}}
   fill: {in: source, alternatives: {up: {use: origin.up}, down: {use: origin.down}}}
   cut: {use: origin.cut, in: fill, with: {length: $length, reach: $reach}}
+  score: {use: origin.score, in: {estimate: fill, truth: source}}
+  table: {use: origin.gather, in: score}
+report: [table]
+"""
+OWN = """\
+nodegraph: 1
+axes: {trial: [1, 2]}
+nodes:
+  source: {use: origin.source, with: {value: $trial}}
+  higher: {use: origin.up, in: source}
+  fill:
+    in: source
+    alternatives: {up: {use: origin.up, in: higher}, down: {use: origin.down}}
   score: {use: origin.score, in: {estimate: fill, truth: source}}
   table: {use: origin.gather, in: score}
 report: [table]
@@ -91,15 +104,21 @@ class Plugin:
         return [Renderer(Total, lambda value, title: Rendered("", "alone"), render_in_run)]
 
 
-@pytest.fixture
-def origin() -> Origin:
+def origin_in(text: str) -> tuple[Run, Origin]:
+    """Return the run of a graph, and the origin of its table."""
     plugin = Plugin()
     registry = Registry.of([source, up, down, cut, score, gather])
     registry.loaded.append(Loaded("origins", plugin))
-    graph = build(read_graph_text(GRAPH, "origin.yaml", Path()), registry)
-    study = compose(execute(plan(graph), keep=list(graph.nodes)), RunSettings("origin.yaml")).study
+    graph = build(read_graph_text(text, "origin.yaml", Path()), registry)
+    run = execute(plan(graph), keep=list(graph.nodes))
+    study = compose(run, RunSettings("origin.yaml")).study
     assert [section.rendered.text for section in study.sections] == ["shown"]
-    return plugin.origins[0]
+    return run, plugin.origins[0]
+
+
+@pytest.fixture
+def origin() -> Origin:
+    return origin_in(GRAPH)[1]
 
 
 def test_the_inputs_of_a_score_are_those_of_its_combination(origin: Origin) -> None:
@@ -109,6 +128,15 @@ def test_the_inputs_of_a_score_are_those_of_its_combination(origin: Origin) -> N
     assert origin.inputs({"trial": 3, "fill": "up"}) is None
     assert origin.inputs({"fill": "up"}) is None
     assert origin.open_axes({"fill": "up", "gap": 7}) == {"trial": (1, 2)}
+
+
+def test_the_time_of_a_method_is_that_of_all_steps_that_it_alone_needs() -> None:
+    run, origin = origin_in(OWN)
+    seconds = {(step.node, *step.labels.values()): end.seconds for step, end in run.settled()}
+    assert origin.seconds("fill") == {
+        "up": [seconds["fill", at, "up"] + seconds["higher", at] for at in (1, 2)],
+        "down": [seconds["fill", at, "down"] for at in (1, 2)],
+    }
 
 
 def test_methods_have_times_names_and_commands(origin: Origin) -> None:
