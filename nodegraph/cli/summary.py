@@ -154,14 +154,24 @@ def _section(section: Section, width: int, *, full: bool) -> Iterator[str | Tabl
 
 def _tables(grid: Grid, width: int) -> Iterator[Table]:
     """Yield a comparison in as many tables, one below the other, as it takes to fit a width."""
+    from rich.cells import cell_len
+
     rows = grid.rows[:_MOST_ROWS]
     texts = [
         [f"{text}{_mark(grid, row, column)}" for column, text in enumerate(cells)]
         for row, cells in enumerate(rows)
     ]
+    # names are cut, and never numbers
+    number = max((cell_len(text) for cells in texts for text in cells[1:]), default=0)
+    longest = max(number, width // 2 - _GAP)
+    heads = ["\n".join(_cut(line, longest) for line in head.split("\n")) for head in grid.head]
+    widest = max((cell_len(line) for head in heads[1:] for line in head.split("\n")), default=0)
+    room = max(1, width - max(number, widest) - 2 * _GAP)
+    texts = [[_cut(name, room), *cells] for name, *cells in texts]
+    heads[0] = _cut(heads[0], room)
     widths = [
-        max(len(line) for line in (*head.split("\n"), *cells)) + _GAP
-        for head, cells in zip(grid.head, zip(*texts, strict=True), strict=True)
+        max(cell_len(line) for line in (*head.split("\n"), *cells)) + _GAP
+        for head, cells in zip(heads, zip(*texts, strict=True), strict=True)
     ]
     columns = list(range(1, len(grid.head)))
     while columns:
@@ -172,17 +182,26 @@ def _tables(grid: Grid, width: int) -> Iterator[Table]:
         tops = [grid.head[column].partition("\n")[0] for column in columns]
         if count < len(columns) and tops[0] != tops[count - 1] == tops[count]:
             count = tops.index(tops[count])  # groups that share a label stay together
-        yield _table(grid, texts, [0, *columns[:count]])
+        yield _table(grid, heads, texts, [0, *columns[:count]])
         columns = columns[count:]
 
 
-def _table(grid: Grid, texts: Sequence[Sequence[str]], columns: Sequence[int]) -> Table:
+def _cut(text: str, width: int) -> str:
+    """Return a text that is no wider; what is longer ends in ``…``."""
+    from rich.cells import cell_len, set_cell_size
+
+    return text if cell_len(text) <= width else f"{set_cell_size(text, width - 1).rstrip()}…"
+
+
+def _table(
+    grid: Grid, heads: Sequence[str], texts: Sequence[Sequence[str]], columns: Sequence[int]
+) -> Table:
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=None, padding=(0, _GAP, 0, 0), header_style="dim", pad_edge=False)
     for column in columns:
-        head = Text(grid.head[column])
+        head = Text(heads[column])
         table.add_column(head, justify="right" if column else "left", no_wrap=True)
     for row, cells in enumerate(texts):
         styles = ["bold" if (row, column) in grid.best else "" for column in columns]

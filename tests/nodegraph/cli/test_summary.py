@@ -6,6 +6,7 @@ import io
 from pathlib import Path
 
 import pytest
+from rich.cells import cell_len
 from rich.console import Console
 
 from nodegraph import Grid, Rendered, load, run
@@ -54,6 +55,20 @@ def test_a_comparison_fits_the_width(finished: Run, width: int, tables: int) -> 
     assert sum(line.startswith("ridge [b]") for line in lines) == tables
     assert "long" not in lines
     assert "long" in printed(study, finished, width=width, full=True)
+
+
+@pytest.mark.parametrize("width", [30, 80])
+def test_names_are_cut_and_never_numbers(finished: Run, width: int) -> None:
+    numbers = ("0.3142", "1.23e-05", "12345.6789")
+    names = ("x" * 200, "日本語" * 30, "short")
+    rows = tuple((name, number) for name, number in zip(names, numbers, strict=True))
+    grid = Grid("rmse", ("fill", "published " * 12), rows, best=((0, 1),))
+    study = Study("A", sections=(Section("table", Rendered("", grid=grid)),))
+    lines = printed(study, finished, width=width)
+    assert max(map(cell_len, lines)) <= width
+    for name, number in rows:
+        (line,) = (line for line in lines if number in line)
+        assert line.startswith(name[:4])
 
 
 def test_the_best_and_what_is_tied_with_it_are_marked(finished: Run) -> None:
