@@ -16,8 +16,8 @@ from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.step_cache import StepCache
 from nodegraph.execute.worker.client import CallCodec, Worker, WorkerEndedError
 from nodegraph.execute.worker.protocol import ResponseKind
 from nodegraph.node.ports import Across
@@ -60,7 +60,7 @@ class Repeats:
         assert run.cache is not None, "an audit needs a store"
         self._run = run
         # a second cache, because that of the run treats its own new results as computed
-        self._cache = StepCache(run.plan, run.cache.store)
+        self._cache = StoredSteps(run.plan, run.cache.store)
         registry = run.plan.graph.registry
         self._codec = CallCodec(registry, run.packer, shares_files=True, is_new=True)
         self._worker: Worker | None = None

@@ -56,7 +56,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def check(arguments: Namespace) -> int:
     """Print the steps of a graph, and how many of them are stored."""
     from nodegraph.cli.graphs import graph_of, left_out_lines, store_of
-    from nodegraph.execute import StepCache
+    from nodegraph.execute import StoredSteps
     from nodegraph.execute.preflight import check_files_and_settings
     from nodegraph.plan import plan
 
@@ -67,7 +67,7 @@ def check(arguments: Namespace) -> int:
     if arguments.live is not None:
         return _check_live(graph, arguments)
     planned = plan(graph)
-    cache = StepCache(planned, store_of(arguments, graph))
+    cache = StoredSteps(planned, store_of(arguments, graph))
     stored = {step.index for step in planned.steps if step.index in cache}
     problems = Problems()
     warnings = check_files_and_settings(planned, cache, problems)

@@ -22,7 +22,7 @@ _AT_LABELS = re.compile(r"(([\w.]+)\(.*?\)): (.*)", re.DOTALL)
 def why(graph: Graph, arguments: Namespace) -> None:
     """Print which part of the key of each step of a node changed since an earlier run."""
     from nodegraph.cli.graphs import run_folder, store_of
-    from nodegraph.execute import StepCache
+    from nodegraph.execute import StoredSteps
     from nodegraph.plan import plan
     from nodegraph.runs.saved_run import SavedRun
     from nodegraph.runs.why import Why
@@ -33,7 +33,7 @@ def why(graph: Graph, arguments: Namespace) -> None:
     folder = arguments.run or run_folder(arguments)
     record = SavedRun(folder).record
     planned = plan(graph)
-    cache = StepCache(planned, store_of(arguments, graph))
+    cache = StoredSteps(planned, store_of(arguments, graph))
     steps = list(Why(planned, cache, record).explain(node))
     stored = sum(step.stored for step in steps)
     print(f"{node}: {stored} of {len(steps)} steps are stored; compared with {folder}")

@@ -3,8 +3,8 @@
 from nodegraph.execute.events import Event, EventKind, Listener
 from nodegraph.execute.executor import Executor, HowToRun, executor_of
 from nodegraph.execute.results import Run, Values
+from nodegraph.execute.resume import StoredSteps, open_store
 from nodegraph.execute.run import execute
-from nodegraph.execute.step_cache import StepCache, open_store
 
 __all__ = [
     "Event",
@@ -13,7 +13,7 @@ __all__ = [
     "HowToRun",
     "Listener",
     "Run",
-    "StepCache",
+    "StoredSteps",
     "Values",
     "execute",
     "executor_of",

@@ -11,7 +11,7 @@ from typing import Any
 
 from nodegraph.errors import Place, Problems
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, failure, perform
-from nodegraph.execute.step_cache import StepCache
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.state import State
 
@@ -23,7 +23,7 @@ _LARGEST = 16 << 20
 """Bytes of a file that is read: so many takes in memory must not be takes of an hour."""
 
 
-def check_files_and_settings(plan: Plan, stored: StepCache, problems: Problems) -> list[str]:
+def check_files_and_settings(plan: Plan, stored: StoredSteps, problems: Problems) -> list[str]:
     """Note files that cannot be read, and settings that do not fit the inputs of their nodes.
 
     Files of up to 16 MB are read, unless the result of that is stored. Settings are tried on
@@ -101,7 +101,7 @@ class _Inputs:
         What reading files warned of.
     """
 
-    def __init__(self, plan: Plan, stored: StepCache, unmet: _Unmet) -> None:
+    def __init__(self, plan: Plan, stored: StoredSteps, unmet: _Unmet) -> None:
         self.warnings: defaultdict[str, list[Step]] = defaultdict(list)
         self._plan = plan
         self._stored = stored

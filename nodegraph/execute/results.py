@@ -12,8 +12,8 @@ from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, collecting_warnings
 from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.step_cache import StepCache
 from nodegraph.execute.threads import serial
 from nodegraph.execute.value_table import value_table
 from nodegraph.formatting import number_of
@@ -37,7 +37,7 @@ class Run:
     in_memory : mapping of step index to values
         Other values are loaded, or computed again, when they are needed.
     seconds : float
-    cache : StepCache or None
+    cache : StoredSteps or None
         Where results are stored.
     packer : Packer
         How values are lent to readers.
@@ -47,7 +47,7 @@ class Run:
     outcomes: Mapping[int, Outcome]
     in_memory: Mapping[int, tuple[object, ...]]
     seconds: float
-    cache: StepCache | None
+    cache: StoredSteps | None
     packer: Packer
 
     def __repr__(self) -> str:

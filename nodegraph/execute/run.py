@@ -14,8 +14,8 @@ from nodegraph.execute.executor import HowToRun, executor_of
 from nodegraph.execute.interruption import interruptible
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.results import Run
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.step_cache import StepCache
 from nodegraph.plan import Plan
 from nodegraph.plugin.formats import formats_of
 from nodegraph.state import State
@@ -60,7 +60,7 @@ def execute(
     executor = executor_of(how, plan.graph.registry)
     log = EventLog(tuple(listeners), plan, about)
     try:
-        cache = StepCache(plan, store) if store is not None else None
+        cache = StoredSteps(plan, store) if store is not None else None
         known = cache.known if cache is not None else {}
         for index, outcome in known.items():
             log.settled(plan.steps[index], outcome)
@@ -113,6 +113,6 @@ def _checked(result: object, plan: Plan, how: HowToRun) -> tuple[int, Outcome]:
     )
 
 
-def _unneeded(index: int, cache: StepCache | None) -> Outcome:
+def _unneeded(index: int, cache: StoredSteps | None) -> Outcome:
     key = cache.expected_key(index) if cache is not None else ""
     return Outcome(State.UNNEEDED, reason="everything that reads it is stored", key=key)

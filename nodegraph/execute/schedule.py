@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
-from nodegraph.execute.step_cache import StepCache
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.gc_pause import gc_paused
 from nodegraph.node.ports import Absent, Across
 from nodegraph.plan import Gathered, Output, Plan, Step
@@ -65,7 +65,7 @@ class Schedule:
         self,
         plan: Plan,
         *,
-        cache: StepCache | None = None,
+        cache: StoredSteps | None = None,
         known: Mapping[int, Outcome] | None = None,
         packer: Packer | None = None,
         keep: Iterable[int] = (),

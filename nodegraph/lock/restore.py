@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from nodegraph.errors import GraphError, NodegraphError, UnknownNodeError
-from nodegraph.execute.step_cache import AUDITED
+from nodegraph.execute.resume import AUDITED
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.graphfile.spec import is_graph_file

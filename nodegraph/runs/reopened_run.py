@@ -16,8 +16,8 @@ from nodegraph.execute.call import Outcome, collecting_warnings, skipped
 from nodegraph.execute.events import plain
 from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.step_cache import StepCache
 from nodegraph.execute.threads import serial
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
@@ -180,7 +180,7 @@ class ReopenedRun(Run):
         return index in self.in_memory or (entry is not None and all(entry.faithful))
 
     @property
-    def steps(self) -> StepCache:
+    def steps(self) -> StoredSteps:
         """The steps in the store."""
         assert self.cache is not None
         return self.cache
@@ -244,7 +244,7 @@ def reopen(saved: SavedRun, registry: Registry, store: Store) -> ReopenedRun:
         _outcomes(planned, record),
         {},
         record.seconds,
-        StepCache(planned, store),
+        StoredSteps(planned, store),
         store.packer,
         record,
     )

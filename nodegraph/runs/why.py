@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import networkx as nx
 
 from nodegraph.execute.events import plain
-from nodegraph.execute.step_cache import StepCache
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.runs.changes import (
     code_changes,
@@ -55,7 +55,7 @@ class Why:
         Of the earlier run.
     """
 
-    def __init__(self, plan: Plan, cache: StepCache, record: Record) -> None:
+    def __init__(self, plan: Plan, cache: StoredSteps, record: Record) -> None:
         self._plan = plan
         self._cache = cache
         self._code = record.code

@@ -11,7 +11,7 @@ import pytest
 
 from nodegraph import NodegraphError
 from nodegraph.execute import Run
-from nodegraph.execute.step_cache import StepCache
+from nodegraph.execute.resume import StoredSteps
 from nodegraph.lock.lockfile import Lock
 from nodegraph.lock.restore import StoreWithoutResults, unlocked
 from nodegraph.plugin.loading import BrokenPlugin, Plugin
@@ -87,12 +87,12 @@ def test_a_store_without_results_has_the_audits(run_of: Callable[..., Run], tmp_
         "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}}", store=tmp_path / "store"
     )
     assert run.cache is not None
-    empty = StepCache(
+    empty = StoredSteps(
         run.plan, StoreWithoutResults(tmp_path / "empty", run.cache.store, pytest.fail)
     )
     assert empty.known == {}
     run.cache.distrust(run.plan.steps[0], "a second call")
-    later = StepCache(
+    later = StoredSteps(
         run.plan, StoreWithoutResults(tmp_path / "later", run.cache.store, pytest.fail)
     )
     assert "in a second call" in later.distrusted(run.plan.steps[0])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.execute import Run, StepCache, open_store
+from nodegraph.execute import Run, StoredSteps, open_store
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
 from nodegraph.runs.record import Record, RecordedCode, record
@@ -40,7 +40,7 @@ def why_of(graph_of: Callable[..., Graph], run_of: Callable[..., Run], tmp_path:
         earlier = edit(record(run_of(before, store=tmp_path), RunSettings("toy.yaml")))
         graph = graph_of(now)
         planned = plan(graph)
-        cache = StepCache(planned, open_store(graph.registry, tmp_path, pytest.fail))
+        cache = StoredSteps(planned, open_store(graph.registry, tmp_path, pytest.fail))
         return [step.changes for step in Why(planned, cache, earlier).explain(node)]
 
     return why

@@ -44,7 +44,7 @@ def open_store(registry: Registry, folder: Path | None, report: Callable[[str], 
     return Store(store_folder(folder), packer, report)
 
 
-class StepCache:
+class StoredSteps:
     """The results of a plan's steps, as far as a store has them.
 
     Every step is looked up at once, under the key that it has if all steps before it that are not
