@@ -12,7 +12,7 @@ import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import metadata
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, resolve_name
@@ -403,6 +403,7 @@ def _absolute(package: str, references: Iterable[str]) -> Iterator[At]:
             continue
 
 
+@cache
 def _pythons_folders() -> tuple[str, ...]:
     folders = (*map(sysconfig.get_path, ("stdlib", "platstdlib")), os.path.dirname(os.__file__))
     return tuple(os.path.join(folder, "") for folder in folders)

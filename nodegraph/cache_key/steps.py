@@ -25,31 +25,20 @@ _ADDRESS = " at 0x"
 """In the text of a value that is another one in each process."""
 
 
-class Result(Protocol):
-    """The part of a step that enters the keys of the steps that it feeds."""
+class _Result(Protocol):
+    """The part of a step's outcome that enters the keys of the steps that it feeds."""
 
     @property
-    def key(self) -> str:
-        """Its key; empty if it has none."""
-        ...
-
+    def key(self) -> str: ...
     @property
-    def state(self) -> State:
-        """How it ended, or is expected to end."""
-        ...
-
+    def state(self) -> State: ...
     @property
-    def root(self) -> State:
-        """The state of the step that this goes back to."""
-        ...
-
+    def root(self) -> State: ...
     @property
-    def reason(self) -> str:
-        """Why there is no value."""
-        ...
+    def reason(self) -> str: ...
 
 
-def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, Result]) -> str:
+def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, _Result]) -> str:
     """Return the key of a step; empty if it has none.
 
     Parameters
@@ -72,7 +61,7 @@ def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, Re
     return _joined(parts) if all(parts) else ""
 
 
-def _gathered(source: Gathered, results: Mapping[int, Result]) -> Iterator[str]:
+def _gathered(source: Gathered, results: Mapping[int, _Result]) -> Iterator[str]:
     yield repr((source.axes, source.known, source.sources, source.unused, source.methods))
     for labels, output in source.entries:
         result = results[output.step]
