@@ -48,10 +48,10 @@ def program() -> int:
     status = main()
     gc.freeze()
     gc.disable()
-    # a thread that a node has left running would keep the program alive for ever
-    end = threading.Timer(_SECONDS_TO_END, os._exit, [status])
-    end.daemon = True
-    end.start()
+    if threading.active_count() > 1:  # one that a node has left could keep the program alive
+        end = threading.Timer(_SECONDS_TO_END, os._exit, [status])
+        end.daemon = True
+        end.start()
     return status
 
 

@@ -56,7 +56,8 @@ def interruptible() -> Iterator[None]:
 
 def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
     if _watcher >= 0:
-        os.write(_watcher, _HANDLED)
+        with suppress(OSError):  # if somebody has ended it
+            os.write(_watcher, _HANDLED)
     raise Interruption
 
 
