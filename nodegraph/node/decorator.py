@@ -501,7 +501,7 @@ def _setting(argument: inspect.Parameter, hint: object) -> Setting:
     def first_mark(kind: type[T]) -> T | None:
         return next((mark for each in (hint, inner) for mark in _marks(each, kind)), None)
 
-    unit = next(_marks(hint, Unit), None)
+    unit = first_mark(Unit)
     deprecated = first_mark(Deprecated)
     return Setting(
         name=argument.name,

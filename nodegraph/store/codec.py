@@ -502,8 +502,8 @@ class Decoder:
 
     def buffer(self, number: int) -> Buffer:
         """Return the next buffer, which has that number."""
-        if number != self._next:
-            raise Unreadable(f"buffer {number} in place of buffer {self._next}")
+        if number != self._next or number >= len(self._buffers):
+            raise Unreadable(f"buffer {number} of {len(self._buffers)} in place of {self._next}")
         self._next += 1
         return self._buffers[number]
 

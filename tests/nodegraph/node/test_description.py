@@ -27,7 +27,7 @@ def everything(
     way: Literal["up", "down"] = "up",
     name: str = "x",
     flag: bool = False,
-    order: int | None = None,
+    order: Annotated[int, Unit("frames")] | None = None,
     path: InputFile | None = None,
     lengths: tuple[int, ...] = (1, 2),
     either: Literal["all"] | int = "all",
@@ -81,6 +81,7 @@ def test_settings_come_with_unit_default_and_meaning() -> None:
     assert (texts["size"].default, texts["size"].meaning) == ("required", "Both of them.")
     assert texts["way"].meaning == "Both of them."
     assert texts["undocumented"].meaning == ""
+    assert (texts["order"].default, texts["order"].unit) == ("null", "frames")
     assert meanings(described())["recording"] == "What is measured."
 
 
