@@ -6,6 +6,7 @@ import csv
 import json
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Page
@@ -223,12 +224,12 @@ def test_a_refused_method_is_left_out_of_the_charts(tmp_path: Path, tab: Page) -
     assert "Hollow: a marker without gaps." in tab.inner_text(".map-chart")
 
 
-def overview_of(study: Study) -> dict[str, list[dict[str, object]]]:
+def overview_of(study: Study) -> dict[str, list[dict[str, Any]]]:
     """Return the data of the first charts of a report; nothing without any."""
     start = '<script type="application/json" id="overview-table">'
     pages = [section.rendered.html for section in study.sections if section.node == "table"]
     html = next((html for html in pages if start in html), f"{start}{{}}</script>")
-    data: dict[str, list[dict[str, object]]] = json.loads(
+    data: dict[str, list[dict[str, Any]]] = json.loads(
         html.partition(start)[2].partition("</script>")[0]
     )
     return data

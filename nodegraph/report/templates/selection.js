@@ -42,6 +42,7 @@ nodegraph.define("selection", [], () => {
   };
   const set = (values) => {
     apply(values);
+    if (location.protocol === "about:") return; // a frame in a notebook has no address of its own
     const text = written();
     const place = text ? PREFIX + text : location.hash.startsWith(PREFIX) ? "#" : location.hash;
     if (place !== location.hash) history.replaceState(null, "", place || location.pathname);

@@ -318,3 +318,14 @@ def test_what_is_not_finite_is_said_and_what_is_missing_left_empty() -> None:
     x, y = columns_of(table)
     assert [str(cell) for cell in x.cells] == ["inf", "-inf", "", "0.500"]
     assert [str(cell) for cell in y.cells] == [""] * 4
+
+
+def test_a_small_p_is_shown_as_below_what_can_be_said() -> None:
+    table = pd.DataFrame({"method": ["a", "b", "c"], "p": [1.46e-104, 0.0312, np.nan]})
+    rendered = render_table(with_info(table, TableInfo(units={"p": "chance"})), "tests")
+    assert "< 0.0001" in rendered.text
+    assert "&lt; 0.0001" in rendered.html.partition("<template")[0]
+    assert r"\textless{} 0.0001" in rendered.files[".tex"].decode()
+    assert "1.46e-104" in rendered.files[".csv"].decode()
+    assert "e-104" not in rendered.text + rendered.files[".tex"].decode()
+    assert "0.0312" in rendered.text
