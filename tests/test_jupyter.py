@@ -87,9 +87,11 @@ def _end(session: int) -> None:
 def test_a_run_shows_its_charts(lab: str, tab: Page, complaints: list[str]) -> None:
     tab.goto(lab)
     tab.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]", timeout=MOST)
-    tab.click(".jp-Notebook .jp-CodeCell")
     complaints.clear()  # those of JupyterLab while it starts
-    tab.keyboard.press("Shift+Enter")
+    while tab.inner_text(".jp-InputPrompt").startswith("[ ]"):  # a kernel may not listen yet
+        tab.click(".jp-Notebook .jp-CodeCell")
+        tab.keyboard.press("Control+Enter")
+        tab.wait_for_timeout(500)
     tab.wait_for_selector(".nodegraph-notebook .counts", timeout=MOST)
     charts = tab.frame_locator(".nodegraph-notebook iframe.framed").first
     charts.locator(".heat tbody tr").first.wait_for(state="attached", timeout=MOST)

@@ -104,6 +104,8 @@ def alike(shown: str, stored: str, *, percent: bool) -> bool:
     """Return whether a cell says what the file says, intervals and daggers after it aside."""
     if shown == stored or (shown in ("", "all") and stored in ("", "nan")):
         return True
+    if shown == "< 0.0001":
+        return float(stored) < 1e-4
     try:
         number = shown.split(" ")[0]
         half = 0.501 * 10.0 ** -len(number.partition(".")[2].partition("e")[0])

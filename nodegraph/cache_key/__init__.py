@@ -2,10 +2,11 @@
 
 from nodegraph.cache_key.files import Files
 from nodegraph.cache_key.functions import Code, Reached
-from nodegraph.cache_key.modules import UNKNOWN
+from nodegraph.cache_key.modules import PARSER, UNKNOWN
 from nodegraph.cache_key.steps import StepDigest, StepDigests, code_of, followed, step_key
 
 __all__ = [
+    "PARSER",
     "UNKNOWN",
     "Code",
     "Files",

@@ -30,9 +30,10 @@ _INSTALLED = {"site-packages", "dist-packages"}
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _ANY = "*"
 """A reference to a module whose name is known only when the code runs."""
-_PARSER = threading.Lock()
-"""Held while a source is parsed: Python 3.11 counts the depth of all threads' trees together, and
-fails where two of them meet (python/cpython issue 106905)."""
+PARSER = threading.Lock()
+"""Held while a source is parsed, or a traceback formatted, which parses its lines: Python 3.11
+counts the depth of all threads' trees together, and fails where two of them meet (python/cpython
+issue 106905)."""
 
 
 class Source(NamedTuple):
@@ -73,7 +74,7 @@ def read_source(file: str) -> Source:
     """Read the source of a module; what is not Python counts by its bytes."""
     content = Path(file).read_bytes()
     try:
-        with _PARSER, warnings.catch_warnings():
+        with PARSER, warnings.catch_warnings():
             warnings.simplefilter("ignore")  # they are shown when the module is imported
             tree = ast.parse(content if file.endswith(".py") else b"\0")
     except (SyntaxError, ValueError, RecursionError, MemoryError):

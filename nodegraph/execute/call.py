@@ -15,6 +15,7 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
+from nodegraph.cache_key import PARSER
 from nodegraph.errors import NodegraphError, Refusal, message_of, one_line, without_middle
 from nodegraph.execute.call_notes import Notes, notes_of_call
 from nodegraph.execute.interruption import is_interruption
@@ -185,7 +186,8 @@ def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
     reason, place = _reason(error), _place(node, error)
     if what:
         reason, place = f"{what}: {reason}", place or _definition(node)
-    trace = "".join(traceback.format_exception(error))
+    with PARSER:
+        trace = "".join(traceback.format_exception(error))
     return Outcome(
         State.FAILED,
         reason=one_line(printable(reason)),

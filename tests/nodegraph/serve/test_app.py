@@ -155,7 +155,7 @@ def test_changed_code_is_named_and_used_only_when_asked_for(opened: Opened) -> N
     query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold"}
     answer = pages.post(json.dumps({"for": "value", "query": query}).encode())
     assert answer.status == 409
-    assert "toys:hold" in answer.data["message"]
+    assert "fill.hold: code: toys was edited" in answer.data["message"]
     now = {"for": "value", "query": {**query, "now": "1"}}
     assert computed(pages.post(json.dumps(now).encode()))[-1] == {"finished": True}
     assert "11.0" in shown(pages.get(f"/value?{VALUE}&now=1"))

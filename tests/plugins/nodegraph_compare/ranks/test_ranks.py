@@ -91,7 +91,7 @@ def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
     (sentence,) = info_of(ranks(study(apart=0.8)).table).answer
     assert re.match(
         r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 gaps\) over 30 combinations of "
-        r"trial and gap; the methods differ by Friedman's test \(F = [\d.]+, p < 0\.001; Kendall's "
+        r"trial and gap; the methods differ by Friedman's test \(F = [\d.]+, p < 0\.0001; Kendall's "
         r"W = 0\.\d\d\); by Nemenyi's test "
         r"(all others are apart from it|not apart from it: [a-z, ]+)\.$",
         sentence,
@@ -127,7 +127,7 @@ def test_methods_of_one_mean_rank_share_it() -> None:
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
     assert list(info_of(ranks(two).table).answer) == [
         "a, b share the lowest mean rank (1.50 of 2 methods, 8 gaps) over 8 gaps; the two are not "
-        "clearly apart by Wilcoxon's signed-rank test (p = 1.000)."
+        "clearly apart by Wilcoxon's signed-rank test (p = 1.0000)."
     ]
 
 

@@ -522,7 +522,8 @@ def test_of_many_groups_it_is_reported_in_how_many_blocks_are_few() -> None:
 def test_units_follow_the_metric() -> None:
     units = info_of(table(trials(), baseline="far").table).units
     assert units["mean"] == units["high"] == units["median"] == "mm"
-    assert {"p", "ratio", "margin"}.isdisjoint(units)
+    assert units["p"] == "chance"
+    assert {"ratio", "margin"}.isdisjoint(units)
 
 
 def test_gathered_tables_stay_as_they_are() -> None:
