@@ -111,11 +111,12 @@ def test_an_edited_constant_of_a_method_is_located(
     assert status == 1
     assert lines[0].startswith("diverged: fill.lock: ")
     at = "recording=face_1, trial=0, condition=usual, length=45, ends=as_published, fill=muscle"
-    assert lines[2].endswith(f" fill({at})")
-    assert "nodegraph_fill.muscle:_rule" in lines[3]
-    assert lines[4].startswith("    by ")
-    assert lines[5].startswith("    output")
-    assert re.search(r"frames \d+", lines[5])
-    assert re.search(r"\b[LMR]_[a-z]+\d", lines[5])
-    assert ("mm (frame " in lines[5]) == stored
-    assert any("error (1), table" in line for line in lines[6:])
+    assert lines[1] == "    the code digests of 1 of 9 methods differ"
+    assert lines[3].endswith(f" fill({at})")
+    assert "nodegraph_fill.muscle has another digest" in lines[4]
+    assert lines[5].startswith("    by ")
+    assert lines[6].startswith("    output")
+    assert re.search(r"frames \d+", lines[6])
+    assert re.search(r"\b[LMR]_[a-z]+\d", lines[6])
+    assert ("mm (frame " in lines[6]) == stored
+    assert any("error (1), table" in line for line in lines[7:])
