@@ -91,8 +91,8 @@ def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
     (sentence,) = info_of(ranks(study(apart=0.8)).table).answer
     assert re.match(
         r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 gaps\) over 30 combinations of "
-        r"trial and gap; the methods differ by Friedman's test \(F = [\d.]+, p < 0\.0001; Kendall's "
-        r"W = 0\.\d\d\); by Nemenyi's test "
+        r"trial and gap; the methods differ by Friedman's test \(F = [\d.]+, p < 0\.0001; "
+        r"Kendall's W = 0\.\d\d\); by Nemenyi's test "
         r"(all others are apart from it|not apart from it: [a-z, ]+)\.$",
         sentence,
     )
