@@ -88,7 +88,9 @@ def test_a_run_shows_its_charts(lab: str, tab: Page, complaints: list[str]) -> N
     tab.goto(lab)
     tab.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]", timeout=MOST)
     complaints.clear()  # those of JupyterLab while it starts
-    while tab.inner_text(".jp-InputPrompt").startswith("[ ]"):  # a kernel may not listen yet
+    for _ in range(MOST // 500):  # a kernel may not listen yet
+        if not tab.inner_text(".jp-InputPrompt").startswith("[ ]"):
+            break
         tab.click(".jp-Notebook .jp-CodeCell")
         tab.keyboard.press("Control+Enter")
         tab.wait_for_timeout(500)
