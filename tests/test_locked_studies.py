@@ -115,8 +115,9 @@ def test_an_edited_constant_of_a_method_is_located(
     assert lines[3].endswith(f" fill({at})")
     assert "nodegraph_fill.muscle has another digest" in lines[4]
     assert lines[5].startswith("    by ")
-    assert lines[6].startswith("    output")
-    assert re.search(r"frames \d+", lines[6])
-    assert re.search(r"\b[LMR]_[a-z]+\d", lines[6])
-    assert ("mm (frame " in lines[6]) == stored
+    assert lines[6].startswith("    output") == stored
+    if stored:
+        assert re.search(r"frames \d+", lines[6])
+        assert re.search(r"\b[LMR]_[a-z]+\d", lines[6])
+        assert "mm (frame " in lines[6]
     assert any("error (1), table" in line for line in lines[7:])

@@ -156,8 +156,7 @@ def _explanation(moved: Moved, run: Run) -> Iterator[str]:
 def _values(
     moved: list[Moved], lock: Lock, results: Results, stored: StoredValues
 ) -> Iterator[str]:
-    """Yield how much results differ and where: exactly, where the locked values are stored."""
-    from nodegraph.lock.compare import where
+    """Yield how much results differ, and in which places if the locked values are stored."""
     from nodegraph.runs.diff import value_differences
 
     first = moved[0]
@@ -171,8 +170,6 @@ def _values(
         return
     digest = lock.study.results[first.cell.group].steps[first.cell.at].digest
     values = results.value_pairs(first.cell.index, digest, stored)
-    if not values:
-        yield from where(lock, first.cell, results)
     for name, (was, now) in values.items():
         texts = value_differences(was, now, results.comparisons)
         yield from (f"{name}: {text}" for text in texts[:MOST])

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 from nodegraph.execute import Run
-from nodegraph.lock.array_parts import part_difference
 from nodegraph.lock.changes import Change, Changes
 from nodegraph.lock.locked_result import LockedResult
 from nodegraph.lock.lockfile import Lock
@@ -210,35 +209,6 @@ def group_by_change(moved: Iterable[Moved]) -> list[list[Moved]]:
     for item in moved:
         groups.setdefault((item.cell.group, item.change), []).append(item)
     return list(groups.values())
-
-
-def where(lock: Lock, cell: Cell, results: Results) -> Iterator[str]:
-    """Yield for each array with parts in the lock how its shape, or which parts, differ.
-
-    Parameters
-    ----------
-    lock
-    cell
-        One with a value, in the lock and in the run.
-    results
-        Of the run.
-    """
-    locked = {
-        place: parts[cell.at]
-        for place, parts in lock.study.parts.get(cell.group, {}).items()
-        if cell.at in parts
-    }
-    if not locked:
-        return
-    most = max([1, *(sums.size for was in locked.values() for sums in was.sums)])
-    present = results.parts(cell.index, most)
-    scale = lock.study.results[cell.group].scale
-    for place, (now, axes) in present.items():
-        if place not in locked:
-            continue
-        least = lock.study.tolerance * scale.get(place, 1.0)
-        if text := part_difference(locked[place], now, axes, least):
-            yield f"{place}: {text}"
 
 
 @dataclass(frozen=True)

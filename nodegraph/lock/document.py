@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 from pydantic import (
     AfterValidator,
@@ -14,10 +14,7 @@ from pydantic import (
     PlainValidator,
 )
 
-from nodegraph.lock.array_parts import Parts
 from nodegraph.lock.locked_result import LockedResult
-
-_T = TypeVar("_T", Parts, LockedResult)
 
 
 def _text_keys(value: object) -> object:
@@ -33,18 +30,15 @@ def _has_python(versions: dict[str, str]) -> dict[str, str]:
     return versions
 
 
-def _parser(kind: type[_T]) -> PlainValidator:
-    def parse(value: object) -> _T:
-        if isinstance(value, kind):
-            return value
-        if isinstance(value, str):
-            return kind.read(value)
-        raise ValueError("input should be a valid string")
-
-    return PlainValidator(parse)
+def _result(value: object) -> LockedResult:
+    if isinstance(value, LockedResult):
+        return value
+    if isinstance(value, str):
+        return LockedResult.read(value)
+    raise ValueError("input should be a valid string")
 
 
-def _text(value: Parts | LockedResult) -> str:
+def _result_text(value: LockedResult) -> str:
     return value.text
 
 
@@ -54,8 +48,7 @@ _Label = str | int | float | bool
 _Plain = Annotated[object, BeforeValidator(_text_keys)]
 _Texts = dict[_Key, str]
 _Size = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-_Recorded = Annotated[LockedResult, _parser(LockedResult), PlainSerializer(_text)]
-_Parts = Annotated[Parts, _parser(Parts), PlainSerializer(_text)]
+_Recorded = Annotated[LockedResult, PlainValidator(_result), PlainSerializer(_result_text)]
 
 
 class _Model(BaseModel):
@@ -154,7 +147,6 @@ class LockedStudy(Provenance, _Study):
     tables : dict of reported value to str
         As CSV.
     results : dict of node or alternative to LockedResults
-    parts : dict of node or alternative to (dict of place to (dict of labels to Parts))
     text : dict of file to str
         The graph file, and those that it includes.
     """
@@ -162,7 +154,6 @@ class LockedStudy(Provenance, _Study):
     conclusions: dict[str, list[str]]
     tables: dict[str, str]
     results: dict[str, LockedResults]
-    parts: dict[str, dict[str, dict[_Key, _Parts]]]
     text: Annotated[dict[_Name, str], Field(min_length=1)]
 
     def recorded(self, group: str, labels: str) -> LockedResult | None:

@@ -13,7 +13,6 @@ from pydantic import ValidationError
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.graphfile.yaml_text import read_yaml
-from nodegraph.lock.array_parts import Parts
 from nodegraph.lock.conclusions import reported_by
 from nodegraph.lock.document import LockedChoices, LockedResults, LockedStudy
 from nodegraph.lock.provenance import FileNames, provenance, refuse_paths, relative
@@ -71,7 +70,6 @@ def lock_text(run: Run, path: Path) -> str:
         },
         tables={value.name: value.table for value in reported},
         results=_results(run, results),
-        parts=_parts(run, results),
         text={file: spec.text, **spec.included},
     )
     data = study.model_dump(by_alias=True, exclude_defaults=True)
@@ -123,16 +121,6 @@ def _results(run: Run, results: Results) -> dict[str, LockedResults]:
         along = [axis for axis in cell.labels if axis != cell.node]
         group = by_group.setdefault(cell.group, LockedResults(along=along, scale=scale, steps={}))
         group.steps[cell.at] = recorded(cell, results, scale)
-    return by_group
-
-
-def _parts(run: Run, results: Results) -> dict[str, dict[str, dict[str, Parts]]]:
-    cells = [cell for cell in cells_of(run) if not results.ending(cell.index)]
-    most = results.most_parts(cells)
-    by_group: dict[str, dict[str, dict[str, Parts]]] = {}
-    for cell in cells:
-        for place, (parts, _) in results.parts(cell.index, most).items():
-            by_group.setdefault(cell.group, {}).setdefault(place, {})[cell.at] = parts
     return by_group
 
 

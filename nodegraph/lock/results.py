@@ -13,7 +13,6 @@ from statistics import median
 
 from nodegraph.execute import Run
 from nodegraph.formatting import name_at
-from nodegraph.lock.array_parts import Axes, Parts, parts_of
 from nodegraph.lock.locked_result import LockedResult
 from nodegraph.lock.sketch import FLOOR, Sketch, sketch
 from nodegraph.node.ports import Port
@@ -25,15 +24,8 @@ from nodegraph.store import DamagedEntry, Packed, Store, Unstorable, Upkeep
 _DIGITS = 10
 _EXACT_DIGITS = 8
 
-
 ONLY = "only"
 """Stands for the labels of a node without other axes than its alternatives."""
-
-_FEWEST, _MOST = 2, 64
-"""Parts of an axis."""
-
-_NUMBERS = 16_000
-"""Sums of parts in a lock, about 85 KB, beyond which an axis has fewer parts."""
 
 _FOLDERS = re.compile(r"(?<![\w.:/\\])(?:[A-Za-z]:)?[/\\](?:[^\s:'\"/\\]+[/\\])+")
 
@@ -167,28 +159,6 @@ class Results:
         summary = self.sketch(index)
         return summary.exact[:_EXACT_DIGITS] if summary else ""
 
-    def parts(self, index: int, most: int) -> dict[str, tuple[Parts, Axes]]:
-        """Return parts and axes of those of a step's arrays whose axes a plugin describes.
-
-        Parameters
-        ----------
-        index
-            Of the step.
-        most
-            Largest number of parts of an axis.
-        """
-        by_place: dict[str, tuple[Parts, Axes]] = {}
-        if not any(map(self._kind, self._ports(index))):
-            return by_place
-        for port, value in zip(self._ports(index), self._values(index), strict=True):
-            kind = self._kind(port)
-            for name, axes in kind.parts(value).items() if kind and kind.parts else ():
-                place = f"{port.name}.{name}"
-                parts = parts_of(place, getattr(value, name), len(axes), most)
-                if parts is not None:
-                    by_place[place] = parts, axes
-        return by_place
-
     def value_pairs(
         self, index: int, digest: str, stored: StoredValues
     ) -> dict[str, tuple[object, object]]:
@@ -208,11 +178,6 @@ class Results:
             return {}
         outputs = zip(self._ports(index), was, self._values(index), opaque, strict=True)
         return {port.name: (old, new) for port, old, new, is_opaque in outputs if not is_opaque}
-
-    def most_parts(self, cells: Iterable[Cell]) -> int:
-        """Return the largest number of parts of an axis such that the lock stays small."""
-        count = sum(1 for cell in cells for port in self._ports(cell.index) if self._kind(port))
-        return max(_FEWEST, min(_MOST, _NUMBERS // 2 // max(1, count)))
 
     def has_files(self, index: int) -> bool:
         """Return whether a step returns files: unlike drawings, their bytes are results."""
@@ -251,10 +216,6 @@ class Results:
             return self._run.packer.pack(value)
         except Unstorable:
             return None
-
-    def _kind(self, port: Port) -> Comparison | None:
-        kinds = (kind for kind in self.comparisons if kind.parts)
-        return next((kind for kind in kinds if issubclass(port.type, kind.type)), None)
 
     def _ports(self, index: int) -> tuple[Port, ...]:
         return self._run.plan.steps[index].method.node.outputs

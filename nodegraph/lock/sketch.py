@@ -70,16 +70,6 @@ def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(total / np.sqrt(values.size))
 
 
-def first_weighted(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the values times the weights of the first direction."""
-    key = _key(name)
-    weighted = np.empty(values.size)
-    for block, start in enumerate(range(0, values.size, _BLOCK)):
-        part = values[start : start + _BLOCK]
-        weighted[start : start + _BLOCK] = part * _weights(key, block, part.size)[:, 0]
-    return weighted
-
-
 def distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     """Estimate the root mean square difference of two arrays from their projections."""
     differences = np.abs(first - second)
