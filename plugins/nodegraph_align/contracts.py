@@ -1,4 +1,4 @@
-"""What every alignment promises, third-party ones included."""
+"""Contracts of every alignment, third-party ones included."""
 
 from __future__ import annotations
 

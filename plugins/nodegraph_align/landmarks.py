@@ -1,4 +1,4 @@
-"""Which markers a face is aligned by."""
+"""The markers by which a face is aligned."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 FEWEST = 3
 EVERY = ("*",)
-"""What a user gives for all markers that recording and reference have."""
+"""Stands for all markers that the recording and the reference both have."""
 
 _RULE = f"{FEWEST} or more, or {EVERY[0]} alone"
 

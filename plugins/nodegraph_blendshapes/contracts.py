@@ -1,4 +1,4 @@
-"""What every node promises that builds or poses a model or animates a head."""
+"""Contracts of every node that builds or poses a model or animates a head."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ _ROUNDING = 1e-9
 
 
 class PcaModel(NamedTuple):
-    """What `blendshapes.from_pca` gives."""
+    """The outputs of `blendshapes.from_pca`."""
 
     model: BlendshapeModel
     neutral: Trajectories

@@ -1,4 +1,4 @@
-"""What every node that combines recordings promises, third-party ones included."""
+"""Contracts of every node that combines recordings, third-party ones included."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LEAST_SPREAD = 1e-3
-"""How little, relative to itself, a distance is taken to vary."""
+"""Smallest variation of a distance that is assumed, relative to the distance."""
 
 
 @node(

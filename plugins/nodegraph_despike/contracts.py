@@ -1,4 +1,4 @@
-"""What every despiker promises, third-party ones included."""
+"""Contracts of every despiker, third-party ones included."""
 
 from __future__ import annotations
 

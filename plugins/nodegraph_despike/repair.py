@@ -1,4 +1,4 @@
-"""What the despikers share: the recording with its repaired samples, marked and counted."""
+"""The recording with its repaired samples, marked and counted, for all despikers."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ _NORMAL = 0.6745
 _PEAK = 0.7
 """Beside a lone impulse the coefficients are less than half of its own."""
 _ROUNDING = 1e-9
-"""Of a run's size: what is less is rounding."""
+"""Share of a run's size below which a number is rounding."""
 
 
 @node(

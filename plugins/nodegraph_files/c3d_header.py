@@ -1,4 +1,4 @@
-"""Where the samples of a C3D file lie, and how they are to be read.
+"""The header and the parameters of a C3D file: where its samples lie, and their form.
 
 A C3D file says most things twice, in its header and in its parameters, and writers do not
 always keep the two equal. The size of the file settles which is right; where it does not, the
@@ -30,7 +30,7 @@ TEXT, BYTE, INTEGER, FLOAT = -1, 1, 2, 4
 
 @dataclass(frozen=True)
 class Processor:
-    """How the machine that wrote a file writes numbers."""
+    """The number format of the machine that wrote a file."""
 
     code: int
 
@@ -223,7 +223,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Description:
-    """What a C3D file says of itself.
+    """The description of a C3D file's samples by its header and parameters.
 
     Attributes
     ----------

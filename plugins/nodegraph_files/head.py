@@ -24,7 +24,7 @@ _COLUMNS = ["marker", "vertex"]
 
 @dataclass(frozen=True)
 class RawHead:
-    """What a reader of heads returns.
+    """A head as a reader returns it.
 
     Attributes
     ----------

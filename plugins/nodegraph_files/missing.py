@@ -1,4 +1,4 @@
-"""Which samples of a file count as missing."""
+"""Rules by which samples of a file count as missing."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _every(true: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 @dataclass
 class _Counted:
-    """How many samples are missing for one reason, and the first of them."""
+    """The number of samples that are missing for one reason, and the first of them."""
 
     what: str
     markers: Sequence[str]

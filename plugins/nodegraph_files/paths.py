@@ -1,4 +1,4 @@
-"""Which file a path means: a file itself, or the one that a reader wants from a folder."""
+"""Finds the file that a path means: the file itself, or one in a folder."""
 
 from __future__ import annotations
 

@@ -219,7 +219,7 @@ def read_head(
 
 
 class Model(NamedTuple):
-    """What `read.model` returns."""
+    """The outputs of `read.model`."""
 
     model: BlendshapeModel
     neutral: Trajectories

@@ -46,7 +46,7 @@ _MOST_FRAMES = 200  # that are looked at
 
 @dataclass(frozen=True)
 class Size:
-    """Which sizes are plausible: the longest side along an axis, in millimetres."""
+    """The range of plausible sizes: the longest side along an axis, in millimetres."""
 
     least: float
     most: float

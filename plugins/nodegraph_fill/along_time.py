@@ -1,4 +1,4 @@
-"""What the fills along time share: each gap is bridged from the marker's own samples alone.
+"""Shared by the fills along time: each gap is bridged from the marker's own samples alone.
 
 Only gaps between two samples of the marker are bridged. Nothing is extrapolated: a gap at the
 start or the end of the take stays missing, as does a marker that is never present.

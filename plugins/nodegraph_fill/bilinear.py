@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 _SHRINKAGE = 0.001
 _STRAIGHT = 0.03
-"""What a step away from the straight line costs, relative to one away from the model."""
+"""Cost of a step away from the straight line, relative to one away from the model."""
 _MOST_ROUNDS = 1000
 _TOLERANCE = 1e-13
-"""How large, relative to all that is known, the last residual may be."""
+"""Largest last residual, relative to the norm of the known samples."""
 _SLIGHT = 1e-9
-"""So that a cosine of the very frequency of the cut-off is kept, however that was rounded."""
+"""Relative margin by which a cosine exactly at the cut-off is kept, however that was rounded."""
 
 
 @node(

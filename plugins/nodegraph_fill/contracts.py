@@ -1,4 +1,4 @@
-"""What every fill promises, third-party ones included."""
+"""Contracts of every fill, third-party ones included."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ NEVER = "never measured"
 
 @dataclass(frozen=True)
 class Gaps:
-    """Every run of missing samples of one marker, by marker and then by time.
+    """Runs of missing samples of one marker, ordered by marker and then by time.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _LEVEL, _REACH = 0.95, 1.959963984540054
 """An interval that holds this share of errors reaches this many standard deviations."""
 _ALIKE = 20
-"""So many held-out gaps, those of the nearest lengths, a gap is judged by at least."""
+"""Smallest number of held-out gaps, those of the nearest lengths, by which a gap is judged."""
 _LEAST = 10
 
 

@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 _Real = TypeVar("_Real", np.float32, np.float64)
 _MOST_ROUNDS = 1000
 _NEAR = 0.1
-"""How little, relative to the root mean square of what is known, a round may change before
+"""Largest change of a round, relative to the root mean square of the known samples, at which
 Newton's step is tried.
 """
 _ROUNDING = 10.0 * float(np.finfo(np.float64).eps)
 _MEMORY = 10
 """Rounds that the extrapolation looks back."""
 _MOST_TURNS, _REST = 100, 0.1
-"""Of conjugate gradients: their number, and the largest share of the gradient that they leave."""
+"""Limits of conjugate gradients: their number, and the share of the gradient that may be left."""
 
 
 @dataclass(frozen=True)
 class Principal:
-    """Where completed rows vary most.
+    """The principal components of completed rows.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class _Mixing:
 
 @dataclass(frozen=True)
 class _Spectrum:
-    """What the derivatives of ``f = sum h(d_i)`` are made of, from ``X' X = V d^2 V'``.
+    """The parts of the derivatives of ``f = sum h(d_i)``, from ``X' X = V d^2 V'``.
 
     Attributes
     ----------

@@ -55,7 +55,7 @@ class _Stream:
         self._before = np.full((markers, 3), np.nan)
         """The frame before."""
         self._seen: list[NDArray[np.float64] | None] = [None] * markers
-        """Of a marker that is missing, the last frame in which it was present, if there is one."""
+        """For each missing marker, the last frame in which it was present, if there is one."""
 
     def push(self, frame: MarkerFrame) -> MarkerFrame | None:
         known = self._limit.push(frame)

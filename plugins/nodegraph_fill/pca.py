@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Strategy = Literal["each", "together"]
 
 _ROUNDING = 1e-7
-"""Of the largest singular value or spread: what is less may be no more than rounding."""
+"""Share of the largest singular value or spread below which a value may be rounding."""
 _FAR = 0.5
 """Factor of the mean distance to all markers beyond which a marker with gaps predicts nothing."""
 

@@ -1,4 +1,4 @@
-"""What other markers say of the missing one, learnt by ridge regression from the take itself."""
+"""Prediction of a missing marker from other markers, learnt by ridge regression from the take."""
 
 from __future__ import annotations
 

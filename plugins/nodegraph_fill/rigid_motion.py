@@ -1,4 +1,4 @@
-"""Where the nearest markers' motion between two frames takes a marker, if all are one body."""
+"""The motion of the nearest markers between two frames as one rigid body, applied to a marker."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 _LEAST = 3
 _FLAT = 0.05
-"""How thin, relative to its length, a body may be before its turn about itself is unknown."""
+"""Thickness of a body, relative to its length, below which its turn about itself is unknown."""
 _AT_ONCE = 4096
 """Samples that are computed together, so that memory does not grow with the take."""
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from nodegraph_fill.meet_ends import Ends
 
 _LEAST_DRIFT = 1e-12
-"""In each direction, relative to the one along which states drift most."""
+"""Smallest drift in any direction, relative to the direction in which states drift most."""
 
 
 @dataclass(frozen=True)

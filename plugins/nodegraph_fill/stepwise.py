@@ -1,4 +1,4 @@
-"""What the step-wise neighbour fills share: passes over the take, and how a gap is closed.
+"""Shared by the step-wise neighbour fills: passes over the take, and the closing of a gap.
 
 A missing sample is the marker's last position plus a displacement made from its neighbours':
 ``P'[t, m] = P[t-1, m] + sum(w_i (P[t, i] - P[t-1, i]))``. Each method's file says the weights.
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CloseGap = Literal["none", "ramp", "blend"]
-"""How a fill meets the sample that ends the gap.
+"""Ways in which a fill meets the sample that ends the gap.
 
 ``none``: it does not, and a jump stays. ``ramp``: the sample that ends the gap is predicted too;
 its mismatch e is spread, ``e j / (L + 1)`` at the j-th of L frames, where both ends and that
@@ -60,7 +60,7 @@ def meets_ends(settings: Mapping[str, object]) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Rule:
-    """How one method predicts a sample.
+    """The prediction rule of one method.
 
     Attributes
     ----------
@@ -283,7 +283,7 @@ class _Stream:
         self._arguments, self._ring = rule.arguments(markers), min(rule.ring, markers)
         self._limit = Limit(markers, max_gap)
         self._delay = (max_gap or 0) * ramps
-        """For how many frames a predicted one waits for the ends of its gaps."""
+        """Number of frames that a predicted frame waits for the ends of its gaps."""
         self._ramps = ramps
         self._gap = np.zeros(markers, dtype=np.intp)
         """Frames since each marker was last present, in gaps that are to be filled."""

@@ -86,9 +86,9 @@ class _Stream:
         self._reach = max_gap + 2
         """A gap and the frames on both sides of it."""
         self._positions = np.full((4 * self._reach, markers, 3), np.nan)
-        """Of the last frames, as they came; the oldest are dropped when it is full."""
+        """Positions of the last frames, as they came; the oldest are dropped when it is full."""
         self._stop = 0
-        """How many of its frames are in use."""
+        """Number of its frames in use."""
         self._waiting: deque[tuple[MarkerFrame, list[tuple[int, NDArray[np.float64]]]]] = deque()
         """Frames that are held, and the markers that are filled in them."""
         self._missing = np.zeros(markers, dtype=np.intp)

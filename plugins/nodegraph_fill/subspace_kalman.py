@@ -17,10 +17,10 @@ from nodegraph_mocap import Trajectories
 
 _SHRINKAGE = 0.001
 _LEAST_NOISE = 1e-5
-"""Of a coordinate's variance, relative to the mean of all coordinates'."""
+"""Smallest noise of a coordinate, relative to the mean variance of all coordinates."""
 _LEAST_DRIFT = 1e-12
 _SETTLED, _ROUGHLY = 1e-9, 1e-3
-"""Where completing the take ends, and where completing it with held-out gaps does."""
+"""Changes at which the completion of the take ends, and that of the take with held-out gaps."""
 
 
 @node(

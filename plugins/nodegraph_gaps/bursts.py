@@ -25,7 +25,7 @@ SPREAD = 0.2
 """Seconds, standard deviation of the events of a burst around its middle."""
 
 WEIGHT = 4.0
-"""Of markers of the mouth and the eyelids, those of others being 1."""
+"""Weight of markers of the mouth and the eyelids; that of others is 1."""
 _OCCLUDED = {"mouth", "lip", "lips", "eyelid", "eyelids", "lid", "lids"}
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 _TRIES = 100

@@ -1,4 +1,4 @@
-"""What every node that makes gaps promises, third-party ones included."""
+"""Contracts of every node that makes gaps, third-party ones included."""
 
 from __future__ import annotations
 

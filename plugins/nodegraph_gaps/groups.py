@@ -1,4 +1,4 @@
-"""Which markers one gap event may hide together."""
+"""Groups of markers that one gap event may hide together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where gap events may lie, and how they are placed there."""
+"""The placement of gap events."""
 
 from __future__ import annotations
 

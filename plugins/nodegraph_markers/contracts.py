@@ -1,4 +1,4 @@
-"""What every node that chooses or names markers promises, whoever wrote it."""
+"""Contracts of every node that chooses or names markers, third-party ones included."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Some of a recording's markers."""
+"""A recording reduced to some of its markers."""
 
 from __future__ import annotations
 

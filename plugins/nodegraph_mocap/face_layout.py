@@ -1,4 +1,4 @@
-"""Where the markers of a face lie, seen from the front, and to which region each belongs."""
+"""The places of a face's markers, seen from the front, and the region of each."""
 
 from __future__ import annotations
 

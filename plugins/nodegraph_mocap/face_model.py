@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ORTHONORMAL = 1e-3
-"""How far R R^T may be from the identity; rotations stored as float32 stay far below it."""
+"""Largest deviation of R R^T from the identity; rotations stored as float32 stay far below it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeadMotion(Value):
-    """Where the head is in each frame: ``captured = s R aligned + t``.
+    """The pose of the head in each frame: ``captured = s R aligned + t``.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class BlendshapeModel(Value):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Weights(Value):
-    """How much of each shape a face shows over time.
+    """The weight of each blendshape in each frame.
 
     Attributes
     ----------

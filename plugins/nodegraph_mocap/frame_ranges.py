@@ -15,7 +15,7 @@ _CHUNK_BYTES = 2**19
 
 
 class RunsOfTrue(NamedTuple):
-    """Every run of True, by marker and then by time.
+    """Runs of True, ordered by marker and then by time.
 
     Attributes
     ----------

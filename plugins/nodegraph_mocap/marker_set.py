@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class MarkerSet(Value):
-    """What is known of a face's markers beside their positions.
+    """Knowledge of a face's markers beside their positions.
 
     Attributes
     ----------

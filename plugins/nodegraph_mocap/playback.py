@@ -62,13 +62,13 @@ class Panel(Value):
 
     @property
     def seconds(self) -> float:
-        """How long it plays: each frame is shown until the next one begins."""
+        """Duration: each frame is shown until the next one begins."""
         return self.shown.frames / self.shown.rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Playback(Value):
-    """What a report plays: panels side by side on one clock, seen from one side.
+    """Panels that a report plays side by side on one clock, seen from one side.
 
     The clock counts seconds. A panel shows the frame that began last, and its last frame after
     it has ended, so that panels of other rates and lengths keep together.
@@ -106,7 +106,7 @@ class Playback(Value):
 
     @property
     def seconds(self) -> float:
-        """How long the longest panel plays."""
+        """Duration of the longest panel."""
         return max(panel.seconds for panel in self.panels)
 
 

@@ -1,4 +1,4 @@
-"""What contracts of families that take a recording and give one have in common.
+"""Contracts shared by families that take a recording and return one.
 
 Each function yields what breaks a promise; see `nodegraph.Contract`. A family lists those that
 hold for it beside its own.
@@ -28,15 +28,15 @@ _SECONDS = {"s": 1, "ms": 1, "Hz": -1, "mm/s": -1, "mm/s^2": -2}
 """The power of seconds in units of settings."""
 
 DEPENDS_ON_AXES = "depends on the axes"
-"""What the documentation of a method says that works coordinate by coordinate."""
+"""Phrase in the documentation of a method that works coordinate by coordinate."""
 
 DEPENDS_ON_RATE = "depends on the rate"
-"""What the documentation of a method says that has a duration by heart."""
+"""Phrase in the documentation of a method with a fixed duration."""
 
 SCALE = 2.0
 FASTER = 2.0
 MISPLACED = 100.0
-"""How many times too near the origin, or too far from it, no method puts a sample by intent."""
+"""Factor of the distance from the origin by which no method misplaces a sample by intent."""
 
 TOLERANCE = 1e-6
 """Millimetres: far above rounding, far below anything a camera sees."""

@@ -28,7 +28,7 @@ _FROM_POSITIONS: Any = None
 
 
 class Origin(IntEnum):
-    """Where a sample came from."""
+    """The origin of a sample."""
 
     MISSING = 0
     MEASURED = 1

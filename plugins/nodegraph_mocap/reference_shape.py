@@ -1,4 +1,4 @@
-"""Where the markers lie relative to one another, in one pose, as far as a recording shows."""
+"""The markers' places relative to one another in one pose, as far as a recording shows them."""
 
 from __future__ import annotations
 

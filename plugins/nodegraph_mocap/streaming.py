@@ -1,4 +1,4 @@
-"""How recordings, masks, weights, head motions, animations and detections become frames."""
+"""Splits recordings, masks, weights, head motions, animations and detections into frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where on the face a method errs."""
+"""The error of a method at each place of the face."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How errors are drawn on a face."""
+"""Draws errors on a face."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _ACROSS = 5
 _LETTERS = 22
-"""In a line above a picture."""
+"""Letters in a line above a picture."""
 
 _COLOURS = LinearSegmentedColormap.from_list("errors", ["#f6e3bd", "#d9791c", "#7a2b08"])
 _SMALLEST, _LARGEST = 10.0, 110.0

@@ -1,4 +1,4 @@
-"""How faces are drawn."""
+"""Draws faces."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class _Face:
 
     @property
     def steady(self) -> NDArray[np.float64]:
-        """What was measured or repaired, and the truth of the rest, (P, 2)."""
+        """Positions that were measured or repaired, and the truth of the rest, (P, 2)."""
         kept = self.of(Origin.MEASURED) | self.of(Origin.REPAIRED)
         known = ~kept & np.isfinite(self.truth[:, 0])
         return np.concatenate([self.points[kept], self.truth[known]])

@@ -24,7 +24,7 @@ _MANY = 5000
 """Points from which on they are drawn as one picture, so that the file stays small."""
 _WIDE = 100.0
 _LETTERS = 24
-"""In a line of the legend."""
+"""Letters in a line of the legend."""
 
 
 @node("plot.scatter")

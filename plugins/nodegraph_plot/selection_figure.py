@@ -1,4 +1,4 @@
-"""How selected markers are drawn."""
+"""Draws selected markers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _COLUMNS = 4
 _LETTERS = 30
-"""In a line above a face."""
+"""Letters in a line above a face."""
 
 _SHARE = "share of the runs that chose the pair"
 _MAP = colormaps["viridis_r"]

@@ -1,4 +1,4 @@
-"""How shapes are drawn over their references."""
+"""Draws shapes over their references."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ _ACROSS = 4
 _SIDE = 2.7
 _MARGIN = 0.1
 _LETTERS = 30
-"""In a line above a panel."""
+"""Letters in a line above a panel."""
 
 _FEW = 12
 """Points, above which dots and lines are finer."""
 
 _KINDS = (("reference", ORANGE, 3.2), ("shape", BLUE, 1.2))
 _DECIMALS = 9
-"""Of D: what lies beyond is rounding."""
+"""Decimals of D; further ones are rounding."""
 
 
 def draw(pairs: dict[str, tuple[Trajectories, Trajectories]], frame: int, view: str) -> Figure:

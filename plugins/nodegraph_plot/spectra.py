@@ -1,4 +1,4 @@
-"""How strongly markers move at each frequency."""
+"""Power of the markers' movement at each frequency."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _WIDE, _TALL = 6.4, 4.0
 _LETTERS = 24
-"""In a name beside a line."""
+"""Letters in a name beside a line."""
 
 _SEGMENT = 256
 _SHORTEST = 8

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _FEWEST_AROUND = 10
 _MOST_IN_FULL = 6
 _BEST = 3
-"""So many are drawn in full where there are more."""
+"""Number of methods that are drawn in full where there are more."""
 
 Coordinate = Literal["x", "y", "z"]
 

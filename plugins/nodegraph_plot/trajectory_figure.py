@@ -1,4 +1,4 @@
-"""How trajectories are drawn."""
+"""Draws trajectories."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _STRAY = 1.5
 _BROAD = 3.0
 _LETTERS = 22
-"""In the name of a line."""
+"""Letters in the name of a line."""
 
 _TALL = 1.7
 """Inches of a panel."""
@@ -73,7 +73,7 @@ class _Curves:
 
     @property
     def shading(self) -> set[str]:
-        """What the shaded frames are: ``gap`` where any has none measured, ``repaired``."""
+        """Meanings of the shaded frames: ``gap`` where no sample was measured, ``repaired``."""
         flagged = {"gap": ~self.measured, "repaired": self.estimated & self.measured}
         return {name for name, flags in flagged.items() if flags.any()}
 

@@ -1,4 +1,4 @@
-"""What PCA finds in a recording: the movement of the head, or that of the face."""
+"""Principal components of a recording as the movement of the head, or that of the face."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ COLUMNS = (
 
 
 class AlignmentScore(NamedTuple):
-    """What PCA finds: its numbers and its picture."""
+    """The outputs of the score: its numbers and its picture."""
 
     table: Table
     figure: Figure

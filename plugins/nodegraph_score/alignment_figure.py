@@ -1,4 +1,4 @@
-"""How it is drawn what PCA finds: bars of variance, and what head motion makes of them."""
+"""Draws the variances of principal components, and the share of head motion in them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _ACROSS = 5
 _LETTERS = 24
-"""In a line above a panel."""
+"""Letters in a line above a panel."""
 
 _LEAST = 0.005
 """The smallest share of a component that is written."""

@@ -43,7 +43,7 @@ BETTER: dict[str, BetterEnd] = dict.fromkeys(UNITS, "none")
 
 
 class Calibration(NamedTuple):
-    """How many errors lie within the stated intervals."""
+    """The number of errors that lie within the stated intervals."""
 
     table: Annotated[Table, Columns("frames", *UNITS)]
     figure: Figure

@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _NEAREST = 0.1
-"""Of the take: the smallest shift in time."""
+"""Smallest shift in time, as a share of the take."""
 
 _ROUNDING = 1e-9
-"""Of a largest value: what is less is rounding."""
+"""Share of the largest value below which a value is rounding."""
 
 
 @dataclass(frozen=True)
 class Components:
-    """What PCA finds, the largest first.
+    """Principal components, the largest first.
 
     Attributes
     ----------

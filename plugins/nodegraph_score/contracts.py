@@ -1,4 +1,4 @@
-"""What every score promises, third-party ones included."""
+"""Contracts of every score, third-party ones included."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nodegraph_tables import info_of
 _ANSWERS = ("truth", "reference")
 _ROUNDING = 1e-9
 _FAR = 50.0
-"""How many times too large or too small a score is that has another unit than it states."""
+"""Factor that reveals a score in another unit than it states."""
 
 
 def gives_a_table(tried: Tried) -> Iterator[str]:

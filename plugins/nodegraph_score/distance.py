@@ -1,4 +1,4 @@
-"""How far markers are from where they should be, a row per frame."""
+"""The distance of markers from where they should be, a row per frame."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ UNITS = {
 }
 BETTER: dict[str, BetterEnd] = {"frame": "none", "markers": "higher"}
 _FRAMES = 4096
-"""That are compared at a time."""
+"""Number of frames that are compared at a time."""
 
 
 @node("score.distance")

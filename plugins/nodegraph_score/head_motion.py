@@ -1,4 +1,4 @@
-"""How far a head motion that was found is from the true one, a row per frame."""
+"""The difference of an estimated head motion from the true one, a row per frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a head is, in six numbers per frame; what is left of it, and how far two are apart."""
+"""The pose of a head as six numbers per frame, and the difference of two poses."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 NAMES = ("turn x", "turn y", "turn z", "shift x", "shift y", "shift z")
-"""What `pose` gives: the rotation vector and the translation."""
+"""Names of the numbers of `pose`: the rotation vector and the translation."""
 
 
 def pose(motion: HeadMotion) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""How unevenly a marker moves from frame to frame, a row per marker."""
+"""The unevenness of a marker's movement from frame to frame, a row per marker."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 UNITS = {"vectors": "count", "roughness": "mm^2/frame^2"}
 BETTER: dict[str, BetterEnd] = {"vectors": "none", "roughness": "none"}
 _MARKERS = 8
-"""That are looked at together: the differences of all take several times as much memory."""
+"""Number of markers at a time: the differences of all take several times as much memory."""
 
 
 @node("score.roughness", cite="zhang_scattered")

@@ -1,4 +1,4 @@
-"""What smoothing has done to the movement itself, a row per marker."""
+"""The effect of smoothing on the movement itself, a row per marker."""
 
 from __future__ import annotations
 

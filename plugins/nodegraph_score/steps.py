@@ -1,4 +1,4 @@
-"""What each step of a chain has done to the error, a row per step."""
+"""The effect of each step of a chain on the error, a row per step."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _FEWEST = 2
 
 @dataclass(frozen=True)
 class _Stage:
-    """What a recording is after a step, at the truth's markers.
+    """A recording after a step, at the truth's markers.
 
     Attributes
     ----------

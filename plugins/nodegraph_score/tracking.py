@@ -1,4 +1,4 @@
-"""How well tracks follow markers, a row per marker."""
+"""The quality of tracks, a row per marker."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well the selected markers predict the others, a row per marker that was not selected."""
+"""The error with which the selected markers predict the others, a row per marker not selected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the weights of blendshapes are from what they should be."""
+"""The error of the weights of blendshapes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every selection of markers promises, third-party ones included."""
+"""Contracts of every selection of markers, third-party ones included."""
 
 from __future__ import annotations
 

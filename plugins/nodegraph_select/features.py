@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Trajectories
 
 _STILL = 1e-9
-"""Of the largest spread: a coordinate that spreads less moves by no more than rounding."""
+"""Share of the largest spread below which a coordinate moves by no more than rounding."""
 
 _SEEN = 1e-6
 """Millimetres. Alignment leaves a rigid head 1e-11 at a metre from the origin, 1e-8 at a kilometre;
@@ -24,7 +24,7 @@ the best cameras see 1e-3. What spreads less is the rounding of double numbers, 
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """What the methods choose from.
+    """The features from which the methods choose.
 
     Attributes
     ----------

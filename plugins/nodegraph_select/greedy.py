@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _NOTHING = 1e-12
-"""Of all variance: less is rounding."""
+"""Share of all variance below which a gain is rounding."""
 _TIE = 1e-9
-"""Of the largest gain: what comes so close is as large."""
+"""Relative difference from the largest gain within which a gain counts as equal."""
 
 
 @node("select.greedy", cite="farahat2013")

@@ -1,4 +1,4 @@
-"""Which markers are chosen or left together."""
+"""Pairs of markers that are chosen or left together."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Count:
-    """How many markers to choose.
+    """The number of markers to choose.
 
     Attributes
     ----------

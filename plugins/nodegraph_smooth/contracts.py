@@ -1,4 +1,4 @@
-"""What every smoothing promises, third-party ones included."""
+"""Contracts of every smoothing, third-party ones included."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def dct(recording: Trajectories, *, cutoff: Cutoff = 10.0) -> Trajectories:
 
 
 _SLIGHT = 1e-9
-"""So that a cosine of the very frequency of the cut-off is kept, however that was rounded."""
+"""Relative margin by which a cosine exactly at the cut-off is kept, however that was rounded."""
 
 
 def _highest(width: float, length: int) -> int:

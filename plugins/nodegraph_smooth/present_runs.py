@@ -30,7 +30,7 @@ Method = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
 
 @dataclass(frozen=True)
 class Runs:
-    """Every run of present samples of one marker, by marker and then by time.
+    """Runs of present samples of one marker, ordered by marker and then by time.
 
     Attributes
     ----------

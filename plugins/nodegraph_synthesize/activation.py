@@ -30,7 +30,7 @@ _SPEECH = {
 }
 """Muscles that follow the sounds, and how strongly they act at most."""
 _SOUNDS = 2.5
-"""Of the sounds, Hz."""
+"""Rate of the sounds, Hz."""
 _PLAY = {
     "frontalisInner": 0.8,
     "frontalisOuter": 0.8,

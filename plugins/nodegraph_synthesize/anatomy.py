@@ -37,11 +37,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _JAW_ANGLE = np.radians(18.0)
-"""Of the wide open jaw: the chin falls about 33 mm. Speech takes a third of it and less."""
+"""Angle of the wide open jaw: the chin falls about 33 mm. Speech takes a third of it and less."""
 _JAW_JOINT = (15.0, -45.0)
 """y and z of the axis through the jaw's joints, mm on the average face."""
 _JAW_GLIDE = (-4.0, 9.0)
-"""How far down and forwards the joints themselves slide when the jaw opens wide, mm."""
+"""Distance that the joints themselves slide down and forwards when the jaw opens wide, mm."""
 _STRETCH = 30.0
 """A pull of this length, mm, is shortened to 1 / sqrt(2) by the skin's stiffness."""
 

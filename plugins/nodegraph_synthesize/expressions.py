@@ -60,7 +60,7 @@ EXPRESSIONS: Mapping[str, Mapping[str, float]] = {
     "smirkLeft": {"zygomaticMajorLeft": 1.0, "levatorLabiiLeft": 0.5, "cheekSquintLeft": 0.8},
     "smirkRight": {"zygomaticMajorRight": 1.0, "levatorLabiiRight": 0.5, "cheekSquintRight": 0.8},
 }
-"""How strongly each muscle, or that of one side, acts in each expression at most."""
+"""Largest activation of each muscle, or that of one side, in each expression."""
 
 _SHORTEST = (0.3, 0.5, 0.4, 0.3)
 _LONGEST = (0.6, 1.7, 0.8, 0.5)
@@ -71,7 +71,7 @@ _KIND = np.array([KINDS.index(kind_of(name)) for name in CHANNELS])
 _SPOKEN_THROUGH = 0.35
 """Share of expressions that do not hush the actor."""
 _HUSH = 0.92
-"""How much the others take from speech."""
+"""Share that the other expressions take from speech."""
 
 
 @dataclass(frozen=True)

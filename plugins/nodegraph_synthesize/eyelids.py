@@ -22,11 +22,11 @@ EYELIDS = "orbicularisOculi"
 """The muscle around the eye, whose channels close the left eye and the right one."""
 
 _CENTRE, _HALF_WIDTH = 31.0, 17.5
-"""Of the eye on the average face, in u, mm."""
+"""Centre and half width of the eye on the average face, in u, mm."""
 _HEIGHTS = (8.0, 18.0, 34.0, 44.0)
 """v below the lower lid, on it, on the upper lid, and where the brow begins, mm."""
 _LOWERED = (0.0, -1.0, 11.0, 0.0)
-"""How far the skin at these heights goes down when the eye closes, mm."""
+"""Distance that the skin at these heights goes down when the eye closes, mm."""
 
 
 def eyelid_offsets(

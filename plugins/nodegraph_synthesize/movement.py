@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 LARGEST_TURN = 4.9
 """Degrees; the head turns by less."""
 LARGEST_SHIFT = 0.049
-"""Of the head's length; the head shifts by less."""
+"""Largest shift of the head, as a share of its length."""
 _TURN = np.array([2.0, 2.5, 1.2])
 """Typical nod, turn and tilt, degrees."""
 _SHIFT = np.array([0.012, 0.012, 0.015])

@@ -77,7 +77,7 @@ CHANNELS = (
     *CENTRAL,
     *(f"{name}{side}" for name in (*PAIRED, EYELIDS) for side in ("Left", "Right")),
 )
-"""What is activated, in the order of the weights."""
+"""Names of what is activated, in the order of the weights."""
 
 
 def kind_of(channel: str) -> str:

@@ -1,4 +1,4 @@
-"""What makes one actor's face another's: its proportions.
+"""The proportions in which one actor's face differs from another's.
 
 A place on any face is written as the place on the average face, (u, v) in millimetres: u to the
 left of the face, v up, both from a point between the ears' height and the nose. `Proportions`
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOUTH_HEIGHT = -36.0
-"""Where the lips meet on the average face, mm."""
+"""Height at which the lips meet on the average face, mm."""
 
 MOUTH_CORNER = 27.0
-"""Where the lips end on the average face, mm from the midline."""
+"""Distance of the lips' corners from the midline on the average face, mm."""
 
 FACE_LENGTH = 190.0
 """From the chin to the hairline on the average face, mm."""

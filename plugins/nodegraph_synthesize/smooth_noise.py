@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 LONGEST_REST = 0.3
 """Seconds."""
 _SHARE = 0.1
-"""Of a take too short for that, which still has to show something."""
+"""Share of a take too short for that, which still has to show something."""
 
 
 def smooth_noise(

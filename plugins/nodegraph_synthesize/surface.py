@@ -29,7 +29,7 @@ _ROW_SPACING = 3.8
 _FRONT = 62.0
 """z of the skull between the eyes, mm."""
 _DEPTH = 122.0
-"""Of the half oval that the skull's horizontal section is, mm."""
+"""Depth of the half oval that is the skull's horizontal section, mm."""
 
 _CENTRAL = (
     # part, height of the bump in mm, centre v, half-widths in u and v

@@ -1,4 +1,4 @@
-"""What figures share: quiet axes, and the names of lines beside their ends."""
+"""Quiet axes for all figures, and the names of lines beside their ends."""
 
 from __future__ import annotations
 

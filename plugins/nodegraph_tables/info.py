@@ -19,7 +19,7 @@ Part = Literal["low", "high", "p"]
 
 @dataclass(frozen=True, config={"defer_build": True})
 class TableInfo:
-    """What a table carries beside its rows, for readers and for nodes that compare tables.
+    """Information of a table beside its rows, for readers and for nodes that compare tables.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ MOST_CARDS = 8
 _ONE_ROW = 4
 
 _WIDE = 240.0
-"""Of the picture on a card, in pixels."""
+"""Width of the picture on a card, in pixels."""
 
 _TICKS = 5
 _LETTER = 6.0
@@ -60,7 +60,7 @@ class Card(Value):
 
 @dataclass(frozen=True)
 class Lead(Value):
-    """What a table answers, on the first screen of a report.
+    """The answer of a table on the first screen of a report.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How tables and figures are stored: a table exactly or not at all, a figure as its drawing."""
+"""Storage of tables and figures: a table exactly or not at all, a figure as its drawing."""
 
 from __future__ import annotations
 

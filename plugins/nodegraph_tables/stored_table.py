@@ -1,4 +1,4 @@
-"""What a table is made of, as plain values: it comes back exactly, or is refused."""
+"""A table as plain values: it comes back exactly, or is refused."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ _LEFT_OUT = "\N{HORIZONTAL ELLIPSIS}"
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How one method appears.
+    """The appearance of one method.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What every tracker promises, third-party ones included."""
+"""Contracts of every tracker, third-party ones included."""
 
 from __future__ import annotations
 

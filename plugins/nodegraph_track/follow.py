@@ -1,4 +1,4 @@
-"""What the trackers share: open tracks, carried from frame to frame.
+"""Shared by the trackers: open tracks, carried from frame to frame.
 
 A track is opened by a point that no track takes. A method predicts where the open tracks are in
 a frame and links them to the frame's points. A track that gets none stays open for `patience`
@@ -97,7 +97,7 @@ NO_TRACKS = OpenTracks(
 
 
 class Links(NamedTuple):
-    """What a method says of one frame.
+    """The links that a method makes in one frame.
 
     Attributes
     ----------

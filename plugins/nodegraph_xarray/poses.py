@@ -30,7 +30,7 @@ _BEFORE_0_17 = {"keypoints": "keypoint", "individuals": "individual"}
 _AXES = ["x", "y", "z"]
 _KEPT = {"position", "confidence", "origin", "sigma"}
 NAMES = frozenset({*_DIMENSIONS, *_BEFORE_0_17, *_KEPT})
-"""Of the variables and coordinates that a recording is made of."""
+"""Names of the variables and coordinates of a recording."""
 _MOST_JITTER = 0.1  # of a frame's duration, by which a step from frame to frame may be off
 
 

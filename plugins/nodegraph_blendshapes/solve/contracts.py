@@ -1,4 +1,4 @@
-"""What everything promises that solves for weights, third-party ones included."""
+"""Contracts of every node that solves for weights, third-party ones included."""
 
 from __future__ import annotations
 

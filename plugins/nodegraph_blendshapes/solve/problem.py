@@ -1,4 +1,4 @@
-"""What is to be explained: how far each marker is from the neutral, and what shapes can do."""
+"""The least-squares problem: displacements of the markers from the neutral, and the shapes."""
 
 from __future__ import annotations
 

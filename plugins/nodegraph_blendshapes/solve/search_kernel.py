@@ -77,7 +77,7 @@ class System(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Where a search stands.
+    """State of a search.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ _CENTRES, _STAYS, _STEPS, _HALVINGS, _SHARPER = 20, 3, 20, 30, 5
 
 
 class Ties(NamedTuple):
-    """What the weights are to be.
+    """Penalties on the weights.
 
     Attributes
     ----------

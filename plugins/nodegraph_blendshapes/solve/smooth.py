@@ -24,7 +24,7 @@ ENOUGH = 1e-10
 """With no larger share left of the largest gradient at weights of 0, the weights are given."""
 
 SHARE = 1e-9
-"""How much the norm counts beside the squares, while the weights of least norm are approached."""
+"""Weight of the norm beside the squares while the weights of least norm are approached."""
 
 _APPROACHES = 25
 

@@ -1,4 +1,4 @@
-"""What the JSON of a glTF file says, as far as meshes and their places go.
+"""The parts of a glTF file's JSON that describe meshes and their places.
 
 Source: glTF 2.0 Specification, sections 3.5 to 3.8 and 5, The Khronos Group.
 """
@@ -28,7 +28,7 @@ class _Part(BaseModel):
 
 
 class Asset(_Part):
-    """Whose file it is; ours says its unit in the extras."""
+    """The program that wrote the file; our files state their unit in the extras."""
 
     version: str
     extras: object = None
@@ -51,7 +51,7 @@ class BufferView(_Part):
 
 
 class SparseIndices(_Part):
-    """Where the stored values belong."""
+    """The places of the stored values."""
 
     buffer_view: Index
     byte_offset: Index = 0
@@ -74,7 +74,7 @@ class Sparse(_Part):
 
 
 class Accessor(_Part):
-    """How numbers lie in a view."""
+    """The layout of numbers in a view."""
 
     buffer_view: Index | None = None
     byte_offset: Index = 0
@@ -125,7 +125,7 @@ class Skin(_Part):
 
 
 class Scene(_Part):
-    """What is shown."""
+    """The nodes that are shown."""
 
     nodes: list[Index] = []
 

@@ -62,7 +62,7 @@ _LEADING = 2  # columns of an index at most
 
 @dataclass
 class Columns:
-    """Which column holds what, counted from 0.
+    """The columns of a table by what they hold, counted from 0.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ _FEW = 10_000_000  # weights for which there is room in any case
 
 @dataclass(frozen=True)
 class _Times:
-    """When the frames were taken: whole seconds, and counts of the timecode within them."""
+    """The times of the frames: whole seconds, and counts of the timecode within them."""
 
     path: Path
     lines: list[int]

@@ -32,7 +32,7 @@ _RATES = ("Export Frame Rate", "Capture Frame Rate")
 
 @dataclass(frozen=True)
 class _Header:
-    """What the rows above the frames say of each column; "" where they say nothing."""
+    """The text of each column in the rows above the frames; "" where there is none."""
 
     types: Sequence[str]
     names: Sequence[str]

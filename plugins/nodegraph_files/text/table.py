@@ -122,7 +122,7 @@ _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 
 @dataclass(frozen=True, kw_only=True)
 class Rows:
-    """Where the numbers of a table stand.
+    """The place of a table's numbers in its file.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ _OTHERS = {
     b"\x00\x00\x00\x06": "probably a record of Live Link packets; use the CSV file of the take",
     b"\x06": "probably a record of Live Link packets; use the CSV file of the take",
 }
-"""What files are that begin with these bytes, by which no text begins."""
+"""File formats by their first bytes, with which no text begins."""
 _COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)(?:\s+\w+)?")
 
 
@@ -37,7 +37,7 @@ class Line(NamedTuple):
 
 
 class Comment(NamedTuple):
-    """What a line ``# name: value`` says, and where."""
+    """The name and value of a line ``# name: value``, and its place."""
 
     value: str
     line: int

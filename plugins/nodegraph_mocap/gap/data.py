@@ -1,4 +1,4 @@
-"""What the view of a block needs, packed: one marker around a gap, as every method has it.
+"""The packed data of a block's view: one marker around a gap, as every method has it.
 
 Arrays are whole steps in two bytes each (in one byte for the face), as base64 text; a missing
 sample is the least number there is. Each array has a step of its own, so that a method that
@@ -35,7 +35,7 @@ AROUND = 30
 """Frames on each side of a single frame, where the block is not a gap."""
 
 MOST_FRAMES = 400
-"""In a view; of a longer gap every second, third, ... frame is shown."""
+"""Frames in a view; of a longer gap every second, third, ... frame is shown."""
 
 MOST_POSES = 30
 """Frames in which the whole face is there; a view moves it evenly from one to the next."""
@@ -49,7 +49,7 @@ _DIRECTIONS = (("to the side", "to the side"), ("up", "down"), ("to the front", 
 
 @dataclass(frozen=True)
 class _Scored:
-    """What the scores of a block had read.
+    """The values that the scores of a block read.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How a report shows one block of a comparison of recordings."""
+"""The view of one block of a comparison of recordings in a report."""
 
 from __future__ import annotations
 

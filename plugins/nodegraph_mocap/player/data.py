@@ -1,4 +1,4 @@
-"""What a playback's script needs to know, packed: positions, origins, meshes, morphs, weights.
+"""The packed data of a playback's script: positions, origins, meshes, morphs, weights.
 
 Positions and vertices are rounded to steps of 0.01 mm at most: they are off by 0.005 mm at most in
 each coordinate. Weights are rounded to 0.0001, which moves a vertex by less than that for each
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 MOST_STEPS = 2**30
-"""How far from 0 a number may be, in steps; sums of two still fit 32 bits."""
+"""Largest magnitude of a number, in steps; sums of two still fit 32 bits."""
 
 _LEVEL = 6
 

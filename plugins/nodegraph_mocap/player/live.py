@@ -1,4 +1,4 @@
-"""How recordings and animations appear on the page of a stream: by the player's own pictures."""
+"""Recordings and animations on the page of a stream, drawn by the player."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a playback appears: in the report, and as a page of its own beside it.
+"""A playback in the report, and as a page of its own beside it.
 
 The player is written here, in plain JavaScript on 2D canvases, and needs no library: dots, lines
 and one shaded mesh are all there is to draw. Each file in ``web`` is a module of the page, and its

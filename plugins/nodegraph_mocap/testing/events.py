@@ -1,4 +1,4 @@
-"""What all strategies draw from: names, seeds, places of markers, runs of samples."""
+"""Elements of all strategies: names, seeds, places of markers, runs of samples."""
 
 from __future__ import annotations
 
