@@ -167,7 +167,6 @@ def odd_study(seed: int, most: int = 300) -> Odd:
         "ranks": ("compare.ranks", question),
         "beliefs": ("compare.bayes", {k: v for k, v in question.items() if v != "none"}),
         "plain": ("compare.table", {}),
-        "importance": ("compare.importance", {"metric": "rmse"}),
     }
     nodes: dict[str, Any] = {
         "x": {

@@ -24,7 +24,7 @@ SHOWN = {
 }
 """Labels, and how they are drawn."""
 
-WITHOUT_LABELS = {"compare.importance", "score.calibration"}
+WITHOUT_LABELS = {"score.calibration"}
 """Nodes whose figures name the axes or levels of coverage, and no label."""
 
 

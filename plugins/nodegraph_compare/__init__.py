@@ -14,14 +14,12 @@ if TYPE_CHECKING:
 @hookimpl
 def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the plugin's nodes."""
-    from nodegraph_compare.agreement.node import agreement
     from nodegraph_compare.bayes.node import bayes
     from nodegraph_compare.curve.node import curve
-    from nodegraph_compare.importance import importance
     from nodegraph_compare.ranks.node import ranks
     from nodegraph_compare.table.node import table
 
-    return (agreement, bayes, curve, importance, ranks, table)
+    return (bayes, curve, ranks, table)
 
 
 @hookimpl

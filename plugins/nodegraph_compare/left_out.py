@@ -31,9 +31,7 @@ _COMBINATION = re.compile(r"^([\w.]+)\(.*?\) (?=(?:failed|refused): )")  # of fi
 _MOST_LACKING = 3
 
 
-def left_out(
-    scores: Across[Table], question: Question, groups: Sequence[Group], *, pairwise: bool = False
-) -> list[str]:
+def left_out(scores: Across[Table], question: Question, groups: Sequence[Group]) -> list[str]:
     """Return notes on what is left out, and warn of all that was not skipped on purpose.
 
     Notes on tables that count several times come last.
@@ -46,13 +44,10 @@ def left_out(
         The gathered tables.
     question, groups
         Of the comparison.
-    pairwise
-        Whether two methods are compared over the blocks that both of them have, whatever the
-        others lack.
     """
     same: dict[str, list[str]] = defaultdict(list)
     for group in groups:
-        if text := dropped(group, pairwise):
+        if text := dropped(group):
             same[text].append(group_text(group, question))
     sentences = [f"{start_text(_few(names))}{text}" for text, names in same.items()]
     missing = absences(unsuccessful(scores), question.compare)
@@ -68,12 +63,11 @@ def left_out(
     ]
 
 
-def dropped(group: Group, pairwise: bool = False) -> str:
+def dropped(group: Group) -> str:
     """Return a note on blocks left out of a group and the methods they lack; empty if none are."""
     some = [f"{name} lacks {count}" for name, count in _lacking(group)]
     total, count = len(group.values), np.count_nonzero(~group.complete)
-    what = "are not in every pair" if pairwise else "left out"
-    clauses = [f"{count} of {total} blocks {what} ({listed(some)})"] if some else []
+    clauses = [f"{count} of {total} blocks left out ({listed(some)})"] if some else []
     return "; ".join(filter(None, [*clauses, numberless(group)]))
 
 

@@ -116,11 +116,6 @@ def _starts(ordered: Numbers, width: Numbers) -> NDArray[np.bool_]:
     return np.concatenate([np.ones((len(ordered), 1), dtype=bool), ~near | full], axis=1)
 
 
-def differ(values: Numbers) -> NDArray[np.bool_]:
-    """Return, for the columns of (B, K) values, whether they differ by more than rounding."""
-    return np.asarray(np.ptp(values, axis=0) > ROUNDING * np.abs(values).max(axis=0))
-
-
 def at_most(values: Numbers, level: float) -> NDArray[np.bool_]:
     """Return which values are at or below a level, up to rounding; none where it is NaN."""
     return np.asarray(values - level <= ROUNDING * np.maximum(np.abs(values), np.abs(level)))

@@ -67,7 +67,7 @@ def test_the_methods_that_an_axis_concerns_are_named(
 
 @pytest.mark.parametrize(
     ("node", "settings"),
-    [("compare.ranks", {}), ("compare.curve", {"x": "neighbours"}), ("compare.importance", {})],
+    [("compare.ranks", {}), ("compare.curve", {"x": "neighbours"})],
 )
 def test_every_comparison_names_them(node: str, settings: dict[str, str]) -> None:
     scores = gathered({"ridge": ("neighbours",)})
