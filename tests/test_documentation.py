@@ -90,7 +90,14 @@ def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixt
             file.write(code)  # a later block continues where an earlier one ended
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {
-        *("my_nodes.py", "test_my_nodes.py", "my_type.py", "my_table.py", "my_format.py"),
+        *(
+            "my_nodes.py",
+            "test_my_nodes.py",
+            "my_type.py",
+            "my_table.py",
+            "my_card.py",
+            "my_format.py",
+        ),
         *("my_network.py", "my_command.py"),
     }
     runpy.run_path(str(tmp_path / "my_table.py"))
