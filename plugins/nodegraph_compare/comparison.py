@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from nodegraph import nearest
 from nodegraph_compare.blocks import groups, label_order
 from nodegraph_compare.question import ask, blocks_name, unit_of
+from nodegraph_tables import info_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,6 +49,11 @@ class Comparison:
         if self.fallback is None:
             return self.groups
         return tuple(group.filled(self.fallback) for group in self.groups)
+
+    @cached_property
+    def is_sequence(self) -> bool:
+        """Whether methods follow one another, such as the steps of a chain."""
+        return self.question.compare in info_of(self.scores.values()[0]).sequences
 
     @cached_property
     def unit(self) -> str:

@@ -77,29 +77,49 @@ def numberless(group: Group) -> str:
     return f"without any number, not compared: {listed(names)}" if names else ""
 
 
-def narrowed(group: Group, blocks: str) -> str:
-    """Return a note on the blocks left and the method that lacks most; empty if none are gone.
+def narrowed(lacking: Iterable[tuple[Label, int]], used: int, total: int, blocks: str) -> str:
+    """Return a note on the blocks left and the methods that lack most; empty if none are gone.
 
-    ``10 of 40 gaps: mean_pose lacks 30``, with `blocks` the name of several blocks.
+    ``10 of 40 gaps, the rest left out: mean_pose lacks 30``.
+
+    Parameters
+    ----------
+    lacking
+        Methods with the number of blocks that each lacks.
+    used, total
+        Numbers of blocks.
+    blocks
+        What several blocks are called.
     """
-    total, count = len(group.values), np.count_nonzero(group.complete)
-    if not group.usable.any() or count == total:
+    if used == total:
         return ""
-    lacking = sorted(_lacking(group), key=lambda method: -method[1])
-    clauses = [f"{name} lacks {count}" for name, count in lacking[:_MOST_LACKING]]
-    more = len(lacking) - len(clauses)
+    some = sorted(((name, count) for name, count in lacking if count), key=lambda each: -each[1])
+    clauses = [f"{name} lacks {count}" for name, count in some[:_MOST_LACKING]]
+    more = len(some) - len(clauses)
     rest = f" and {more} more lack some" if more else ""
-    return f"{count} of {total} {blocks}, the rest left out: {', '.join(clauses)}{rest}"
+    return f"{used} of {total} {blocks}, the rest left out: {', '.join(clauses)}{rest}"
 
 
-def filled(group: Group, fallback: Label | None, blocks: str) -> str:
+def narrowed_group(group: Group, blocks: str) -> str:
+    """Return the note `narrowed` on a group."""
+    if not group.usable.any():
+        return ""
+    used = int(np.count_nonzero(group.complete))
+    return narrowed(_lacking(group), used, len(group.values), blocks)
+
+
+def filled(
+    taken: Iterable[tuple[Label, int]], total: int, fallback: Label | None, blocks: str
+) -> str:
     """Return a note on methods that take another's value, and in how many blocks; or nothing."""
-    lost = [
-        f"{name} {count} of {len(group.values)}"
-        for name, count in zip(group.methods, group.taken, strict=False)
-        if count
-    ]
+    lost = [f"{name} {count} of {total}" for name, count in taken if count]
     return f"missing {blocks} as by {fallback} ({', '.join(lost)})" if lost else ""
+
+
+def filled_group(group: Group, fallback: Label | None, blocks: str) -> str:
+    """Return the note `filled` on a group."""
+    taken = zip(group.methods, group.taken, strict=False)
+    return filled(taken, len(group.values), fallback, blocks)
 
 
 def _lacking(group: Group) -> list[tuple[Label, int]]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
-from nodegraph import Across, ColumnOf, Label, LabelOf, listed, nearest
+from nodegraph import Across, ColumnOf, Label, LabelOf, Value, listed, nearest
 from nodegraph_tables import BetterEnd, info_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ Clusters = Annotated[
 
 
 @dataclass(frozen=True)
-class Margin:
+class Margin(Value):
     """Within which methods count as equal: a factor, or a difference in some unit.
 
     Attributes

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from nodegraph import Value
 from nodegraph_compare.inference import FEWEST, FEWEST_JUDGED, FEWEST_SETTLED
 from nodegraph_compare.ties import ROUNDING, tied
 
@@ -23,6 +24,24 @@ MOST_RECORDINGS = 2
 
 _SEGMENTS = ((10, 100), (6, 36))
 """Numbers of segments, each with how many correlation lengths the recording must have."""
+
+
+@dataclass(frozen=True)
+class Shortage(Value):
+    """What is too little for any unit: so much there is, where so much is needed.
+
+    Attributes
+    ----------
+    of : str
+        ``repetitions``; ``frames`` or ``blocks`` that follow one another; ``segments``, blocks so
+        few that some of the `needed` segments have none; ``numbers``, where no block has a number
+        for every method.
+    there, needed : float
+    """
+
+    of: Literal["repetitions", "frames", "blocks", "segments", "numbers"]
+    there: float = 0.0
+    needed: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -45,7 +64,7 @@ class Units:
         The recording of each segment or draw, where there are several.
     fewest : int
         Blocks in the unit with fewest.
-    why : str
+    shortage : Shortage or None
         Why there are no units.
     """
 
@@ -55,7 +74,7 @@ class Units:
     place: NDArray[np.intp]
     strata: NDArray[np.intp] | None = None
     fewest: int = 0
-    why: str = ""
+    shortage: Shortage | None = None
 
     @property
     def count(self) -> int:
@@ -67,12 +86,13 @@ class Units:
 
     @property
     def speech(self) -> Speech:
-        """What may be said: three or four units are described, five to seven are provisional."""
-        if self.count < FEWEST:
-            return "nothing"
-        if self.count < FEWEST_JUDGED:
-            return "described"
-        return "provisional" if self.count < FEWEST_SETTLED else "settled"
+        """What may be said of so many units."""
+        return speech_of(self.count)
+
+    @property
+    def judged(self) -> bool:
+        """Whether there are units enough for p and a verdict."""
+        return self.speech in ("provisional", "settled")
 
     def numbers(self, ratio: bool) -> NDArray[np.float64]:
         """Return y, (N, K), whose differences are judged: of logarithms, or of the means.
@@ -87,6 +107,15 @@ class Units:
             return np.log(self.means)
         mean = self.means.mean(axis=0)
         return np.asarray(np.log(mean) + self.means / mean - 1)
+
+
+def speech_of(count: int) -> Speech:
+    """Return what may be said: three or four units are described, five to seven provisional."""
+    if count < FEWEST:
+        return "nothing"
+    if count < FEWEST_JUDGED:
+        return "described"
+    return "provisional" if count < FEWEST_SETTLED else "settled"
 
 
 def units_of(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_]) -> Units:
@@ -137,8 +166,8 @@ def _draws(
     strata = numbers % count
     fewest = int(np.bincount(strata, minlength=count).min(initial=len(numbers)))
     if fewest < FEWEST:
-        why = "one repetition" if fewest < 2 else f"{fewest} repetitions"
-        return Units("nothing", count, overall, cluster, why=why)
+        shortage = Shortage("repetitions", fewest, FEWEST)
+        return Units("nothing", count, overall, cluster, shortage=shortage)
     # equally many of each recording, so that recordings weigh equally
     kept = np.concatenate([np.flatnonzero(strata == at)[:fewest] for at in range(count)])
     means, blocks = _means(values, place, len(numbers))
@@ -154,7 +183,7 @@ def _segments(
     start: NDArray[np.float64],
     frames: NDArray[np.float64],
     overall: NDArray[np.float64],
-    unit: str,
+    unit: Literal["frames", "blocks"],
 ) -> Units:
     """Return equal parts of each recording, long against the time over which errors correlate."""
     count = len(overall)
@@ -182,17 +211,13 @@ def _segments(
             return Units("segments", count, means, place, strata, int(blocks.min()))
     parts, needed = _SEGMENTS[-1]
     if not relative:
-        why = "no block has a number for every method"
+        shortage = Shortage("numbers")
     elif relative[shortest] < needed:
         first, last = spans[shortest]
-        least = needed * lengths[shortest]
-        why = f"too few {unit}, {last - first:.0f} where {least:.0f} are needed"
+        shortage = Shortage(unit, last - first, needed * lengths[shortest])
     else:
-        why = (
-            f"too few blocks: {len(values)} leave one of the {parts * count} segments that the "
-            "takes are divided into without any; further repetitions help"
-        )
-    return Units("nothing", count, overall, cluster, why=why)
+        shortage = Shortage("segments", len(values), parts * count)
+    return Units("nothing", count, overall, cluster, shortage=shortage)
 
 
 def correlation_length(

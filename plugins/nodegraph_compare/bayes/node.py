@@ -14,10 +14,10 @@ from nodegraph_compare.left_out import (
     MOST_GROUPS,
     block_text,
     end_text,
-    filled,
+    filled_group,
     group_text,
     left_out,
-    narrowed,
+    narrowed_group,
     start_text,
 )
 from nodegraph_compare.question import (
@@ -29,8 +29,9 @@ from nodegraph_compare.question import (
     OneName,
     suited_margin,
 )
-from nodegraph_compare.scope import caution, cluster_text, scope
 from nodegraph_compare.table.summary import by_ratio
+from nodegraph_compare.verdict import clusters_name, scope_of
+from nodegraph_compare.words import caution_text, scope_text
 from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.axes import plain
@@ -150,7 +151,7 @@ def bayes(
         is not None
     ]
     if not known:
-        of = cluster_text(question) if question.clusters else "clusters, such as actors"
+        of = clusters_name(question) if question.clusters else "clusters, such as actors"
         most = max((len(np.unique(group.cluster)) for group in gathered), default=0)
         raise Refusal(
             f"needs two methods in {FEWEST_JUDGED} {of}; "
@@ -169,7 +170,7 @@ def _table(
 
     question = comparison.question
     name = question.compare or "method"
-    further = f"new {cluster_text(question).removesuffix('s')}"
+    further = f"new {clusters_name(question).removesuffix('s')}"
     frame = DataFrame(
         [
             dict(zip(question.within, belief.group.labels, strict=True))
@@ -186,8 +187,8 @@ def _table(
         answer=tuple(f"{_answer(belief, comparison, margin)}." for belief in known[:MOST_GROUPS]),
         notes=(
             f"{block_text(question)} {end_text(question)} The independent units are "
-            f"{cluster_text(question)}, which weigh equally.",
-            f"Probabilities that the mean over {cluster_text(question)}, and that a further one, "
+            f"{clusters_name(question)}, which weigh equally.",
+            f"Probabilities that the mean over {clusters_name(question)}, and that a further one, "
             f"is better, within {margin} of the reference, or worse; undecided where none reaches "
             f"{CLEAR}. Not adjusted for the number of methods.",
             *lost,
@@ -199,7 +200,7 @@ def _table(
 
 def _answer(belief: Beliefs, comparison: Comparison, margin: Margin) -> str:
     question, blocks = comparison.question, comparison.blocks
-    group, units = belief.group, belief.summary.units
+    group = belief.group
     sides: dict[str, list[str]] = {side: [] for side in (*SIDES, "undecided")}
     for at, place in enumerate(belief.places):
         largest = int(np.argmax(belief.mean[:, at]))
@@ -208,11 +209,12 @@ def _answer(belief: Beliefs, comparison: Comparison, margin: Margin) -> str:
             text += f", only with {comparison.fallback} in place of missing {blocks}"
         sides[belief.agreed[at] or "undecided"].append(f"{group.methods[place]} ({text})")
     texts = [f"{side}: {listed(names)}" for side, names in sides.items() if names]
-    over, taken = narrowed(group, blocks), filled(group, comparison.fallback, blocks)
-    few = caution(units, question)
+    over, taken = narrowed_group(group, blocks), filled_group(group, comparison.fallback, blocks)
+    scope = scope_of(belief.summary.units, question, blocks)
+    few = caution_text(scope)
     return (
         f"{start_text(group_text(group, question))}against {group.methods[belief.reference]}, with "
-        f"a margin of {margin}, the mean {question.metric} {scope(units, question, blocks)}"
+        f"a margin of {margin}, the mean {question.metric} {scope_text(scope)}"
         f"{f' ({over})' if over else ''}{f', {taken}' if taken else ''} is "
         f"{'; '.join(texts)}{f'; {few}' if few else ''}"
     )

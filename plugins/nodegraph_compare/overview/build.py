@@ -1,4 +1,4 @@
-"""The overview of a comparison from its summaries, and from the blocks of the gathered tables."""
+"""The blocks behind the verdicts of a comparison, from the gathered tables."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.blocks import block_means, columns_of, values_of
-from nodegraph_compare.overview.value import GroupOverview, Metric, Overview, WithoutSuspects
-from nodegraph_compare.scope import cluster_text
+from nodegraph_compare.overview.value import Blocks
 from nodegraph_compare.suspects import identifying
-from nodegraph_compare.table.sensitivity import apart_by_all_rules, without_suspects
-from nodegraph_compare.table.verdict import verdict_on
+from nodegraph_compare.verdict import Metric
 from nodegraph_tables import info_of
 
 if TYPE_CHECKING:
@@ -19,87 +17,26 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from nodegraph import Across, Declared, Label
-    from nodegraph_compare.blocks import Columns
+    from nodegraph import Across, Label
+    from nodegraph_compare.blocks import Group
     from nodegraph_compare.comparison import Comparison
     from nodegraph_compare.question import Question
     from nodegraph_compare.suspects import Suspects
-    from nodegraph_compare.table.summary import Summary
+    from nodegraph_compare.units import Units
     from nodegraph_mocap import Table
 
 _MORE_METRICS = 3
-_MEANS = ("mean", "low", "high", "median", "rank")
-_PAIRED = {
-    "ratio": "value",
-    "ratio_low": "low",
-    "ratio_high": "high",
-    "difference": "difference",
-    "difference_low": "difference_low",
-    "difference_high": "difference_high",
-}
 
 
-def build_overview(
-    comparison: Comparison,
-    summaries: Sequence[Summary],
-    suspects: Sequence[Suspects],
-    declared: Mapping[Label, Declared],
-    baseline: Label | None,
-    beside: Sequence[str],
-) -> Overview:
-    """Return the overview of a comparison.
-
-    Parameters
-    ----------
-    comparison
-        What is compared.
-    summaries, suspects
-        Of each of its groups.
-    declared
-        What the methods declare.
-    baseline
-        What methods are compared to in place of the best; by default, the fallback stands for it.
-    beside
-        Further columns of numbers that are shown with the metric.
-    """
-    scores, question = comparison.scores, comparison.question
-    methods = comparison.methods
-    metrics = (
-        Metric(question.metric, comparison.unit, question.better),
-        *_more_metrics(scores, question, beside),
-    )
-    columns = columns_of(scores, identifying(scores, question))
-    blocks = _Blocks(comparison, [metric.name for metric in metrics], columns)
-    return Overview(
-        metrics=metrics,
-        beside=len(beside),
-        compare=question.compare or "",
-        is_sequence=blocks.is_sequence,
-        within=question.within,
-        blocks=comparison.blocks,
-        units=cluster_text(question) if question.clusters else "",
-        ratio=all(summary.ratio for summary in summaries),
-        baseline=comparison.fallback if baseline is None else baseline,
-        against=None if baseline is None else methods.index(baseline),
-        methods=methods,
-        adapted=tuple(
-            at for at, method in enumerate(methods) if "adapted" in declared.get(method, {})
-        ),
-        ahead=tuple(
-            at
-            for at, method in enumerate(methods)
-            if declared.get(method, {}).get("lookahead", 0) is None
-        ),
-        columns=dict(zip(columns.names, columns.labels, strict=True)),
-        groups=tuple(
-            blocks.group(summary, doubted)
-            for summary, doubted in zip(summaries, suspects, strict=True)
-        ),
-    )
+def metrics_of(comparison: Comparison, beside: Sequence[str]) -> tuple[Metric, ...]:
+    """Return what is compared, what is shown next to it, and more numbers of the same blocks."""
+    question = comparison.question
+    first = Metric(question.metric, comparison.unit, question.better)
+    return (first, *_more_metrics(comparison.scores, question, beside))
 
 
 def _more_metrics(scores: Across[Table], question: Question, beside: Sequence[str]) -> list[Metric]:
-    """Return the metric, then the float columns of all tables: first those in its unit."""
+    """Return some metrics, then the float columns of all tables: first those in the same unit."""
     tables = scores.values()
     taken = {question.metric, *question.within, *question.compared, *question.identity, *beside}
     first = info_of(tables[0])
@@ -119,74 +56,41 @@ def _more_metrics(scores: Across[Table], question: Question, beside: Sequence[st
     ]
 
 
-class _Blocks:
-    """The rows of all tables, from which the blocks of a group take their numbers."""
+class BlocksOf:
+    """The rows of all tables, from which the blocks of a group take their numbers.
 
-    def __init__(self, comparison: Comparison, metrics: Sequence[str], columns: Columns) -> None:
-        self._comparison, self._columns = comparison, columns
-        first = info_of(comparison.scores.values()[0])
-        self.is_sequence = comparison.question.compare in first.sequences
+    Attributes
+    ----------
+    columns : mapping of str to tuple of label
+        The labels of what identifies blocks.
+    """
+
+    def __init__(self, comparison: Comparison, metrics: Sequence[Metric]) -> None:
+        scores, question = comparison.scores, comparison.question
+        self._comparison = comparison
+        self._identity = columns_of(scores, identifying(scores, question))
+        self.columns: Mapping[str, tuple[Label, ...]] = dict(
+            zip(self._identity.names, self._identity.labels, strict=True)
+        )
         place = {method: at for at, method in enumerate(comparison.methods)}
-        compared = columns_of(comparison.scores, comparison.question.compared)
+        compared = columns_of(scores, question.compared)
         # of nothing compared, the only label is empty
         labels = compared.labels[0] if compared.labels else ("",)
         self._method = np.array([place[label] for label in labels])[compared.combined()]
-        self._values = {name: values_of(comparison.scores, name) for name in metrics}
+        self._values = {metric.name: values_of(scores, metric.name) for metric in metrics}
 
-    def group(self, summary: Summary, suspects: Suspects) -> GroupOverview:
-        """Return one group."""
-        group, paired = summary.group, summary.to_best
-        methods = self._comparison.methods
-        verdict = verdict_on(summary, self._comparison.question, self._comparison.blocks)
-        at = np.array([methods.index(method) for method in group.methods], dtype=np.intp)
-
-        def spread(values: NDArray[np.float64] | None) -> NDArray[np.float64]:
-            full = np.full(len(methods), np.nan)
-            if values is not None:
-                full[at] = values
-            return full
-
-        def places(where: NDArray[np.bool_]) -> tuple[int, ...]:
-            return tuple(sorted(at[where].tolist()))
-
-        lower, higher = apart_by_all_rules(summary)
-        if summary.against is None:
-            lower = higher = np.zeros_like(lower)
-        better, worse = (higher, lower) if summary.end == "higher" else (lower, higher)
-        errors = self._errors(group.rows, group.block, len(group.values))
-        lacking = np.isnan(next(iter(errors.values()))).sum(axis=0)
-        other = without_suspects(summary)
-        plain = None
-        if other is not None:
-            other_verdict = verdict_on(other, self._comparison.question, self._comparison.blocks)
-            plain = WithoutSuspects(
-                mean=spread(other.mean),
-                best=places(other_verdict.best),
-                tied=places(other_verdict.tied),
-            )
-        names = zip(self._columns.names, self._columns.codes, strict=True)
-        return GroupOverview(
-            labels=group.labels,
-            speech=verdict.speech,
-            scope=verdict.scope,
-            caution=verdict.caution,
-            objection=verdict.objection,
-            best=places(verdict.best),
-            tied=places(verdict.tied),
-            behind=places(verdict.behind),
-            better=places(better),
-            worse=places(worse),
-            **{name: spread(getattr(summary, name)) for name in _MEANS},
-            **{
-                name: spread(None if paired is None else getattr(paired, attribute))
-                for name, attribute in _PAIRED.items()
-            },
-            p_of_step=spread(summary.p_of_step if self.is_sequence else None),
-            missing=lacking.astype(np.int64),
-            used=int(summary.blocks.max(initial=0)),
-            unit=summary.units.place.astype(np.int64),
+    def of(self, group: Group, units: Units, suspects: Suspects) -> Blocks:
+        """Return the blocks of a group, whose units are known, with those that are suspect."""
+        count, methods = len(group.values), len(self._comparison.methods)
+        method = self._method[group.rows]
+        errors = {
+            name: block_means(group.block, method, values[group.rows], count, methods)[0]
+            for name, values in self._values.items()
+        }
+        names = zip(self._identity.names, self._identity.codes, strict=True)
+        return Blocks(
+            unit=units.place.astype(np.int64),
             suspect=dict(suspects.reasons),
-            without_suspects=plain,
             rows={name: codes[group.first].astype(np.int64) for name, codes in names},
             start=group.start,
             frames=group.frames,
@@ -196,15 +100,6 @@ class _Blocks:
             },
         )
 
-    def _errors(
-        self, rows: NDArray[np.intp], block: NDArray[np.intp], count: int
-    ) -> dict[str, NDArray[np.float64]]:
-        methods = len(self._comparison.methods)
-        return {
-            name: block_means(block, self._method[rows], values[rows], count, methods)[0]
-            for name, values in self._values.items()
-        }
-
     def _with_fallback(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the values that count: the fallback's where a method that has any lacks one."""
         fallback = self._comparison.fallback
@@ -213,3 +108,16 @@ class _Blocks:
         instead = values[:, [self._comparison.methods.index(fallback)]]
         lacks = np.isnan(values) & np.isfinite(values).any(axis=0)
         return np.where(lacks, instead, values)
+
+
+def unit_means(blocks: Blocks, metric: str) -> NDArray[np.float64]:
+    """Return (K,) the means over units of the means of their blocks; NaN where there is none."""
+    errors = blocks.errors[metric].astype(np.float64)
+    means = np.full(errors.shape[1], np.nan)
+    for method, values in enumerate(errors.T):
+        used = np.isfinite(values) & (blocks.unit >= 0)
+        if used.any():
+            count = np.bincount(blocks.unit[used])
+            sums = np.bincount(blocks.unit[used], values[used])
+            means[method] = (sums[count > 0] / count[count > 0]).mean()
+    return means

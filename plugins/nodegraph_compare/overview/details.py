@@ -86,7 +86,7 @@ def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
         "layout": None, "detail": None, "suggested": [], "command": takes.command(),
         "members": [{"name": axis, "labels": [*of]} for axis, of in takes.members.items()],
     }  # fmt: skip
-    wanted = [list(_worth_a_look(overview, excerpt, at)) for at in range(len(overview.groups))]
+    wanted = [list(_worth_a_look(overview, excerpt, at)) for at in range(len(overview.blocks))]
     first = next((at for at, kinds in enumerate(wanted) if kinds), None)
     detail = None if first is None else takes.detail(first, wanted[first][0].blocks[0])
     if detail is None:
@@ -129,19 +129,20 @@ def _layout(
 
 def _worth_a_look(overview: Overview, excerpt: Excerpt, at: int) -> Iterator[_Kind]:
     """Yield blocks of a group, those that a reader asks for first at the front."""
-    group = overview.groups[at]
+    verdicts, behind = overview.verdicts, overview.blocks[at]
     blocks = excerpt.blocks[at]
-    errors = group.errors[overview.metric.name][blocks].astype(np.float64)
+    errors = behind.errors[verdicts.metric.name][blocks].astype(np.float64)
     known = np.flatnonzero(np.isfinite(errors).any(axis=1))
     if not len(known):
         return
-    best = group.best[0] if group.best else int(np.argmax(np.isfinite(errors).any(axis=0)))
-    name = overview.methods[best]
+    leaders = verdicts.groups[at].best
+    best = leaders[0] if leaders else int(np.argmax(np.isfinite(errors).any(axis=0)))
+    name = verdicts.methods[best]
     least = np.fmin.reduce(errors, axis=1)
-    suspect = known[np.isin(blocks[known], [*group.suspect])]
+    suspect = known[np.isin(blocks[known], [*behind.suspect])]
     own = errors[:, best]
     solved = known[np.isfinite(own[known])]
-    sign = sign_of(overview.metric.better)
+    sign = sign_of(verdicts.metric.better)
     if len(suspect):
         yield _Kind("suspect", _first(suspect, -least, len(suspect)))
     if len(solved):
@@ -180,28 +181,30 @@ class _Takes:
         self._overview, self._excerpt, self._origin = overview, excerpt, origin
         self._inputs: dict[str, dict[str, Mapping[str, object]] | None] = {}
         self._read = 0
-        named = (*overview.within, *overview.columns, overview.compare)
+        named = (*overview.verdicts.within, *overview.columns, overview.verdicts.compare)
         self.members = origin.open_axes(dict.fromkeys(named))
 
     def labels(self, at: int, block: int) -> dict[str, Label]:
         """Return what is known of a block: labels of its group, its own, and its first member's."""
-        overview, group = self._overview, self._overview.groups[at]
+        overview, verdicts = self._overview, self._overview.verdicts
         place = int(self._excerpt.blocks[at][block])
-        own = {name: overview.columns[name][codes[place]] for name, codes in group.rows.items()}
+        rows = overview.blocks[at].rows
+        own = {name: overview.columns[name][codes[place]] for name, codes in rows.items()}
         first = {axis: labels[0] for axis, labels in self.members.items()}
-        return {**first, **dict(zip(overview.within, group.labels, strict=True)), **own}
+        of_group = zip(verdicts.within, verdicts.groups[at].labels, strict=True)
+        return {**first, **dict(of_group), **own}
 
     def block(self, at: int, block: int) -> dict[str, Any]:
         """Return the labels of a block for its view, and its frames where they are known."""
-        group = self._overview.groups[at]
+        blocks = self._overview.blocks[at]
         place = self._excerpt.blocks[at][block]
-        when = {"start": group.start[place], "frames": group.frames[place]}
+        when = {"start": blocks.start[place], "frames": blocks.frames[place]}
         known = {name: int(frame) for name, frame in when.items() if np.isfinite(frame)}
         return self.labels(at, block) | known
 
     def detail(self, at: int, block: int) -> Detail | None:
         """Return what shows blocks of the inputs that scores read; None if nothing does."""
-        if not self._overview.compare:
+        if not self._overview.verdicts.compare:
             return None
         inputs = self.read(at, block)
         first = next(iter(next(iter(inputs.values())).values()), None) if inputs else None
@@ -212,29 +215,30 @@ class _Takes:
     def read(self, at: int, block: int) -> dict[str, Mapping[str, object]] | None:
         """Return what the score of each method had read; None where that is not available."""
         labels = self.labels(at, block)
-        methods = self._overview.methods
+        methods = self._overview.verdicts.methods
         key = self._command(labels, methods[0])
         if key not in self._inputs:
             if self._read + len(methods) > max(_MOST_READ, len(methods)):
                 return None
             self._read += len(methods)
+            compare = self._overview.verdicts.compare
             read = {
                 str(method): inputs
                 for method in methods
-                if (inputs := self._origin.inputs(labels | {self._overview.compare: method}))
+                if (inputs := self._origin.inputs(labels | {compare: method}))
             }
             self._inputs[key] = read or None
         return self._inputs[key]
 
     def command(self) -> dict[str, object] | None:
         """Return the command for the step behind a block, each label in it as ``{axis}``."""
-        groups = self._overview.groups
-        first = next((at for at, group in enumerate(groups) if len(group.unit)), None)
+        behind = self._overview.blocks
+        first = next((at for at, blocks in enumerate(behind) if len(blocks.unit)), None)
         if first is None:
             return None
         labels = self.labels(first, 0)
-        text = self._command(labels, self._overview.methods[0])
-        labels |= {self._overview.compare: self._overview.methods[0]}
+        text = self._command(labels, self._overview.verdicts.methods[0])
+        labels |= {self._overview.verdicts.compare: self._overview.verdicts.methods[0]}
         axes = []
         for name, label in labels.items():
             pattern = rf"(?<=\s){re.escape(f'{name}={label}')}(?=\s|$)"
@@ -244,4 +248,4 @@ class _Takes:
         return {"text": text, "axes": axes} if text else None
 
     def _command(self, labels: Mapping[str, Label], method: Label) -> str:
-        return self._origin.command({**labels, self._overview.compare: method})
+        return self._origin.command({**labels, self._overview.verdicts.compare: method})

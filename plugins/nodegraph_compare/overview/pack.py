@@ -13,15 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_compare.overview.words import title_parts, varying
+from nodegraph_compare.words import group_title, varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
-    from nodegraph import Label, Origin
-    from nodegraph_compare.overview.value import GroupOverview, Overview
+    from nodegraph import Label
+    from nodegraph_compare.overview.value import Blocks, Overview
+    from nodegraph_compare.verdict import Verdict, Verdicts
 
 _NOTHING = 65535
 _MOST_NUMBERS = 400_000
@@ -47,7 +48,7 @@ class Excerpt:
 
     def used(self, overview: Overview, column: str) -> NDArray[np.int64]:
         """Return which labels of a column the blocks have."""
-        pairs = zip(overview.groups, self.blocks, strict=True)
+        pairs = zip(overview.blocks, self.blocks, strict=True)
         codes = [group.rows[column][blocks] for group, blocks in pairs]
         return np.unique(np.concatenate([*codes, np.empty(0, dtype=np.int64)]))
 
@@ -57,16 +58,16 @@ def excerpt_of(overview: Overview) -> Excerpt:
 
     Before blocks are left out, metrics are.
     """
-    rows = sum(len(group.unit) for group in overview.groups)
-    numbers = rows * len(overview.methods)
+    rows = sum(len(behind.unit) for behind in overview.blocks)
+    numbers = rows * len(overview.verdicts.methods)
     metrics = len(overview.metrics)
     while metrics > 1 and metrics * numbers > _MOST_NUMBERS:
         metrics -= 1
     step = max(1, -(-numbers // _MOST_NUMBERS), -(-rows // _MOST_BLOCKS))
-    blocks = [np.arange(0, len(group.unit), step) for group in overview.groups]
+    blocks = [np.arange(0, len(behind.unit), step) for behind in overview.blocks]
     if step > 1:
         suspect = (
-            np.array([*group.suspect][:_MOST_BLOCKS], dtype=np.intp) for group in overview.groups
+            np.array([*behind.suspect][:_MOST_BLOCKS], dtype=np.intp) for behind in overview.blocks
         )
         blocks = list(map(np.union1d, blocks, suspect))
     return Excerpt(metrics, tuple(blocks))
@@ -74,10 +75,9 @@ def excerpt_of(overview: Overview) -> Excerpt:
 
 def packed(
     overview: Overview,
-    named: Overview,
+    named: Verdicts,
     excerpt: Excerpt,
-    title: str,
-    origin: Origin,
+    node: str,
     seconds: Mapping[Label, float],
 ) -> dict[str, Any]:
     """Return the overview as JSON has it.
@@ -87,50 +87,33 @@ def packed(
     overview
         The comparison.
     named
-        The same with labels as a reader sees them; see `with_units`.
+        Its verdicts with labels as a reader sees them; see `with_units`.
     excerpt
         What of it the page holds.
-    title
-        Of the section.
-    origin
-        Of the run.
+    node
+        Of the run, that made it.
     seconds
         The time that a method takes, of those of which it is known.
     """
-    uses = origin.uses(overview.compare)
+    verdicts = overview.verdicts
     columns = {name: excerpt.used(overview, name) for name in overview.columns}
     return {
-        "node": origin.node,
-        "title": title,
-        "question": origin.caption,
-        "metric": overview.metric.name,
-        "unit": overview.metric.unit,
-        "better": overview.metric.better,
-        "compare": overview.compare,
-        "is_sequence": overview.is_sequence,
-        "baseline": None if overview.baseline is None else str(overview.baseline),
-        "blocks_name": overview.blocks,
-        "units_name": overview.units,
+        "node": node,
+        "metric": verdicts.metric.name,
+        "compare": verdicts.compare,
+        "is_sequence": verdicts.is_sequence,
+        "baseline": _reference(verdicts),
+        "blocks_name": verdicts.blocks,
         "within": [
             {
                 "name": name,
-                "labels": list(dict.fromkeys(group.labels[axis] for group in overview.groups)),
+                "labels": list(dict.fromkeys(group.labels[axis] for group in verdicts.groups)),
                 "texts": list(dict.fromkeys(group.labels[axis] for group in named.groups)),
-                "meaning": origin.meaning(name),
             }
-            for axis, name in enumerate(overview.within)
+            for axis, name in enumerate(verdicts.within)
         ],
         "methods": [
-            {
-                "label": str(method),
-                "seconds": seconds.get(method),
-                "marks": [
-                    *(["adapted"] if place in overview.adapted else []),
-                    *(["whole take"] if place in overview.ahead else []),
-                ],
-                "use": uses.get(method, ""),
-            }
-            for place, method in enumerate(overview.methods)
+            {"label": str(method), "seconds": seconds.get(method)} for method in verdicts.methods
         ],
         "metrics": [
             {"name": metric.name, "unit": metric.unit, "better": metric.better}
@@ -138,15 +121,17 @@ def packed(
         ],
         "groups": [
             {
-                **_group(overview, group, excerpt.metrics, blocks, columns),
+                "labels": list(group.labels),
                 "texts": list(shown.labels),
-                "title": ", ".join(title_parts(named, shown)),
+                "title": group_title(named, shown),
+                **_numbers_of(group),
+                **_blocks_of(overview, behind, excerpt.metrics, blocks, columns),
             }
-            for group, shown, blocks in zip(
-                overview.groups, named.groups, excerpt.blocks, strict=True
+            for group, shown, behind, blocks in zip(
+                verdicts.groups, named.groups, overview.blocks, excerpt.blocks, strict=True
             )
         ],
-        "shown_group": _shown_group(overview),
+        "shown_group": _shown_group(verdicts),
         "columns": {
             name: {"labels": [str(overview.columns[name][code]) for code in used.tolist()]}
             for name, used in columns.items()
@@ -154,65 +139,60 @@ def packed(
     }
 
 
-def _shown_group(overview: Overview) -> int:
+def _reference(verdicts: Verdicts) -> str | None:
+    """Return the method that the others are seen against at first."""
+    label = verdicts.fallback if verdicts.baseline is None else verdicts.baseline
+    return None if label is None else str(label)
+
+
+def _shown_group(verdicts: Verdicts) -> int:
     """Return the group that charts of one group begin with: the last in sight with numbers."""
-    axes, first = varying(overview)[:-1], overview.groups[0].labels
+    axes, first = varying(verdicts)[:-1], verdicts.groups[0].labels
     along = [
         at
-        for at, group in enumerate(overview.groups)
+        for at, group in enumerate(verdicts.groups)
         if all(group.labels[axis] == first[axis] for axis in axes)
     ]
-    known = [at for at in along if np.isfinite(overview.groups[at].mean).any()]
+    known = [at for at in along if verdicts.groups[at].known]
     return (known or along)[-1]
 
 
-def _group(
+def _numbers_of(group: Verdict) -> dict[str, object]:
+    other = group.without_suspects
+    return {
+        **{name: _numbers(getattr(group, name)) for name in ("mean", "median", "rank")},
+        "best": list(group.best),
+        "tied": group.tied,
+        "without_suspects": None
+        if other is None
+        else {"mean": _numbers(other.mean), "best": list(other.best), "tied": other.tied},
+    }
+
+
+def _blocks_of(
     overview: Overview,
-    group: GroupOverview,
+    behind: Blocks,
     metrics: int,
     blocks: NDArray[np.intp],
     columns: Mapping[str, NDArray[np.int64]],
 ) -> dict[str, object]:
     place = {block: at for at, block in enumerate(blocks.tolist())}
-    other = group.without_suspects
     errors, scales = {}, {}
     for metric in overview.metrics[:metrics]:
-        errors[metric.name], scales[metric.name] = _codes(group.errors[metric.name][blocks])
+        errors[metric.name], scales[metric.name] = _codes(behind.errors[metric.name][blocks])
     rows = {
         name: _text(np.searchsorted(columns[name], codes[blocks]))
-        for name, codes in group.rows.items()
+        for name, codes in behind.rows.items()
     }
     return {
-        "labels": list(group.labels),
-        "blocks": group.used,
-        "all_blocks": len(group.unit),
-        "scope": group.scope,
-        "speech": group.speech,
-        "caution": group.caution,
-        "objection": group.objection,
-        **{name: _numbers(getattr(group, name)) for name in ("mean", "low", "high", "median")},
-        "rank": _numbers(group.rank),
-        "ratio_name": "ratio" if overview.ratio else "difference",
-        "ratio": _numbers(group.ratio),
-        "ratio_low": _numbers(group.ratio_low),
-        "ratio_high": _numbers(group.ratio_high),
-        "difference": _numbers(group.difference),
-        "difference_low": _numbers(group.difference_low),
-        "difference_high": _numbers(group.difference_high),
-        "best": list(group.best),
-        "tied": list(group.tied),
-        "behind": list(group.behind),
-        "missing": group.missing.tolist(),
-        "suspects": len(group.suspect),
-        "without_suspects": None
-        if other is None
-        else {"mean": _numbers(other.mean), "best": list(other.best), "tied": list(other.tied)},
-        "unit": _text(group.unit[blocks]),
+        "all_blocks": len(behind.unit),
+        "suspects": len(behind.suspect),
+        "unit": _text(behind.unit[blocks]),
         "rows": rows,
-        "start": _numbers(group.start[blocks]) if np.isfinite(group.start).any() else None,
-        "frames": _numbers(group.frames[blocks]) if np.isfinite(group.frames).any() else None,
+        "start": _numbers(behind.start[blocks]) if np.isfinite(behind.start).any() else None,
+        "frames": _numbers(behind.frames[blocks]) if np.isfinite(behind.frames).any() else None,
         "suspect": {
-            str(place[block]): reason for block, reason in group.suspect.items() if block in place
+            str(place[block]): reason for block, reason in behind.suspect.items() if block in place
         },
         "errors": errors,
         "scale": scales,

@@ -11,14 +11,15 @@ from nodegraph import listed
 from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import (
     MOST_GROUPS,
-    filled,
+    filled_group,
     group_text,
-    narrowed,
+    narrowed_group,
     numberless,
     start_text,
 )
 from nodegraph_compare.ranks.signed_rank import TEST_NAMES
-from nodegraph_compare.scope import caution, scope, unit_text
+from nodegraph_compare.verdict import scope_of
+from nodegraph_compare.words import caution_text, scope_text
 from nodegraph_tables.numbers import chance_text
 
 if TYPE_CHECKING:
@@ -69,20 +70,20 @@ def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
     units = ranking.units
     singular = name.removesuffix("s")
     several = f"{blocks} {name}" if blocks > 1 else f"one {singular}"
-    several = narrowed(ranking.group, name) or several
-    held = f" {scope(units, question, name)}" if units.count else f" within {name}"
+    several = narrowed_group(ranking.group, name) or several
+    scope = scope_of(units, question, name)
+    held = f" {scope_text(scope)}" if units.count else f" within {name}"
     first: list[int] = np.flatnonzero(ranking.first).tolist()
-    taken = filled(ranking.group, comparison.fallback, name)
+    taken = filled_group(ranking.group, comparison.fallback, name)
     missing = f", {taken}" if taken else ""
     verb = "has" if len(first) == 1 else "share"
     sentence = (
         f"{start}{ranking.first_names} {verb} the lowest mean rank "
         f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}{missing}"
     )
-    few = caution(units, question)
+    few = caution_text(scope)
     if units.speech == "nothing":
-        why = units.why or unit_text(units, question)
-        return f"{sentence}; nothing can be said of chance: {why}"
+        return f"{sentence}; nothing can be said of chance: {few}"
     if units.speech == "described":
         return f"{sentence}; {few}"
     if objection := ranking.objections(name):

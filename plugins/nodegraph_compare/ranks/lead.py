@@ -8,7 +8,8 @@ import numpy as np
 
 from nodegraph import listed
 from nodegraph_compare.left_out import group_text
-from nodegraph_compare.scope import caution, scope
+from nodegraph_compare.verdict import scope_of
+from nodegraph_compare.words import caution_text, scope_text
 from nodegraph_tables.lead import Card, Lead, Line, Text, dot, svg
 from nodegraph_tables.numbers import chance_text, number_text
 
@@ -38,7 +39,7 @@ def lead_of(rankings: Sequence[Ranking], question: Question, blocks: str) -> Lea
         return Lead(("There is nothing to rank.",))
     tested = [each for each in ranked if each.differ and not each.objections(blocks)]
     scopes = dict.fromkeys(
-        scope(each.units, question, blocks) for each in ranked if each.units.count
+        scope_text(scope_of(each.units, question, blocks)) for each in ranked if each.units.count
     )
     held = f"Scope: {next(iter(scopes))}. " if len(scopes) == 1 else ""
     end = "the lowest value" if question.better == "none" else "the best"
@@ -75,7 +76,8 @@ def _card(ranking: Ranking, question: Question, blocks: str) -> Card:
     objection = ranking.objections(blocks)
     if objection or not ranking.differ:
         alike = (
-            caution(ranking.units, question) or "Friedman's test does not tell the methods apart"
+            caution_text(scope_of(ranking.units, question, blocks))
+            or "Friedman's test does not tell the methods apart"
         )
         facts = (("Lowest", f"{ranking.first_names}, {value}"), ("Why", objection or alike))
         return Card(title, "no verdict", picture=_picture(ranking, first, first), facts=facts)

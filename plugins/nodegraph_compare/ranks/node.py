@@ -22,7 +22,8 @@ from nodegraph_compare.question import (
 from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.lead import lead_of
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank_by_rules
-from nodegraph_compare.scope import rules
+from nodegraph_compare.verdict import clusters_name
+from nodegraph_compare.words import rules_text
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.style import CHANCE
@@ -155,13 +156,14 @@ def ranks(
         rank_by_rules(group, comparison.fallback, question.better, test)
         for group in comparison.groups
     ]
+    rules = rules_text(question, clusters_name(question))
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=f"Mean ranks of {question.metric}{question.by}",
         answer=tuple(answers(rankings, comparison, test)),
         lead=lead_of(rankings, question, comparison.blocks),
         notes=(
-            f"{block_text(question)} {end_text(question)} {rules(question)}",
+            f"{block_text(question)} {end_text(question)} {rules}",
             f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "
             "blocks in which every method with any number has all its numbers count. Level "
             f"{100 * LEVEL:.0f} %.",

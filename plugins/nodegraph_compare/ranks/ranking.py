@@ -12,9 +12,10 @@ from nodegraph_compare.inference import LEVEL, range_quantile
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ranks.signed_rank import holm, rank_biserial, signed_rank
 from nodegraph_compare.studentised_range import survival
-from nodegraph_compare.table.sensitivity import COMMON, WORST, rule_text
 from nodegraph_compare.ties import apart
 from nodegraph_compare.units import units_of
+from nodegraph_compare.verdict import COMMON, WORST
+from nodegraph_compare.words import rule_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from nodegraph import Label
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.units import Units
+    from nodegraph_compare.verdict import Rule
     from nodegraph_tables import BetterEnd
 
 PairTest = Literal["nemenyi", "wilcoxon_holm"]
@@ -55,7 +57,7 @@ class Ranking:
     ranks: NDArray[np.float64]
     overall: Overall
     pairs: Pairs
-    by_rule: Mapping[str, Ranking] = field(default_factory=dict)
+    by_rule: Mapping[Rule, Ranking] = field(default_factory=dict)
 
     @property
     def first(self) -> NDArray[np.bool_]:
@@ -159,7 +161,10 @@ def rank_by_rules(group: Group, fallback: Label | None, end: BetterEnd, test: Pa
     """
     if fallback not in group.methods or group.complete.all():
         return rank(group, end, test)
-    others = {COMMON: rank(group, end, test), WORST: rank(group.with_worst(end), end, test)}
+    others: dict[Rule, Ranking] = {
+        COMMON: rank(group, end, test),
+        WORST: rank(group.with_worst(end), end, test),
+    }
     return replace(rank(group.filled(fallback), end, test), by_rule=others)
 
 
@@ -183,7 +188,7 @@ def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:
     methods = tuple(name for name, has in zip(group.methods, usable, strict=True) if has)
     within = rankdata(sign_of(end) * values, axis=1)
     ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
-    tested = units.speech in ("provisional", "settled")
+    tested = units.judged
     pairs = _pairs(sign_of(end) * values, ranks, test if tested else None)
     overall = _overall(within if tested else within[:0])
     return Ranking(group, methods, units, values, ranks, overall, pairs)

@@ -10,21 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from nodegraph_compare.left_out import group_text
 from nodegraph_compare.pictures import Span, set_span, span_of, without_drawing
-from nodegraph_compare.scope import unit_text as units_text
+from nodegraph_compare.words import group_title, units_text
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain
 from nodegraph_tables.style import BEST, BLACK, QUIET, REST, scale_of, unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.axes import Axes
 
-    from nodegraph import Declared, Label
-    from nodegraph_compare.question import Question
-    from nodegraph_compare.table.summary import Summary
+    from nodegraph_compare.verdict import Verdict, Verdicts
 
 _MOST_PANELS = 24
 _MOST_ACROSS = 4
@@ -40,33 +37,17 @@ _LETTERS = 34
 """In a line above a panel."""
 
 
-def draw(
-    question: Question,
-    summaries: Sequence[Summary],
-    order: Sequence[Label],
-    unit: str,
-    declared: Mapping[Label, Declared],
-) -> Figure:
+def draw(verdicts: Verdicts) -> Figure:
     """Return the figure: a panel per group, in each a row per method.
 
     The last of `within` lies across. The methods have one order in all panels: by their mean
     place, where one end of the metric is better. At most 24 panels.
-
-    Parameters
-    ----------
-    question, summaries
-        Of the comparison.
-    order
-        Every compared label.
-    unit
-        Of the metric.
-    declared
-        What the methods declare.
     """
-    if not summaries:
+    groups, unit = verdicts.groups, verdicts.metric.unit
+    if not groups:
         return without_drawing("nothing to compare")
-    drawn = [_printed(summary, scale_of(unit)) for summary in summaries[:_MOST_PANELS]]
-    methods = _ordered(summaries, order)
+    drawn = [_printed(group, scale_of(unit)) for group in groups[:_MOST_PANELS]]
+    methods = _ordered(verdicts)
     across = _across(drawn)
     down = math.ceil(len(drawn) / across)
     tall = min(max(_ROW * len(methods), 0.5), _TALLEST)
@@ -79,86 +60,86 @@ def draw(
     )
     width, height = figure.get_size_inches()
     span = _span(drawn)
-    names = _marked(methods, declared)
-    for place, summary in enumerate(drawn):
+    names = _marked(verdicts)
+    every = range(len(verdicts.within))
+    for place, group in enumerate(drawn):
         column, row = place % across, place // across
         bottom = height - (row + 1) * (tall + _GAP_DOWN)
         axis = figure.add_axes(
             (column * (wide + _GAP_ACROSS) / width, bottom / height, wide / width, tall / height)
         )
-        _panel(axis, summary, methods, span)
-        title = figure_text(group_text(summary.group, question), across=_LETTERS, lines=2)
+        _panel(axis, group, methods, span)
+        title = figure_text(group_title(verdicts, group, every), across=_LETTERS, lines=2)
         axis.set_title(title, fontsize=SMALL + 1, loc="left", pad=4)
         beside = drawn[place - column : place - column + across]
         _names(axis, beside if column == 0 else [], methods, names, tall)
         if place + across < len(drawn):
             axis.tick_params(axis="x", labelbottom=False)
-    notes = [_quantity(question, unit, span), *_legend(question, drawn, names)]
-    if len(drawn) < len(summaries):
-        notes.append(f"{len(summaries) - len(drawn)} more panels are not drawn")
+    notes = [_quantity(verdicts, span), *_legend(drawn, names)]
+    if len(drawn) < len(groups):
+        notes.append(f"{len(groups) - len(drawn)} more panels are not drawn")
     figure.text(
         0, (_BELOW - 0.34) / height, "\n".join(notes), fontsize=SMALL, color=QUIET, va="top"
     )
     return figure
 
 
-def _printed(summary: Summary, scale: float) -> Summary:
-    """Return a summary whose numbers are those that are printed."""
-    mean, low, high = (scale * each for each in (summary.mean, summary.low, summary.high))
-    return replace(summary, mean=mean, low=low, high=high)
+def _printed(group: Verdict, scale: float) -> Verdict:
+    """Return a verdict whose numbers are those that are printed."""
+    mean, low, high = (scale * each for each in (group.mean, group.low, group.high))
+    return replace(group, mean=mean, low=low, high=high)
 
 
-def _across(summaries: Sequence[Summary]) -> int:
+def _across(groups: Sequence[Verdict]) -> int:
     """Return how many panels are side by side: those of the last axis, if they fit."""
-    last = dict.fromkeys(summary.group.labels[-1:] for summary in summaries)
+    last = dict.fromkeys(group.labels[-1:] for group in groups)
     rows = math.ceil(len(last) / _MOST_ACROSS)
     return math.ceil(len(last) / rows)
 
 
-def _ordered(summaries: Sequence[Summary], order: Sequence[Label]) -> list[Label]:
+def _ordered(verdicts: Verdicts) -> list[int]:
     """Return the methods by their mean place over all groups, those without a number last."""
-    places: dict[Label, list[float]] = defaultdict(list)
-    for summary in summaries:
-        known = [at for at in summary.ranked if np.isfinite(summary.level[at])]
-        for place, at in enumerate(known):
-            places[summary.group.methods[at]].append(place)
-    if any(summary.end == "none" for summary in summaries):
-        return list(order)
-    return sorted(order, key=lambda label: np.mean(places[label] or [math.inf]))
+    if verdicts.metric.better == "none":
+        return [*range(len(verdicts.methods))]
+    places: dict[int, list[float]] = defaultdict(list)
+    for group in verdicts.groups:
+        ranked = [method for method in group.ranked if np.isfinite(group.mean[method])]
+        for place, method in enumerate(ranked):
+            places[method].append(place)
+    every = range(len(verdicts.methods))
+    return sorted(every, key=lambda method: np.mean(places[method] or [math.inf]))
 
 
-def _span(summaries: Sequence[Summary]) -> Span:
+def _span(groups: Sequence[Verdict]) -> Span:
     return span_of(
-        np.concatenate([summary.mean for summary in summaries]),
-        np.concatenate([summary.low for summary in summaries]),
-        np.concatenate([summary.high for summary in summaries]),
+        np.concatenate([group.mean for group in groups]),
+        np.concatenate([group.low for group in groups]),
+        np.concatenate([group.high for group in groups]),
     )
 
 
-def _panel(axis: Axes, summary: Summary, methods: Sequence[Label], span: Span) -> None:
+def _panel(axis: Axes, group: Verdict, methods: Sequence[int], span: Span) -> None:
     set_span(axis, span)
     axis.set_ylim(len(methods) - 0.4, -0.6)
     axis.set_yticks([])
     plain(axis, grid="x")
-    at = {label: column for column, label in enumerate(summary.group.methods)}
     size = min(5.0, 110.0 / max(len(methods), 1) + 2.0)
-    for row, label in enumerate(methods):
-        column = at.get(label)
-        if column is None or not np.isfinite(summary.mean[column]):
+    for row, method in enumerate(methods):
+        if not np.isfinite(group.mean[method]):
             axis.text(
                 0.02, row, "no value", transform=axis.get_yaxis_transform(), va="center",
                 fontsize=SMALL - 1, color=REST, style="italic",
             )  # fmt: skip
         else:
-            _method(axis, summary, column, row, size, span, numbered=len(methods) <= _MOST_NUMBERS)
+            _method(axis, group, method, row, size, span, numbered=len(methods) <= _MOST_NUMBERS)
 
 
 def _method(
-    axis: Axes, summary: Summary, column: int, row: int, size: float, span: Span, *, numbered: bool
+    axis: Axes, group: Verdict, method: int, row: int, size: float, span: Span, *, numbered: bool
 ) -> None:
     """Draw a mean and its interval; one that leaves the panel ends in a head of an arrow."""
-    mean, low, high = (float(each[column]) for each in (summary.mean, summary.low, summary.high))
-    role = _role(summary, column)
+    mean, low, high = (float(each[method]) for each in (group.mean, group.low, group.high))
+    role = _role(group, method)
     colour = {"best": BEST, "tied": BEST, "baseline": BLACK}.get(role, REST)
     right = mean
     if low < high:
@@ -187,30 +168,25 @@ def _number(value: float) -> str:
     return f"{value:.{max(0, decimals)}f}"
 
 
-def _role(summary: Summary, column: int) -> str:
-    if summary.against == column:
+def _role(group: Verdict, method: int) -> str:
+    if group.baseline == method:
         return "baseline"
-    if summary.marked[column]:
+    if method in group.marked:
         return "best"
-    tied = summary.judged and summary.to_best is not None and not summary.behind[column]
-    return "tied" if tied else "rest"
+    return "tied" if method in group.tied else "rest"
 
 
 def _names(
     axis: Axes,
-    beside: Sequence[Summary],
-    methods: Sequence[Label],
-    names: Mapping[Label, str],
+    beside: Sequence[Verdict],
+    methods: Sequence[int],
+    names: Sequence[str],
     tall: float,
 ) -> None:
     """Name the methods to the left of a row of panels; of very many, the best and some more."""
     if not beside:
         return
-    best = {
-        summary.group.methods[column]
-        for summary in beside
-        for column in np.flatnonzero(summary.marked)
-    }
+    best = {method for group in beside for method in group.marked}
     step = math.ceil(len(methods) * 0.6 * _ROW / tall)
     shown: list[int] = []
     rows = range(len(methods))
@@ -223,34 +199,31 @@ def _names(
         text.set_color(BEST if methods[row] in best else BLACK)
 
 
-def _marked(methods: Sequence[Label], declared: Mapping[Label, Declared]) -> dict[Label, str]:
+def _marked(verdicts: Verdicts) -> list[str]:
     """Return the names of methods with the marks in which they differ."""
-    adapted = {label for label, each in declared.items() if "adapted" in each}
-    whole = {label for label, each in declared.items() if each.get("lookahead", 0) is None}
     marks = [
         (mark, on)
-        for mark, on in (("*", adapted), ("\N{DEGREE SIGN}", whole))
-        if on and len(on) < len(methods)
+        for mark, on in (("*", verdicts.adapted), ("\N{DEGREE SIGN}", verdicts.ahead))
+        if on and len(on) < len(verdicts.methods)
     ]
-    return {
-        label: figure_text(label) + "".join(mark for mark, on in marks if label in on)
-        for label in methods
-    }
+    return [
+        figure_text(label) + "".join(mark for mark, on in marks if place in on)
+        for place, label in enumerate(verdicts.methods)
+    ]
 
 
-def _quantity(question: Question, unit: str, span: Span) -> str:
-    in_unit = f" ({unit_text(unit)})" if unit else ""
+def _quantity(verdicts: Verdicts, span: Span) -> str:
+    metric = verdicts.metric
+    in_unit = f" ({unit_text(metric.unit)})" if metric.unit else ""
     scale = "" if span.kind == "linear" else ", logarithmic"
-    return figure_text(f"mean {question.metric}{in_unit}{scale}", across=90)
+    return figure_text(f"mean {metric.name}{in_unit}{scale}", across=90)
 
 
-def _legend(
-    question: Question, summaries: Sequence[Summary], names: Mapping[Label, str]
-) -> list[str]:
+def _legend(groups: Sequence[Verdict], names: Sequence[str]) -> list[str]:
     """Return what the marks mean: those that there are."""
-    roles = {_role(each, column) for each in summaries for column in range(len(each.mean))}
-    units = list(dict.fromkeys(units_text(each.units, question) for each in summaries))
-    interval = any(np.isfinite(each.low).any() for each in summaries)
+    roles = {_role(each, method) for each in groups for method in each.ranked}
+    units = list(dict.fromkeys(units_text(each.scope) for each in groups))
+    interval = any(np.isfinite(each.low).any() for each in groups)
     parts = ["Lines: 95 % intervals" + (f" over {units[0]}" if len(units) == 1 else "")]
     means = [
         text
@@ -261,7 +234,7 @@ def _legend(
         )
         if role in roles
     ]
-    every = "".join(names.values())
+    every = "".join(names)
     marks = [
         text
         for mark, text in (

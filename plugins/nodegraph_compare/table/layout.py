@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.table.sensitivity import COMMON, WORST, behind_by_all_rules, tied_with_best
+from nodegraph_compare.verdict import COMMON, WORST
 from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.style import CHANCE, SHARE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-
-    from numpy.typing import NDArray
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from nodegraph import Across, Declared, Label
     from nodegraph_compare.question import Question
-    from nodegraph_compare.table.summary import Summary
+    from nodegraph_compare.verdict import Verdict, Verdicts
     from nodegraph_mocap import Table
     from nodegraph_tables.info import Part
 
@@ -42,14 +40,7 @@ class _Cell(NamedTuple):
 _NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, False, False)
 
 
-def wide_table(
-    summaries: Sequence[Summary],
-    question: Question,
-    layout: Layout,
-    order: Sequence[Label],
-    parts: Sequence[Part],
-    unit: str,
-) -> Table:
+def wide_table(verdicts: Verdicts, layout: Layout, parts: Sequence[Part]) -> Table:
     """Return the means in rows and columns.
 
     Further numbers about the mean are in columns of their own, which a reader sees in one cell.
@@ -57,31 +48,28 @@ def wide_table(
 
     Parameters
     ----------
-    summaries, question
-        Of the comparison.
+    verdicts
+        On each group.
     layout
         What stands down the side, and along the top.
-    order
-        The compared labels as the graph lists them.
     parts
         Further numbers about the mean: ``low``, ``high`` and ``p``, against the baseline, or the
         best.
-    unit
-        Of the means.
     """
     from pandas import DataFrame
 
     cells = {
         (_picked(at, layout.rows), _picked(at, layout.columns)): cell
-        for summary in summaries
-        for at, cell in _cells(summary, question)
+        for group in verdicts.groups
+        for at, cell in _cells(verdicts, group)
     }
-    place = _order(summaries, question, order)
+    place = _order(verdicts)
+    unit = verdicts.metric.unit
     rows = sorted({row for row, _ in cells}, key=place(layout.rows))
     tops = sorted({top for _, top in cells}, key=place(layout.columns))
     stacked = [[cells.get((row, top), _NOTHING) for row in rows] for top in tops]
     columns = _side(rows, layout)
-    if set(question.within).issubset(layout.rows):
+    if set(verdicts.within).issubset(layout.rows):
         columns["blocks"] = [max(cell.blocks for cell in row) for row in zip(*stacked, strict=True)]
     under = dict(zip(_heads(tops, layout.columns, taken=columns), stacked, strict=True))
     for head, column in under.items():
@@ -90,7 +78,7 @@ def wide_table(
         # a share is printed in percent, which a head must say; other units stand in the title
         units=dict.fromkeys(under, unit) if unit == SHARE else {},
         labels=layout.rows,
-        compared=question.compare if question.compare in layout.rows else "",
+        compared=verdicts.compare if verdicts.compare in layout.rows else "",
         cells={head: {part: f"{head} {part}" for part in parts} for head in under},
         best={
             head: tuple(at for at, cell in enumerate(column) if cell.best)
@@ -115,38 +103,35 @@ def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[s
     return {head: [cell.mean for cell in column]} | beside
 
 
-def blocks_text(summaries: Sequence[Summary]) -> str:
+def blocks_text(groups: Sequence[Verdict]) -> str:
     """Return the number of blocks behind the means of a table."""
-    counts = sorted({int(summary.blocks.max(initial=0)) for summary in summaries})
+    counts = sorted({int(group.blocks.max(initial=0)) for group in groups})
     if len(counts) == 1:
         return f"Every mean is over {counts[0]} blocks."
     return f"The means are over {counts[0]} to {counts[-1]} blocks." if counts else ""
 
 
-def _cells(summary: Summary, question: Question) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
-    at = dict(zip(question.within, summary.group.labels, strict=True))
-    paired, bests, blocks = summary.paired, summary.marked, summary.blocks
-    tied = tied_with_best(summary)
-    for place, method in enumerate(summary.group.methods):
-        names = dict.fromkeys(question.compared, method)
+def _cells(verdicts: Verdicts, group: Verdict) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
+    at = dict(zip(verdicts.within, group.labels, strict=True))
+    paired, bests, tied = group.paired, group.marked, group.tied
+    for place in group.ranked:
+        names = {verdicts.compare: verdicts.methods[place]} if verdicts.compare else {}
         p = np.nan if paired is None else float(paired.p[place])
-        numbers = (summary.mean, summary.low, summary.high)
+        numbers = (group.mean, group.low, group.high)
         mean, low, high = (float(number[place]) for number in numbers)
-        marks = bool(bests[place]), bool(tied[place])
-        yield at | names, _Cell(mean, low, high, p, int(blocks[place]), *marks)
+        marks = place in bests, place in tied
+        yield at | names, _Cell(mean, low, high, p, int(group.blocks[place]), *marks)
 
 
 def _picked(at: Mapping[str, Label], names: Sequence[str]) -> Labels:
     return tuple(at[name] for name in names)
 
 
-def _order(
-    summaries: Sequence[Summary], question: Question, order: Sequence[Label]
-) -> Callable[[Sequence[str]], Callable[[Labels], tuple[int, ...]]]:
+def _order(verdicts: Verdicts) -> Callable[[Sequence[str]], Callable[[Labels], tuple[int, ...]]]:
     """Return what gives the places of labels in the order in which the graph lists them."""
-    listed: dict[str, Sequence[Label]] = dict.fromkeys(question.compared, order)
-    for at, name in enumerate(question.within):
-        listed[name] = tuple(dict.fromkeys(summary.group.labels[at] for summary in summaries))
+    listed: dict[str, Sequence[Label]] = {verdicts.compare: verdicts.methods}
+    for at, name in enumerate(verdicts.within):
+        listed[name] = tuple(dict.fromkeys(group.labels[at] for group in verdicts.groups))
     places = {
         name: {label: at for at, label in enumerate(labels)} for name, labels in listed.items()
     }
@@ -247,44 +232,32 @@ _VALUED = ("mean", "low", "high", "median")
 _LOST = {"refused": "refused", "left missing": "missing"}
 
 
-def long_table(
-    summaries: Sequence[Summary],
-    overall: Summary | None,
-    question: Question,
-    unit: str,
-    declared: Mapping[Label, Declared],
-    references: Collection[Label],
-) -> Table:
+def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
     """Return a row per group and method, the best mean of each group first and marked.
 
     Columns that would hold nothing are left out: what was refused or left missing where nothing
-    was, and differences where there are not enough units.
+    was, and differences where there are not enough units. Rows over all groups have no labels of
+    `within`.
 
     Parameters
     ----------
-    summaries, question
-        Of the comparison.
-    overall
-        Over all groups, whose rows have no labels of `within`; None where there is none.
-    unit
-        Of the metric.
+    verdicts
+        On each group, and over all of them.
     declared
         What the methods declare.
-    references
-        Methods whose rows a folded table shows in any case.
     """
     from pandas import DataFrame
 
     columns: dict[str, Any] = {}
-    paired = paired_name(summaries)
+    paired = "ratio" if verdicts.ratio else "difference"
     marks = differing(declared)
-    every = [*summaries, *([] if overall is None else [overall])]
-    for summary in every:
-        for name, values in _columns(summary, question, paired, marks).items():
+    overall = verdicts.overall
+    for group in verdicts.every:
+        for name, values in _columns(verdicts, group, paired, marks).items():
             columns.setdefault(name, []).extend(values)
     if overall is not None:
-        columns |= {name: _with_missing(columns[name]) for name in question.within}
-    labels = (*question.within, *question.compared)
+        columns |= {name: _with_missing(columns[name]) for name in verdicts.within}
+    compared = (verdicts.compare,) if verdicts.compare else ()
     frame = DataFrame(
         {
             name: values
@@ -292,12 +265,12 @@ def long_table(
             if _holds(name, values) and not _says_no_more(name, values, columns["mean"])
         }
     )
-    marked = [mark for summary in every for mark in summary.marked[summary.ranked]]
-    tied = [mark for summary in every for mark in tied_with_best(summary)[summary.ranked]]
-    highlights = [
-        mark for summary in every for mark in _highlights(summary, references)[summary.ranked]
-    ]
-    several = question.compare is not None
+    rows = [(group, place) for group in verdicts.every for place in group.ranked]
+    best = tuple(row for row, (group, place) in enumerate(rows) if place in group.marked)
+    tied = tuple(row for row, (group, place) in enumerate(rows) if place in group.tied)
+    shown = {id(group): _highlights(verdicts, group) for group in verdicts.every}
+    highlights = tuple(row for row, (group, place) in enumerate(rows) if place in shown[id(group)])
+    unit = verdicts.metric.unit
     valued = (
         *_VALUED,
         f"mean, {COMMON}",
@@ -305,8 +278,8 @@ def long_table(
         *_DIFFERENCE,
     )
     units = {name: unit for name in valued if unit and name in frame}
-    margin = next((s.margin for s in summaries), None)
-    in_unit = paired != "ratio" if margin is None else not margin.ratio
+    margin = verdicts.margin
+    in_unit = not (verdicts.ratio if margin is None else margin.ratio)
     units |= {name: CHANCE for name in ("p", "p of flips") if name in frame}
     units |= {"margin": unit} if unit and in_unit and "margin" in frame else {}
     intervals: dict[str, Mapping[Part, str]] = {
@@ -320,19 +293,15 @@ def long_table(
     }
     info = TableInfo(
         units=units | {name: "share" for name in _LOST if name in frame},
-        labels=labels,
-        best={"mean": tuple(np.flatnonzero(marked).tolist())} if several else {},
-        tied={"mean": tuple(np.flatnonzero(tied).tolist())} if several else {},
-        highlights=tuple(np.flatnonzero(highlights).tolist()),
-        overall=tuple(range(len(frame) - _count(overall), len(frame))),
-        compared=question.compare or "",
+        labels=(*verdicts.within, *compared),
+        best={"mean": best} if compared else {},
+        tied={"mean": tied} if compared else {},
+        highlights=highlights,
+        overall=tuple(row for row, (group, _) in enumerate(rows) if group is overall),
+        compared=verdicts.compare,
         cells=intervals,
     )
     return with_info(frame, info)
-
-
-def _count(overall: Summary | None) -> int:
-    return 0 if overall is None else len(overall.group.methods)
 
 
 def _with_missing(labels: list[Any]) -> object:
@@ -347,55 +316,52 @@ def _with_missing(labels: list[Any]) -> object:
     return labels
 
 
-def _highlights(summary: Summary, references: Collection[Label]) -> NDArray[np.bool_]:
-    """Return (K,), where the nearest method that is behind stands, and the references."""
-    marks = np.array([method in references for method in summary.group.methods], dtype=bool)
-    if summary.judged and summary.best is not None:
-        behind = behind_by_all_rules(summary)
-        marks[[place for place in summary.ranked if behind[place]][:1]] = True
-    return marks
-
-
-def paired_name(summaries: Sequence[Summary]) -> str:
-    """Return how methods are compared to the best one, or to the baseline."""
-    return "ratio" if all(summary.ratio for summary in summaries) else "difference"
+def _highlights(verdicts: Verdicts, group: Verdict) -> set[int]:
+    """Return the nearest method that is behind, and those that others are compared to."""
+    behind = group.behind
+    references = (verdicts.baseline, verdicts.fallback)
+    return {
+        *[place for place in group.ranked if place in behind][:1],
+        *[place for place, method in enumerate(verdicts.methods) if method in references],
+    }
 
 
 def _columns(
-    summary: Summary,
-    question: Question,
+    verdicts: Verdicts,
+    group: Verdict,
     name: str,
     marks: Mapping[str, Mapping[Label, str]],
 ) -> Mapping[str, Sequence[object]]:
-    group, paired = summary.group, summary.paired
-    labels = zip_longest(question.within, group.labels)
-    columns: dict[str, Any] = {name: [label] * len(group.methods) for name, label in labels}
-    columns |= {name: group.methods for name in question.compared}
-    columns["blocks"] = summary.blocks
-    columns |= {name: getattr(summary, name) for name in _VALUED}
-    nothing = np.full(len(group.methods), np.nan)
+    paired, count = group.paired, len(verdicts.methods)
+    labels = zip_longest(verdicts.within, group.labels)
+    columns: dict[str, Any] = {name: [label] * count for name, label in labels}
+    columns |= {verdicts.compare: verdicts.methods} if verdicts.compare else {}
+    columns["blocks"] = group.blocks
+    columns |= {name: getattr(group, name) for name in _VALUED}
+    nothing = np.full(count, np.nan)
     if name == "ratio":
         columns[name] = nothing if paired is None else paired.value
     for part, attribute in _PAIRED.items():
         head = f"{name} {part}" if part in ("low", "high") else part
         columns[head] = nothing if paired is None else getattr(paired, attribute)
-    columns["wins"] = _wins(summary)
-    of = {variant.rule: variant.summary for variant in summary.variants}
+    columns["wins"] = _wins(group)
     for rule in (COMMON, WORST):
-        columns[f"mean, {rule}"] = of[rule].mean if rule in of else nothing
+        other = group.by_rule.get(rule)
+        columns[f"mean, {rule}"] = nothing if other is None else other.mean
     columns |= {name: getattr(group, attribute) for name, attribute in _LOST.items()}
     columns |= {
-        head: [texts.get(method, "") for method in group.methods] for head, texts in marks.items()
+        head: [texts.get(method, "") for method in verdicts.methods]
+        for head, texts in marks.items()
     }
-    return {name: [values[place] for place in summary.ranked] for name, values in columns.items()}
+    return {name: [values[place] for place in group.ranked] for name, values in columns.items()}
 
 
-def _wins(summary: Summary) -> list[str]:
+def _wins(group: Verdict) -> list[str]:
     """Return in how many of the units each method is better than the reference: ``3/8``."""
-    paired = summary.paired
-    if paired is None or summary.end == "none":
-        return [""] * len(summary.level)
-    count = len(summary.units.means)
+    paired = group.paired
+    if paired is None or group.better == "none":
+        return [""] * len(group.mean)
+    count = group.scope.units
     return [f"{wins:.0f}/{count}" if np.isfinite(wins) else "" for wins in paired.wins]
 
 

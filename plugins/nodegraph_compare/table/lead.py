@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.left_out import group_text
-from nodegraph_compare.scope import scope
+from nodegraph_compare.words import both, group_title, scope_text
 from nodegraph_tables.lead import MOST_CARDS, Card, Lead
 from nodegraph_tables.numbers import number_text, shares_text, span_text
 from nodegraph_tables.style import unit_text
@@ -15,49 +14,45 @@ from nodegraph_tables.style import unit_text
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from nodegraph_compare.question import Question
-    from nodegraph_compare.table.summary import Summary
-    from nodegraph_tables import BetterEnd
+    from nodegraph_compare.verdict import Verdict, Verdicts
 
 _MOST_GROUPS = 4
 
 
-def is_described(end: BetterEnd, methods: int, groups: int) -> bool:
+def is_described(verdicts: Verdicts) -> bool:
     """Whether a comparison has the lead of this module: of few labels without a better end."""
-    return end == "none" and 1 < methods <= MOST_CARDS and 0 < groups <= _MOST_GROUPS
+    few = 1 < len(verdicts.methods) <= MOST_CARDS and 0 < len(verdicts.groups) <= _MOST_GROUPS
+    return verdicts.metric.better == "none" and few
 
 
-def lead_of(
-    summaries: Sequence[Summary], question: Question, unit: str, blocks: str
-) -> Lead | None:
+def lead_of(verdicts: Verdicts, *, is_mean: bool) -> Lead | None:
     """Return the lead of a few groups of a few labels; None for other comparisons.
 
     Parameters
     ----------
-    summaries, question
-        Of the comparison.
-    unit
-        Of the metric.
-    blocks
-        What several blocks are called.
+    verdicts
+        On each group.
+    is_mean
+        Whether a label has more than one row.
     """
-    labels = list(dict.fromkeys(each for s in summaries for each in s.group.methods))
-    if not is_described(question.better, len(labels), len(summaries)):
+    if not is_described(verdicts):
         return None
-    first = summaries[0]
-    held = f"Scope: {scope(first.units, question, blocks)}." if first.units.count > 1 else ""
-    # the only row of a label is not a mean
-    is_mean = any(len(s.group.rows) > len(s.group.methods) for s in summaries)
-    metric = f"Mean {question.metric}" if is_mean else question.metric.capitalize()
-    if len(summaries) == 1:
-        return _of_one(first, metric, unit, held)
-    spans = [[_mean(summary, label) for summary in summaries] for label in labels]
+    groups, unit = verdicts.groups, verdicts.metric.unit
+    labels = [str(label) for label in verdicts.methods]
+    scope = groups[0].scope
+    held = f"Scope: {scope_text(scope)}." if scope.count > 1 else ""
+    name = verdicts.metric.name
+    metric = f"Mean {name}" if is_mean else name.capitalize()
+    if len(groups) == 1:
+        return _of_one(verdicts, groups[0], metric, held)
+    spans = [[float(group.mean[place]) for group in groups] for place in range(len(labels))]
+    every = range(len(verdicts.within))
     cards = tuple(
         Card(
-            str(label), _span(values, unit),
+            label, _span(values, unit),
             facts=tuple(
-                (group_text(summary.group, question), _span([value], unit))
-                for summary, value in zip(summaries, values, strict=True)
+                (group_title(verdicts, group, every), _span([value], unit))
+                for group, value in zip(groups, values, strict=True)
             ),
         )
         for label, values in zip(labels, spans, strict=True)
@@ -67,7 +62,7 @@ def lead_of(
     others = f"the {len(labels) - 1} others" if len(labels) > 2 else "the other"
     return Lead(
         (
-            f"{metric} in {len(summaries)} groups ({', '.join(question.within)}) is ",
+            f"{metric} in {len(groups)} groups ({', '.join(verdicts.within)}) is ",
             cards[most].headline,
             f" for {labels[most]}, and {_span(rest, unit)} for {others}.",
         ),
@@ -76,20 +71,20 @@ def lead_of(
     )  # fmt: skip
 
 
-def _of_one(summary: Summary, metric: str, unit: str, held: str) -> Lead | None:
+def _of_one(verdicts: Verdicts, group: Verdict, metric: str, held: str) -> Lead | None:
     """Return the lead of a single group, with the intervals of its means."""
-    known = np.flatnonzero(np.isfinite(summary.mean)).tolist()
+    known, unit = group.known, verdicts.metric.unit
     if len(known) < 2:
         return None
-    labels = [str(summary.group.methods[place]) for place in known]
-    values = [float(summary.mean[place]) for place in known]
+    labels = [str(verdicts.methods[place]) for place in known]
+    values = [float(group.mean[place]) for place in known]
     # what is left of a number by rounding is none
     largest = max(map(abs, values))
     values = [0.0 if abs(each) < 1e-12 * largest else each for each in values]
     is_share = unit == "share"
     texts = [_span([each], unit) if is_share else number_text(each) for each in values]
     cards = tuple(
-        Card(label, _span([value], unit), _interval(summary, place, unit if is_share else ""))
+        Card(label, _span([value], unit), _interval(group, place, unit if is_share else ""))
         for label, value, place in zip(labels, values, known, strict=True)
     )
     in_unit = f" in {unit_text(unit)}" if unit and not is_share else ""
@@ -98,7 +93,7 @@ def _of_one(summary: Summary, metric: str, unit: str, held: str) -> Lead | None:
     rest = [f"{text} ({label})" for text, label in zip(texts[1:], labels[1:], strict=True)]
     to = ", " if verb == ": " else " to "
     return Lead(
-        (f"{metric}{in_unit}{verb}", texts[0], f" ({labels[0]}){to}{_listed(rest)}."),
+        (f"{metric}{in_unit}{verb}", texts[0], f" ({labels[0]}){to}{both(rest)}."),
         cards,
         held,
     )
@@ -109,16 +104,6 @@ def _span(values: Sequence[float], unit: str) -> str:
     return shares_text(ends) if unit == "share" else span_text(ends, unit)
 
 
-def _mean(summary: Summary, label: object) -> float:
-    methods = summary.group.methods
-    return float(summary.mean[methods.index(label)]) if label in methods else float("nan")
-
-
-def _listed(texts: Sequence[str]) -> str:
-    *first, last = texts
-    return f"{', '.join(first)} and {last}" if first else last
-
-
-def _interval(summary: Summary, place: int, unit: str) -> str:
-    low, high = float(summary.low[place]), float(summary.high[place])
+def _interval(group: Verdict, place: int, unit: str) -> str:
+    low, high = float(group.low[place]), float(group.high[place])
     return f"95 %: {_span([low, high], unit)}" if low < high else ""

@@ -12,7 +12,7 @@ from nodegraph import Across, ColumnOf, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.comparison import Comparison, prepare
 from nodegraph_compare.left_out import left_out
-from nodegraph_compare.overview.build import build_overview
+from nodegraph_compare.overview.build import BlocksOf, metrics_of, unit_means
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.question import (
     Better,
@@ -27,7 +27,7 @@ from nodegraph_compare.question import (
     suited_margin,
 )
 from nodegraph_compare.suspects import suspects
-from nodegraph_compare.table.answer import answers, notes
+from nodegraph_compare.table.judge import by_rules, over_groups, verdict_of
 from nodegraph_compare.table.layout import (
     Layout,
     blocks_text,
@@ -37,16 +37,18 @@ from nodegraph_compare.table.layout import (
     wide_table,
 )
 from nodegraph_compare.table.lead import lead_of
-from nodegraph_compare.table.overall import over_groups
-from nodegraph_compare.table.sensitivity import summary_of
-from nodegraph_compare.table.summary import Summary, by_ratio, summarise
+from nodegraph_compare.table.notes import notes
+from nodegraph_compare.table.summary import by_ratio, summarise
+from nodegraph_compare.unused_axes import unused_axes
+from nodegraph_compare.verdict import Verdicts, clusters_name
+from nodegraph_compare.words import lines
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import info_of, with_info
 from nodegraph_tables.info import Part
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from nodegraph import Declared
 
@@ -218,10 +220,10 @@ def table(
         better=better,
         fallback=fallback,
     )
-    question, gathered, unit = comparison.question, comparison.groups, comparison.unit
+    question, gathered = comparison.question, comparison.groups
     for name in beside:
         check_numbers(scores, name, "beside")
-    against, instead = comparison.baseline(baseline), comparison.fallback
+    against = comparison.baseline(baseline)
     doubted = suspects(scores, question, gathered)
     doubtful = np.concatenate([*(each.rows for each in doubted), np.empty(0, dtype=np.intp)])
     plain = (
@@ -232,69 +234,115 @@ def table(
     ratio = by_ratio([*gathered, *plain.values(), *comparison.filled], question.better)
     margin = None
     if equivalent is not None:
-        margin = suited_margin(equivalent, question, unit, ratio=ratio)
+        margin = suited_margin(equivalent, question, comparison.unit, ratio=ratio)
     summarised = partial(
         summarise, end=question.better, ratio=ratio, against=against, margin=margin
     )
-    summaries = [
-        summary_of(
-            group, plain.get(group.labels) if each.names else None, each, instead, summarised
+    every = [
+        by_rules(
+            group,
+            plain.get(group.labels) if each.names else None,
+            comparison.fallback,
+            summarised,
         )
         for group, each in zip(gathered, doubted, strict=True)
     ]
-    layout = completed(layout, question)
-    overall = None if layout.columns else over_groups(summaries)
-    order = comparison.methods
+    metrics = metrics_of(comparison, beside)
+    blocks_of = BlocksOf(comparison, metrics)
+    blocks_behind = tuple(
+        blocks_of.of(rules["main"].group, rules["main"].units, each)
+        for rules, each in zip(every, doubted, strict=True)
+    )
     declared = {
         label: each
         for label, each in scores.methods.get(question.compare or "", {}).items()
-        if label in order
+        if label in comparison.methods
     }
-    references = [label for label in (baseline, instead) if label is not None]
-    means = _laid_out(comparison, summaries, overall, layout, declared, references)
+    layout = completed(layout, question)
+    overall = None if layout.columns else over_groups(every)
+    verdicts = Verdicts(
+        metric=metrics[0],
+        beside=metrics[1 : 1 + len(beside)],
+        compare=question.compare or "",
+        is_sequence=comparison.is_sequence,
+        within=question.within,
+        blocks=comparison.blocks,
+        units=clusters_name(question),
+        methods=comparison.methods,
+        baseline=against,
+        fallback=comparison.fallback,
+        margin=margin,
+        adapted=_places(comparison, declared, lambda each: "adapted" in each),
+        ahead=_places(comparison, declared, lambda each: each.get("lookahead", 0) is None),
+        groups=tuple(
+            verdict_of(
+                rules,
+                comparison,
+                suspects=each.names,
+                beside={name: unit_means(behind, name) for name in beside},
+            )
+            for rules, each, behind in zip(every, doubted, blocks_behind, strict=True)
+        ),
+        overall=None if overall is None else verdict_of(overall, comparison),
+    )
+    means = _laid_out(verdicts, question, layout, declared)
     info = info_of(means)
+    averaged = [
+        f"{text}."
+        for axis, text in unused_axes(scores, question.compare).items()
+        if axis not in (*question.within, *question.compared)
+    ]
+    is_mean = any(len(group.rows) > len(group.methods) for group in gathered)
     info = replace(
         info,
-        answer=tuple(answers(comparison, summaries, overall)),
-        lead=lead_of(summaries, question, unit, comparison.blocks),
+        answer=(*lines(verdicts), *averaged),
+        lead=lead_of(verdicts, is_mean=is_mean),
         notes=(
-            *notes(comparison, summaries, against, overall),
+            *notes(verdicts, question),
             *info.notes,
             *(
                 f"{label}: adapted {each['adapted']}"
                 for label, each in declared.items()
                 if "adapted" in each
             ),
-            *left_out(scores, question, [summary.group for summary in summaries]),
+            *left_out(scores, question, [rules["main"].group for rules in every]),
         ),
     )
     return Compared(
         with_info(means, info),
-        draw(question, summaries, order, unit, declared),
-        build_overview(comparison, summaries, doubted, declared, against, beside),
+        draw(verdicts),
+        Overview(
+            verdicts=verdicts, metrics=metrics, columns=blocks_of.columns, blocks=blocks_behind
+        ),
+    )
+
+
+def _places(
+    comparison: Comparison, declared: Mapping[Label, Declared], applies: Callable[[Declared], bool]
+) -> tuple[int, ...]:
+    return tuple(
+        at
+        for at, method in enumerate(comparison.methods)
+        if method in declared and applies(declared[method])
     )
 
 
 def _laid_out(
-    comparison: Comparison,
-    summaries: Sequence[Summary],
-    overall: Summary | None,
-    layout: Layout,
-    declared: Mapping[Label, Declared],
-    references: Collection[Label],
+    verdicts: Verdicts, question: Question, layout: Layout, declared: Mapping[Label, Declared]
 ) -> Table:
-    question, unit = comparison.question, comparison.unit
-    in_unit = f" ({unit_text(unit)})" if unit not in ("", SHARE) and layout.columns else ""
-    title = f"Mean {question.metric}{in_unit}{question.by}"
-    if not layout.columns:
-        means = long_table(summaries, overall, question, unit, declared, references)
-        note: tuple[str, ...] = ()
+    metric = verdicts.metric
+    in_unit = f" ({unit_text(metric.unit)})" if metric.unit not in ("", SHARE) else ""
+    title = f"Mean {metric.name}{in_unit if layout.columns else ''}{question.by}"
+    note: tuple[str, ...] = ()
+    if layout.columns:
+        some = any(group.judged for group in verdicts.groups)
+        parts = [part for part in _PARTS if part != "p" or some]
+        means = wide_table(verdicts, layout, parts)
+        note = (f"{_cell_text(question, parts)} {blocks_text(verdicts.groups)}",)
+    else:
+        means = long_table(verdicts, declared)
         if not {"refused", "left missing"}.isdisjoint(means):
             note = (_SHARES,)
-    else:
-        parts = [part for part in _PARTS if part != "p" or any(s.judged for s in summaries)]
-        means = wide_table(summaries, question, layout, comparison.methods, parts, unit)
-        note = (f"{_cell_text(question, parts)} {blocks_text(summaries)}",)
     return with_info(means, replace(info_of(means), title=title, notes=note))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from nodegraph_compare.inference import (
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ties import settled
 from nodegraph_compare.units import units_of
+from nodegraph_compare.verdict import Paired
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,57 +32,6 @@ if TYPE_CHECKING:
     from nodegraph_tables import BetterEnd
 
 _DOUBTFUL = 0.10
-
-
-@dataclass(frozen=True)
-class Paired:
-    """Each of K methods against one of them; NaN for that one and for methods without a number.
-
-    Attributes
-    ----------
-    reference : int
-    value, low, high : (K,) arrays of float64
-        Ratio, or difference, of mean errors, and the ends of its interval.
-    difference, difference_low, difference_high : (K,) arrays of float64
-        Of the means over units; of ratios, the ends are those of their interval, less 1, times
-        the reference's mean.
-    p, flips : (K,) arrays of float64
-        Of the floored Tukey rule, and of sign flips; NaN for too few units.
-    effect : (K,) array of float64
-        Hedges' g, positive where the method is worse.
-    wins : (K,) array of float64
-        Units in which the method is better.
-    margin : (K,) array of float64
-        The smallest ratio, or difference, within which it is shown to be equal.
-    doubtful : (K,) array of bool
-        Told apart by the t-test, alone, and not by sign flips.
-    """
-
-    reference: int
-    value: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-    difference: NDArray[np.float64]
-    difference_low: NDArray[np.float64]
-    difference_high: NDArray[np.float64]
-    p: NDArray[np.float64]
-    flips: NDArray[np.float64]
-    effect: NDArray[np.float64]
-    wins: NDArray[np.float64]
-    margin: NDArray[np.float64]
-    doubtful: NDArray[np.bool_]
-
-    @property
-    def apart(self) -> NDArray[np.bool_]:
-        """(K,), whether p is at most 5 %."""
-        return np.asarray(self.p <= LEVEL)
-
-
-class Variant(NamedTuple):
-    """A comparison under another rule, such as for missing blocks."""
-
-    rule: str
-    summary: Summary
 
 
 @dataclass(frozen=True)
@@ -109,10 +59,6 @@ class Summary:
         The place of the baseline.
     margin : Margin or None
         Within which methods count as equal.
-    variants : tuple of Variant
-        The same comparison under other rules.
-    suspects : tuple of str
-        Blocks whose truth is suspect.
     """
 
     group: Group
@@ -128,8 +74,6 @@ class Summary:
     blocks: NDArray[np.intp]
     against: int | None
     margin: Margin | None
-    variants: tuple[Variant, ...] = ()
-    suspects: tuple[str, ...] = ()
 
     @property
     def best(self) -> int | None:
@@ -152,11 +96,6 @@ class Summary:
         return np.asarray(signed == np.nanmin(signed))
 
     @property
-    def marked(self) -> NDArray[np.bool_]:
-        """(K,), `bests` where there is something that they are better than, or equal to."""
-        return self.bests & (np.count_nonzero(np.isfinite(self.level)) > 1)
-
-    @property
     def ranked(self) -> list[int]:
         """The columns from the best mean to the worst, without any number last.
 
@@ -170,7 +109,7 @@ class Summary:
     @property
     def judged(self) -> bool:
         """Whether there are units enough for p and a verdict."""
-        return self.units.speech in ("provisional", "settled")
+        return self.units.judged
 
     @cached_property
     def to_best(self) -> Paired | None:
@@ -190,19 +129,6 @@ class Summary:
             paired = self._paired(place - 1)
             p[place] = np.nan if paired is None else paired.p[place]
         return p
-
-    @property
-    def behind(self) -> NDArray[np.bool_]:
-        """(K,), clearly worse than the best."""
-        none = np.zeros(self.level.shape, dtype=bool)
-        return none if self.to_best is None else self.to_best.apart & ~self.bests
-
-    @property
-    def equal(self) -> NDArray[np.bool_]:
-        """(K,), shown to be within the margin of the reference."""
-        if self.paired is None or self.margin is None or not self.judged:
-            return np.zeros(self.level.shape, dtype=bool)
-        return np.asarray(self.paired.margin <= self.margin.size)
 
     def _paired(self, reference: int) -> Paired | None:
         usable = np.flatnonzero(np.isfinite(self.level))

@@ -57,7 +57,7 @@ def test_methods_that_rounding_distinguishes_share_what_is_best(noise: float, na
     frame = table(study(noise, names=names), baseline="c").table
     first = ", ".join(value for value in names if value in "ab")
     assert info_of(frame).answer[0].startswith(f"{first} share the lowest mean rmse (")
-    assert info_of(frame).answer[0].endswith("every other method is clearly behind.")
+    assert info_of(frame).answer[0].endswith("every other is clearly behind.")
     assert info_of(frame).best == {"mean": (0, 1)}
     first_two = frame.set_index("fill").loc[["a", "b"]].to_numpy()
     assert np.array_equal(first_two[0], first_two[1])

@@ -520,9 +520,8 @@ def data_of(
         entries.append(
             {
                 "labels": [at], "texts": [f"{at} K"], "title": f"heat {at} K",
-                "blocks": int(whole.sum()),
                 "all_blocks": len(errors), "mean": listed, "median": listed, "rank": listed,
-                "best": best, "tied": [], "behind": [], "suspects": 0, "without_suspects": None,
+                "best": best, "tied": [], "suspects": 0, "without_suspects": None,
                 "unit": packed(np.where(whole, np.arange(len(errors)) % 9, 65535)),
                 "rows": {"cake": packed(np.arange(len(errors)))}, "suspect": {},
                 "errors": {"waste": text}, "scale": {"waste": scale},
@@ -530,8 +529,8 @@ def data_of(
         )  # fmt: skip
     metric = {"name": "waste", "unit": "g", "better": better}
     return {
-        "node": "odd", "metric": "waste", "unit": "g", "better": better, "compare": "recipe",
-        "baseline": None, "blocks_name": "cakes", "units_name": "", "metrics": [metric],
+        "node": "odd", "metric": "waste", "compare": "recipe",
+        "baseline": None, "blocks_name": "cakes", "metrics": [metric],
         "groups": entries,
         "within": [
             {

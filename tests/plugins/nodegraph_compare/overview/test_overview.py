@@ -113,31 +113,35 @@ def study() -> Compared:
 
 
 def test_verdicts_are_those_of_the_table_and_its_answer(study: Compared) -> None:
-    overview, frame = study.overview, study.table
-    assert overview.methods == tuple(RECIPES)
-    cool, hot = overview.groups
-    assert [overview.methods[at] for at in cool.best] == ["plain"]
-    assert [overview.methods[at] for at in (*hot.best, *hot.tied)] == ["rich", "airy"]
-    assert {overview.methods[at] for at in hot.behind} == {"plain", "burnt"}
-    for group, heat in zip(overview.groups, (180, 220), strict=True):
+    verdicts, frame = study.overview.verdicts, study.table
+    assert verdicts.methods == tuple(RECIPES)
+    cool, hot = verdicts.groups
+    assert [verdicts.methods[at] for at in cool.best] == ["plain"]
+    assert [verdicts.methods[at] for at in (*hot.best, *hot.tied)] == ["rich", "airy"]
+    assert {verdicts.methods[at] for at in hot.behind} == {"plain", "burnt"}
+    for group, heat in zip(verdicts.groups, (180, 220), strict=True):
         rows = frame[frame["heat"] == heat].set_index("recipe").loc[list(RECIPES)]
         for name in ("mean", "low", "high", "median"):
             np.testing.assert_array_equal(getattr(group, name), rows[name])
-        np.testing.assert_array_equal(group.ratio, rows["ratio"])
-        best = str(overview.methods[group.best[0]])
-        assert best in info_of(frame).answer[overview.groups.index(group)]
-        assert group.scope == "over 8 kitchens"
+        assert group.to_best is not None
+        for name, column in (("value", "ratio"), ("low", "ratio low"), ("p", "p")):
+            np.testing.assert_array_equal(getattr(group.to_best, name), rows[column])
+        best = str(verdicts.methods[group.best[0]])
+        assert best in info_of(frame).answer[verdicts.groups.index(group)]
+        assert (group.scope.kind, group.scope.count) == ("clusters", 8)
 
 
 def test_every_block_of_every_method_is_there(study: Compared) -> None:
     overview = study.overview
     assert [metric.name for metric in overview.metrics] == ["waste", "mess", "cleaned"]
-    for at, group in enumerate(overview.groups):
-        assert group.errors["waste"].shape == (48, 4)
-        np.testing.assert_allclose(group.errors["mess"], group.errors["waste"] / 2, rtol=1e-6)
-        means = [group.errors["waste"][group.unit == unit].mean(axis=0) for unit in range(8)]
+    for at, (group, behind) in enumerate(
+        zip(overview.verdicts.groups, overview.blocks, strict=True)
+    ):
+        assert behind.errors["waste"].shape == (48, 4)
+        np.testing.assert_allclose(behind.errors["mess"], behind.errors["waste"] / 2, rtol=1e-6)
+        means = [behind.errors["waste"][behind.unit == unit].mean(axis=0) for unit in range(8)]
         np.testing.assert_allclose(np.mean(means, axis=0), group.mean, rtol=1e-6)
-        where = {name: overview.columns[name][codes[7]] for name, codes in group.rows.items()}
+        where = {name: overview.columns[name][codes[7]] for name, codes in behind.rows.items()}
         assert where == {"kitchen": 1, "cake": 1}
         assert group.labels == ((180, 220)[at],)
 
@@ -233,9 +237,8 @@ def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
     section = rendered(study.overview)
     data = data_of(section.html)
-    assert [method["use"] for method in data["methods"]][:2] == ["bake.plain", ""]
     assert [method["seconds"] for method in data["methods"]] == [0.002, 0.2, None, None]
-    for group, packed in zip(study.overview.groups, data["groups"], strict=True):
+    for group, packed in zip(study.overview.blocks, data["groups"], strict=True):
         scale = packed["scale"]["waste"]
         step = (scale["high"] - scale["low"]) / 65534
         values = np.exp(scale["low"] + step * codes(packed["errors"]["waste"]))
@@ -300,8 +303,10 @@ def test_numbers_are_named_with_what_they_are_numbers_of() -> None:
 def test_what_leads_some_groups_only_is_not_called_best_throughout() -> None:
     overview = compared(kitchens({"plain": 1.0, "rich": 9.0}), within=("heat",)).overview
     assert "plain is best throughout" in text_of(rendered(overview).lead)
-    first, *rest = overview.groups
-    partly = replace(overview, groups=(replace(first, speech="nothing"), *rest))
+    verdicts = overview.verdicts
+    first, *rest = verdicts.groups
+    few = replace(first, scope=replace(first.scope, count=0))
+    partly = replace(overview, verdicts=replace(verdicts, groups=(few, *rest)))
     text = text_of(rendered(partly).lead)
     assert f"plain is best in {len(rest)} of {len(rest) + 1} groups" in text
     assert "throughout" not in text
@@ -330,7 +335,7 @@ def test_other_ends_of_a_metric(better: BetterEnd) -> None:
     overview = compared(Across.of(scores, axis="recipe"), clusters=("cake",)).overview
     text = text_of(rendered(overview).lead)
     if better == "none":
-        assert overview.groups[0].best == ()
+        assert overview.verdicts.groups[0].best == ()
         assert text == ""  # the table has a lead of its own
     else:
         assert text.startswith("c is best; every other is clearly behind.")
@@ -358,7 +363,7 @@ def test_odd_numbers_end_in_a_page(values: list[list[float]]) -> None:
     overview = compared(scores, clusters=("cake",) if values[0] else ()).overview
     lead = rendered(overview).lead
     assert "nan" not in text_of(lead)
-    assert not overview.groups or data_of(rendered(overview).html)["groups"]
+    assert not overview.blocks or data_of(rendered(overview).html)["groups"]
 
 
 def test_two_hundred_methods_and_many_groups_stay_readable() -> None:
@@ -384,7 +389,7 @@ def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:
     html = rendered(overview).html
     assert len(html) < 3_000_000
     (group,) = data_of(html)["groups"]
-    assert group["blocks"] == 100_000
+    assert group["all_blocks"] == 100_000
     assert len(codes(group["unit"])) <= 20_000
 
 

@@ -111,7 +111,7 @@ def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
     (sentence,) = info_of(table(Across(trials().axes, entries), within=("length",)).table).answer
     assert re.match(
         r"length 5: near, twin share the lowest mean rmse \([\d.]+ mm, interval [\d.]+ to [\d.]+\) "
-        r"over 8 trials; every other method is clearly behind\.$",
+        r"over 8 trials; every other is clearly behind\.$",
         sentence,
     )
 
@@ -121,8 +121,8 @@ def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
     [
         (2, "nothing can be said for further gaps in these 2 recordings: too few"),
         (4, "over 4 trials; 4 trials describe the methods and decide nothing."),
-        (5, "every other method is clearly behind; provisional, as of 5 trials."),
-        (8, "over 8 trials; every other method is clearly behind."),
+        (5, "every other is clearly behind; provisional, as of 5 trials."),
+        (8, "over 8 trials; every other is clearly behind."),
     ],
 )
 def test_what_is_said_depends_on_the_number_of_clusters(actors: int, expected: str) -> None:
@@ -144,7 +144,7 @@ def test_blocks_of_several_clusters_are_never_averaged() -> None:
 def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
     scores = replace(trials(9), sources=())
     (sentence,) = info_of(table_of(scores, within=("length",)).table).answer
-    assert " for further trials in this recording; every other method is clearly beh" in sentence
+    assert " for further trials in this recording; every other is clearly beh" in sentence
 
 
 @pytest.mark.parametrize(

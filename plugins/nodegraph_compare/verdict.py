@@ -1,0 +1,397 @@
+"""What a comparison says of its methods, as data, which `nodegraph_compare.words` puts into words.
+
+Places of methods are those of `Verdicts.methods`. Arrays have a number for each of these K methods;
+NaN stands for a method without any number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+
+from nodegraph import Value
+from nodegraph_compare.inference import FEWEST_JUDGED, LEVEL
+from nodegraph_compare.units import speech_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph import Label
+    from nodegraph_compare.question import Margin, Question
+    from nodegraph_compare.units import Kind, Shortage, Speech, Units
+    from nodegraph_tables import BetterEnd
+
+    Numbers = NDArray[np.float64]
+
+Rule = Literal["common blocks", "worst of block"]
+
+COMMON: Final = "common blocks"
+WORST: Final = "worst of block"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scope(Value):
+    """What a result holds for: so many independent units of a kind.
+
+    Attributes
+    ----------
+    kind : str
+        See `nodegraph_compare.units.Units`.
+    clusters : int
+        Number of clusters, 1 without any.
+    units : int
+        Number of units.
+    count : int
+        The same less those that are spent on further recordings.
+    fewest : int
+        Blocks in the unit with fewest.
+    shortage : Shortage or None
+        Why there are no units.
+    several : str
+        What several clusters are called: ``actors``.
+    further : str
+        What a result that is not over clusters holds for further ones of: ``gaps``.
+    recordings : int
+        The recordings in which it does; 0 where these further ones are clusters themselves.
+    """
+
+    kind: Kind
+    clusters: int
+    units: int
+    count: int
+    fewest: int
+    shortage: Shortage | None
+    several: str
+    further: str
+    recordings: int
+
+    @property
+    def speech(self) -> Speech:
+        """What may be said of so many units."""
+        return speech_of(self.count)
+
+    @property
+    def judged(self) -> bool:
+        """Whether there are units enough for p and a verdict."""
+        return self.count >= FEWEST_JUDGED
+
+
+def clusters_name(question: Question) -> str:
+    """Return what several clusters are called: ``actors``; empty without any."""
+    names = question.clusters
+    if len(names) > 1:
+        return f"combinations of {' and '.join(names)}"
+    return f"{names[0]}s" if names else ""
+
+
+def scope_of(units: Units, question: Question, blocks: str) -> Scope:
+    """Return what a result holds for.
+
+    Parameters
+    ----------
+    units, question
+        Of the comparison.
+    blocks
+        What several blocks are called.
+    """
+    names, several = question.clusters, clusters_name(question)
+    are_clusters = bool(names) and set(question.blocks) <= set(names)
+    further = several if are_clusters else blocks
+    if units.kind == "draws" and not are_clusters:
+        further = f"{question.drawn[0]}s" if len(question.drawn) == 1 else "repetitions"
+    return Scope(
+        kind=units.kind,
+        clusters=units.clusters,
+        units=len(units.means),
+        count=units.count,
+        fewest=units.fewest,
+        shortage=units.shortage,
+        several=several,
+        further=further,
+        recordings=0 if are_clusters else units.clusters,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Paired(Value):
+    """Each method against one of them, for which there is no number.
+
+    Attributes
+    ----------
+    reference : int
+    value, low, high : (K,) arrays of float64
+        Ratio, or difference, of mean errors, and the ends of its interval.
+    difference, difference_low, difference_high : (K,) arrays of float64
+        Of the means over units; of ratios, the ends are those of their interval, less 1, times
+        the reference's mean.
+    p, flips : (K,) arrays of float64
+        Of the floored Tukey rule, and of sign flips; NaN for too few units.
+    effect : (K,) array of float64
+        Hedges' g, positive where the method is worse.
+    wins : (K,) array of float64
+        Units in which the method is better.
+    margin : (K,) array of float64
+        The smallest ratio, or difference, within which it is shown to be equal.
+    doubtful : (K,) array of bool
+        Told apart by the t-test, alone, and not by sign flips.
+    """
+
+    reference: int
+    value: Numbers
+    low: Numbers
+    high: Numbers
+    difference: Numbers
+    difference_low: Numbers
+    difference_high: Numbers
+    p: Numbers
+    flips: Numbers
+    effect: Numbers
+    wins: Numbers
+    margin: Numbers
+    doubtful: NDArray[np.bool_]
+
+    @property
+    def apart(self) -> NDArray[np.bool_]:
+        """(K,), whether p is at most 5 %."""
+        return np.asarray(self.p <= LEVEL)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Verdict(Value):
+    """What is said of the methods of one group, and the numbers that it rests on.
+
+    Attributes
+    ----------
+    labels : tuple of label
+        Of `Verdicts.within`; none for the verdict over all groups.
+    better : str
+        Which end of the metric is better.
+    ratio : bool
+        Whether methods are compared by ratios, not by differences.
+    scope : Scope
+    ranked : tuple of int
+        The methods that the group has, from the best to the worst, without any number last; in the
+        order of the graph where neither end is better.
+    best, best_by_mean : tuple of int
+        By what decides, and by the plain mean over units.
+    mean, low, high, median, rank : (K,) arrays of float64
+        Mean over units with its interval, median over blocks, and mean rank within blocks.
+    blocks : (K,) array of int
+        Number of blocks used; 0 for a method without any number.
+    of_blocks : int
+        Number of blocks that there are.
+    lacking, taken : (K,) arrays of int
+        Blocks in which a method has no number, and in which that of the fallback stands instead.
+    missing, refused : (K,) arrays of float64
+        Share of the method's rows without a number, and of its combinations that were refused or
+        failed.
+    to_best, to_baseline : Paired or None
+        None where there is no best, no baseline in the group, or too few units to compare.
+    baseline : int or None
+        The method that the others are compared to in place of the best.
+    margin : float
+        Within which methods count as equal; NaN where none is declared.
+    p_of_step : (K,) array of float64
+        Of the difference to the one before, where methods follow one another.
+    usual : tuple of (int, float) or None
+        The method of the best mean rank that is better than the best mean in so large a share of
+        blocks, where it is another one.
+    beside : mapping of str to (K,) array of float64
+        Means over units of what is shown next to the metric.
+    suspects : tuple of str
+        Blocks whose truth is suspect.
+    by_rule : mapping of str to Verdict
+        The same by other rules for missing blocks, `COMMON` and `WORST`.
+    without_suspects : Verdict or None
+        The same without suspect blocks; None where there are none.
+    """
+
+    labels: tuple[Label, ...]
+    better: BetterEnd
+    ratio: bool
+    scope: Scope
+    ranked: tuple[int, ...]
+    best: tuple[int, ...]
+    best_by_mean: tuple[int, ...]
+    mean: Numbers
+    low: Numbers
+    high: Numbers
+    median: Numbers
+    rank: Numbers
+    blocks: NDArray[np.int64]
+    of_blocks: int
+    lacking: NDArray[np.int64]
+    taken: NDArray[np.int64]
+    missing: Numbers
+    refused: Numbers
+    to_best: Paired | None
+    to_baseline: Paired | None
+    baseline: int | None
+    margin: float
+    p_of_step: Numbers
+    usual: tuple[int, float] | None
+    beside: Mapping[str, Numbers] = field(default_factory=dict)
+    suspects: tuple[str, ...] = ()
+    by_rule: Mapping[Rule, Verdict] = field(default_factory=dict)
+    without_suspects: Verdict | None = None
+
+    @property
+    def known(self) -> list[int]:
+        """The methods with a mean."""
+        return _places(np.isfinite(self.mean))
+
+    @property
+    def marked(self) -> tuple[int, ...]:
+        """The best, where there is something that they are better than, or equal to."""
+        return self.best if len(self.known) > 1 else ()
+
+    @property
+    def judged(self) -> bool:
+        """Whether there are units enough for p and a verdict."""
+        return self.scope.judged
+
+    @property
+    def objections(self) -> Mapping[Rule, Verdict]:
+        """The other rules for missing blocks by which other methods are the best."""
+        return {
+            rule: other
+            for rule, other in self.by_rule.items()
+            if self.best and other.best != self.best
+        }
+
+    @property
+    def stands(self) -> bool:
+        """Whether there is a verdict: units enough, a better end, and one best by every rule."""
+        return self.judged and bool(self.best) and not self.objections
+
+    @property
+    def worse_than_best(self) -> list[int]:
+        """The methods that are clearly worse than the best, by this rule for missing blocks."""
+        if self.to_best is None:
+            return []
+        return [place for place in _places(self.to_best.apart) if place not in self.best]
+
+    @property
+    def behind(self) -> list[int]:
+        """The methods that are clearly worse than the best by every rule, if there is a verdict."""
+        if not self.stands:
+            return []
+        others = [other.worse_than_best for other in self.by_rule.values()]
+        return [p for p in self.worse_than_best if all(p in other for other in others)]
+
+    @property
+    def tied(self) -> list[int]:
+        """The methods that a verdict does not tell from the best."""
+        if not self.stands:
+            return []
+        behind = self.behind
+        return [p for p in _places(self.blocks > 0) if p not in self.best and p not in behind]
+
+    @property
+    def paired(self) -> Paired | None:
+        """Each method against the baseline, without any against the best."""
+        return self.to_best if self.baseline is None else self.to_baseline
+
+    @property
+    def equal(self) -> list[int]:
+        """The methods shown by every rule to be within the margin of what they are compared to."""
+        every = [self, *self.by_rule.values()]
+        if not all(each.judged and each.paired is not None for each in every):
+            return []
+        within = [each.paired.margin <= each.margin for each in every if each.paired is not None]
+        return _places(np.logical_and.reduce(within))
+
+    def beyond_baseline(self, side: Literal["lower", "higher"]) -> list[int]:
+        """Return the methods that are clearly lower, or higher, than the baseline by every rule."""
+        if self.baseline is None:
+            return []
+        sign = 1.0 if side == "higher" else -1.0
+        sides = []
+        for each in (self, *self.by_rule.values()):
+            if each.paired is None:
+                return []
+            middle = 1.0 if each.ratio else 0.0
+            sides.append(each.paired.apart & (sign * (each.paired.value - middle) > 0.0))
+        return _places(np.logical_and.reduce(sides))
+
+    def to_best_of(self, place: int) -> float:
+        """Return the difference of a method's mean to that of the best; NaN for the best."""
+        return np.nan if self.to_best is None else float(self.to_best.difference[place])
+
+
+@dataclass(frozen=True)
+class Metric(Value):
+    """A column of numbers: its unit, and which end of it is better."""
+
+    name: str
+    unit: str
+    better: BetterEnd
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Verdicts(Value):
+    """What a comparison of K methods by one number says, group by group.
+
+    Attributes
+    ----------
+    metric : Metric
+        What is compared.
+    beside : tuple of Metric
+        What is shown next to it.
+    compare : str
+        What the methods are labels of; empty where nothing is compared.
+    is_sequence : bool
+        Whether they follow one another, such as the steps of a chain, in this order.
+    within : tuple of str
+        What the groups are combinations of.
+    blocks, units : str
+        What several blocks, and several independent units, are called: ``gaps``, ``actors``.
+    methods : tuple of label
+    baseline : label or None
+        The method that every other is compared to.
+    fallback : label or None
+        The method whose value stands where another has none.
+    margin : Margin or None
+        Within which methods count as equal.
+    adapted : tuple of int
+        Methods that differ from what was published.
+    ahead : tuple of int
+        Methods that look at the whole take.
+    groups : tuple of Verdict
+    overall : Verdict or None
+        Over all groups, where these can be taken together.
+    """
+
+    metric: Metric
+    beside: tuple[Metric, ...]
+    compare: str
+    is_sequence: bool
+    within: tuple[str, ...]
+    blocks: str
+    units: str
+    methods: tuple[Label, ...]
+    baseline: Label | None
+    fallback: Label | None
+    margin: Margin | None
+    adapted: tuple[int, ...]
+    ahead: tuple[int, ...]
+    groups: tuple[Verdict, ...]
+    overall: Verdict | None
+
+    @property
+    def ratio(self) -> bool:
+        """Whether methods are compared by ratios, not by differences."""
+        return all(group.ratio for group in self.groups)
+
+    @property
+    def every(self) -> tuple[Verdict, ...]:
+        """Of the groups, then over all of them."""
+        return self.groups if self.overall is None else (*self.groups, self.overall)
+
+
+def _places(where: NDArray[np.bool_]) -> list[int]:
+    places: list[int] = np.flatnonzero(where).tolist()
+    return places

@@ -1,0 +1,63 @@
+"""Verdicts as data: who is best, tied and behind, or why nobody is, whatever the numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
+
+from nodegraph import Across, Label
+from nodegraph_compare.table.node import table
+from nodegraph_compare.units import speech_of
+from nodegraph_compare.verdict import Verdict
+from nodegraph_mocap import Table
+from nodegraph_tables import info_of
+
+
+def verdict_on(values: NDArray[np.float64], **more: object) -> tuple[Verdict, Table]:
+    """Compare methods by an array of (actors, methods, gaps)."""
+    entries: list[tuple[dict[str, Label], Table]] = [
+        ({"actor": actor, "fill": f"m{place}"}, pd.DataFrame({"gap": range(len(row)), "rmse": row}))
+        for actor, rows in enumerate(values)
+        for place, row in enumerate(rows)
+    ]
+    scores = Across(("actor", "fill"), tuple(entries), sources=("actor",))
+    settings: dict[str, object] = {"metric": "rmse", "compare": "fill", **more}
+    result = table(scores, **settings)  # type: ignore[arg-type]
+    return result.overview.verdicts.groups[0], result.table
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@settings(max_examples=25, deadline=None)
+@given(
+    arrays(np.float64, (6, 3, 2), elements=st.sampled_from([0.5, 1.0, 1.1, 4.0, np.nan])),
+    st.booleans(),
+)
+def test_every_method_is_best_tied_or_behind_where_a_verdict_stands(
+    values: NDArray[np.float64], filled: bool
+) -> None:
+    verdict, frame = verdict_on(values, fallback="m0" if filled else None)
+    parts = [verdict.best, verdict.tied, verdict.behind]
+    if not verdict.stands:
+        assert not verdict.tied
+        assert not verdict.behind
+    else:
+        assert sorted(place for part in parts for place in part) == verdict.known
+    assert {*verdict.behind} <= {*verdict.worse_than_best}
+    # the table marks what the verdict says
+    for marks, places in ((info_of(frame).best, verdict.marked), (info_of(frame).tied, parts[1])):
+        marked = {frame["fill"].iloc[row] for row in marks["mean"]}
+        assert marked == {f"m{place}" for place in places}
+
+
+@pytest.mark.parametrize(
+    ("count", "speech"),
+    [(0, "nothing"), (2, "nothing"), (3, "described"), (4, "described"), (5, "provisional"),
+     (7, "provisional"), (8, "settled")],
+)  # fmt: skip
+def test_the_number_of_units_decides_what_may_be_said(count: int, speech: str) -> None:
+    assert speech_of(count) == speech
