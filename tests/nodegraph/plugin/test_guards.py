@@ -96,8 +96,7 @@ def test_a_study_is_locked_verified_and_compared_though_a_comparison_fails(
     command: Callable[..., tuple[int, str]], returned: str
 ) -> None:
     bad = {"hook": "nodegraph_comparisons", "returned": returned}
-    status, errors = command("lock", "graph.yaml", **bad)
-    assert (status, "plugin 'bad_hook': the parts of float" in errors) == (0, True)
+    assert command("lock", "graph.yaml", **bad)[0] == 0
     assert command("verify", "graph.lock", **bad)[0] == 0
     assert command("run", "graph.yaml", "--out", "one", **bad)[0] == 0
     graph = Path("graph.yaml")
