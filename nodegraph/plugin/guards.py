@@ -20,7 +20,6 @@ from nodegraph.plugin.hook_types import (
     Conclusion,
     Detail,
     Format,
-    Parts,
     Rendered,
     Renderer,
     Storage,
@@ -58,16 +57,27 @@ class Source:
         reason = error_text(error, self.package)
         return f"plugin {self.plugin!r}: {what}, from hook {self.hook}, failed: {reason}"
 
-    def raising(self, what: str, function: Function) -> Function:
+    def raising(
+        self,
+        what: str,
+        function: Function,
+        passes: tuple[type[Exception], ...] = (NodegraphError,),
+    ) -> Function:
         """Return a function that raises `PluginError` where another fails.
 
-        A `nodegraph.NodegraphError` is a message that the plugin wrote for its users, and passes.
+        Parameters
+        ----------
+        what
+            The function, as the error names it.
+        function
+        passes
+            Errors that are messages which the plugin wrote for its users.
         """
 
-        def guarded(*arguments: object) -> object:
+        def guarded(*arguments: object, **options: object) -> object:
             try:
-                return function(*arguments)
-            except NodegraphError:
+                return function(*arguments, **options)
+            except passes:
                 raise
             except (Exception, SystemExit) as error:
                 raise PluginError(self.failure(what, error)) from error
@@ -100,158 +110,125 @@ class Source:
         return guarded
 
 
-def guard_renderer(renderer: Renderer, source: Source) -> Renderer:
-    """Return a renderer that raises `PluginError` where another fails."""
+@dataclass(frozen=True)
+class _Rule:
+    """How one function of a record is guarded.
 
-    def render(value: object, title: str) -> object:
-        return expect(renderer.render(value, title), Rendered)
-
-    def render_in_run(value: object, title: str, origin: Any) -> object:
-        assert renderer.render_in_run is not None
-        return expect(renderer.render_in_run(value, title, origin), Rendered)
-
-    what = f"the renderer of {renderer.type.__name__}"
-    return replace(
-        renderer,
-        render=source.raising(what, render),
-        render_in_run=renderer.render_in_run and source.raising(what, render_in_run),
-    )
-
-
-def guard_detail(detail: Detail, source: Source) -> Detail:
-    """Return a detail that warns where another fails, and then shows nothing."""
-    name = detail.type.__name__
-
-    def pack(block: Any, inputs: Any) -> object:
-        return expect(detail.pack(block, inputs), Mapping | None)
-
-    def layout(inputs: Any, column: str) -> object:
-        return expect(detail.layout(inputs, column), Mapping | None)
-
-    def nothing(*arguments: object) -> None:
-        return None
-
-    return replace(
-        detail,
-        pack=source.warning(f"the view of a block of {name}", pack, nothing, "it is not shown"),
-        layout=source.warning(f"the layout of {name}", layout, nothing, "it is not shown"),
-    )
-
-
-def guard_storage(storage: Storage, source: Source) -> Storage:
-    """Return a storage that raises `PluginError` where another fails; a failed loan is a copy."""
-    name = storage.type.__name__
-
-    def put_together(parts: object) -> object:
-        value = storage.put_together(parts)
-        return expect(value, storage.type) if storage.faithful else value
-
-    def lend(value: object) -> object:
-        assert storage.lend is not None
-        return expect(storage.lend(value), storage.type)
-
-    return replace(
-        storage,
-        take_apart=source.raising(f"take_apart of {name}", storage.take_apart),
-        put_together=source.raising(f"put_together of {name}", put_together),
-        lend=storage.lend and source.warning(f"lend of {name}", lend, deepcopy, "a copy is lent"),
-    )
-
-
-def guard_streamable(streamable: Streamable, source: Source) -> Streamable:
-    """Return a streamable that raises `PluginError` where another fails.
-
-    What the type itself raises for frames that are not values of it passes.
+    Attributes
+    ----------
+    what : str
+        The function in messages; ``{}`` stands for the record's type or name.
+    checked : callable
+        ``checked(record, result)`` returns the result, or raises TypeError.
+    default : callable, optional
+        Returns the result where the function fails, which is then a warning and not an error;
+        called with the same arguments.
+    outcome : str
+        What the warning states as the consequence.
+    passes : tuple of exception types
+        Errors that are messages which the plugin wrote for its users.
     """
-    kind = streamable.type
 
-    def join(header: object, payloads: Any) -> object:
-        try:
-            return expect(streamable.join(header, payloads), kind)
-        except (NodegraphError, ValueError):
-            raise
-        except (Exception, SystemExit) as error:
-            raise PluginError(source.failure(f"join of {kind.__name__}", error)) from error
+    what: str
+    checked: Callable[[Any, Any], object] = lambda record, result: result
+    default: Function | None = None
+    outcome: str = "it is left out"
+    passes: tuple[type[Exception], ...] = (NodegraphError,)
 
-    def guarded(name: str) -> Function:
-        return source.raising(f"{name} of {kind.__name__}", getattr(streamable, name))
 
+def _is(hint: object) -> Callable[[Any, Any], object]:
+    return lambda record, result: expect(result, hint)
+
+
+def _is_of_its_type(record: Any, result: object) -> object:
+    return expect(result, record.type)
+
+
+def _is_restored(storage: Storage, result: object) -> object:
+    return expect(result, storage.type) if storage.faithful else result
+
+
+def _are_sentences(record: object, result: object) -> tuple[str, ...]:
+    return tuple(expect(sentence, str) for sentence in expect(result, Iterable))
+
+
+def _nothing(*arguments: object) -> None:
+    return None
+
+
+def _no_sentences(*arguments: object) -> tuple[str, ...]:
+    return ()
+
+
+_RULES: Mapping[type, Mapping[str, _Rule]] = {
+    Renderer: {
+        name: _Rule("the renderer of {}", _is(Rendered)) for name in ("render", "render_in_run")
+    },
+    Detail: {
+        name: _Rule(f"the {what} of {{}}", _is(Mapping | None), _nothing, "it is not shown")
+        for name, what in (("pack", "view of a block"), ("layout", "layout"))
+    },
+    Storage: {
+        "take_apart": _Rule("take_apart of {}"),
+        "put_together": _Rule("put_together of {}", _is_restored),
+        "lend": _Rule("lend of {}", _is_of_its_type, deepcopy, "a copy is lent"),
+    },
+    Streamable: {
+        "header": _Rule("header of {}"),
+        "split": _Rule("split of {}"),
+        # a type itself refuses frames that are not values of it
+        "join": _Rule("join of {}", _is_of_its_type, passes=(NodegraphError, ValueError)),
+        "missing": _Rule("missing of {}"),
+    },
+    LiveView: {
+        "begin": _Rule("the view of {} on a stream"),
+        "pack": _Rule("the view of {} on a stream", _is(bytes)),
+    },
+    Comparison: {
+        "compare": _Rule("the comparison of {}", _are_sentences, _no_sentences),
+    },
+    Conclusion: {
+        "conclude": _Rule("the conclusion of {}", _are_sentences, _no_sentences),
+        "numbers": _Rule("the numbers of {}", _is(str), lambda value: ""),
+    },
+    Format: {
+        # a reader refuses files by these errors
+        "read": _Rule(
+            "the format {}", _is_of_its_type, passes=(NodegraphError, ValueError, OSError)
+        ),
+        "recognizes": _Rule("the format {}", default=lambda start: False),
+    },
+}
+
+
+def guard(record: Any, source: Source) -> Any:
+    """Return a record of a hook whose functions are guarded, each as its rule says."""
+    about = record.name if isinstance(record, Format) else record.type.__name__
     return replace(
-        streamable,
-        header=guarded("header"),
-        split=guarded("split"),
-        join=join,
-        missing=guarded("missing"),
+        record,
+        **{
+            name: _guarded(record, getattr(record, name), rule, about, source)
+            for name, rule in _RULES[type(record)].items()
+            if getattr(record, name) is not None
+        },
     )
 
 
-def guard_live_view(view: LiveView, source: Source) -> LiveView:
-    """Return a view that raises `PluginError` where another fails."""
-    what = f"the view of {view.type.__name__} on a stream"
+def _guarded(
+    record: object, function: Function, rule: _Rule, about: str, source: Source
+) -> Function:
+    def call(*arguments: object, **options: object) -> object:
+        return rule.checked(record, function(*arguments, **options))
 
-    def pack(payload: object) -> object:
-        return expect(view.pack(payload), bytes)
-
-    return replace(view, begin=source.raising(what, view.begin), pack=source.raising(what, pack))
+    what = rule.what.format(about)
+    if rule.default is None:
+        return source.raising(what, call, rule.passes)
+    return source.warning(what, call, rule.default, rule.outcome)
 
 
 def guard_stream_end(scheme: str, make: Function, source: Source) -> Function:
     """Return what makes a source or a sink, which raises `PluginError` where it fails."""
     return source.raising(f"{scheme}:...", make)
-
-
-def guard_comparison(comparison: Comparison, source: Source) -> Comparison:
-    """Return a comparison that warns where another fails, and finds no difference."""
-    name = comparison.type.__name__
-
-    def compare(first: object, second: object) -> tuple[str, ...]:
-        return _sentences(comparison.compare(first, second))
-
-    def parts(value: object) -> Parts:
-        assert comparison.parts is not None
-        return _checked_parts(comparison.parts(value), value)
-
-    return replace(
-        comparison,
-        compare=source.warning(f"the comparison of {name}", compare, lambda *_: ()),
-        parts=comparison.parts and source.warning(f"the parts of {name}", parts, lambda *_: {}),
-    )
-
-
-def guard_conclusion(conclusion: Conclusion, source: Source) -> Conclusion:
-    """Return a conclusion that warns where another fails, and concludes nothing."""
-    name = conclusion.type.__name__
-
-    def conclude(value: object) -> tuple[str, ...]:
-        return _sentences(conclusion.conclude(value))
-
-    def numbers(value: object) -> object:
-        return expect(conclusion.numbers(value), str)
-
-    return replace(
-        conclusion,
-        conclude=source.warning(f"the conclusion of {name}", conclude, lambda *_: ()),
-        numbers=source.warning(f"the numbers of {name}", numbers, lambda *_: ""),
-    )
-
-
-def guard_format(form: Format, source: Source) -> Format:
-    """Return a format that raises `PluginError` where another fails.
-
-    What the reader raises for a file that it cannot read passes.
-    """
-    what = f"the format {form.name}"
-
-    def read(path: Path, **options: object) -> object:
-        try:
-            return expect(form.read(path, **options), form.type)
-        except (NodegraphError, ValueError, OSError):
-            raise
-        except (Exception, SystemExit) as error:
-            raise PluginError(source.failure(what, error)) from error
-
-    recognizes = source.warning(what, form.recognizes, lambda start: False)
-    return replace(form, read=read, recognizes=recognizes)
 
 
 def guard_executor(name: str, executor: Function, source: Source) -> Function:
@@ -300,26 +277,3 @@ def guard_specimens(kind: type, make: Function, source: Source) -> Function:
     """Return a function that makes specimens of a type, and none, with a warning, on failure."""
     what = f"the specimens of {kind.__name__}"
     return source.warning(what, lambda: expect(make(), Mapping), dict)
-
-
-def _sentences(value: object) -> tuple[str, ...]:
-    return tuple(expect(sentence, str) for sentence in expect(value, Iterable))
-
-
-def _checked_parts(parts: Any, value: object) -> Parts:
-    """Return what the first axes of a value's arrays are, if it has such arrays."""
-    for name, axes in expect(parts, Mapping).items():
-        shape = getattr(getattr(value, expect(name, str), None), "shape", None)
-        if not isinstance(shape, tuple):
-            raise ValueError(f"{type(value).__name__} has no array {name!r}")
-        if len(axes) > len(shape):
-            axis_count = f"{len(shape)} {'axis' if len(shape) == 1 else 'axes'}"
-            raise ValueError(f"{name!r} has {axis_count}, but {len(axes)} are described")
-        for size, (word, members) in zip(shape, axes, strict=False):
-            if len(members) not in (0, size):
-                raise ValueError(
-                    f"{name!r} has {size} along axis {expect(word, str)!r}, "
-                    f"but {len(members)} are named"
-                )
-    described: Parts = parts
-    return described

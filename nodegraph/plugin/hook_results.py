@@ -19,20 +19,13 @@ from nodegraph.errors import nearest
 from nodegraph.plugin import hooks
 from nodegraph.plugin.guards import (
     Source,
+    guard,
     guard_command,
-    guard_comparison,
-    guard_conclusion,
-    guard_detail,
     guard_executor,
-    guard_format,
-    guard_live_view,
     guard_node_finder,
     guard_place,
-    guard_renderer,
     guard_specimens,
-    guard_storage,
     guard_stream_end,
-    guard_streamable,
 )
 from nodegraph.plugin.hook_types import (
     Command,
@@ -58,32 +51,32 @@ class HookResults:
     @cached_property
     def renderers(self) -> tuple[Renderer, ...]:
         """How values appear in a report; the last plugin comes first."""
-        return tuple(guard_renderer(*pair) for pair in self._listed("nodegraph_renderers"))
+        return self._guarded("nodegraph_renderers")
 
     @cached_property
     def details(self) -> tuple[Detail, ...]:
         """How blocks of a comparison are shown; the last plugin comes first."""
-        return tuple(guard_detail(*pair) for pair in self._listed("nodegraph_details"))
+        return self._guarded("nodegraph_details")
 
     @cached_property
     def comparisons(self) -> tuple[Comparison, ...]:
         """How differences are described; the last plugin comes first."""
-        return tuple(guard_comparison(*pair) for pair in self._listed("nodegraph_comparisons"))
+        return self._guarded("nodegraph_comparisons")
 
     @cached_property
     def conclusions(self) -> tuple[Conclusion, ...]:
         """What a study concludes from values; the last plugin comes first."""
-        return tuple(guard_conclusion(*pair) for pair in self._listed("nodegraph_conclusions"))
+        return self._guarded("nodegraph_conclusions")
 
     @cached_property
     def storages(self) -> tuple[Storage, ...]:
         """How values are stored; the last plugin comes first."""
-        return tuple(guard_storage(*pair) for pair in self._listed("nodegraph_storages"))
+        return self._guarded("nodegraph_storages")
 
     @cached_property
     def formats(self) -> tuple[Format, ...]:
         """How values are read from files; the last plugin comes first."""
-        return tuple(guard_format(*pair) for pair in self._formats)
+        return tuple(guard(*pair) for pair in self._formats)
 
     @property
     def unguarded_formats(self) -> tuple[Format, ...]:
@@ -93,12 +86,12 @@ class HookResults:
     @cached_property
     def streamables(self) -> tuple[Streamable, ...]:
         """How values are split into frames; the last plugin comes first."""
-        return tuple(guard_streamable(*pair) for pair in self._listed("nodegraph_streamables"))
+        return self._guarded("nodegraph_streamables")
 
     @cached_property
     def live_views(self) -> tuple[LiveView, ...]:
         """How values appear on the page of a stream; the last plugin comes first."""
-        return tuple(guard_live_view(*pair) for pair in self._listed("nodegraph_live_views"))
+        return self._guarded("nodegraph_live_views")
 
     @cached_property
     def sources(self) -> Mapping[str, Callable[[str], object]]:
@@ -176,6 +169,9 @@ class HookResults:
     @cached_property
     def _places(self) -> Mapping[str, Callable[[str], Path]]:
         return self._named("nodegraph_places", guard_place)
+
+    def _guarded(self, hook: str) -> tuple[Any, ...]:
+        return tuple(guard(*pair) for pair in self._listed(hook))
 
     def _named(
         self,

@@ -374,10 +374,6 @@ class Format:
                 raise ValueError(f"Format.suffixes: {suffix!r} is not of the form '.c3d'")
 
 
-Parts = Mapping[str, tuple[tuple[str, tuple[str, ...]], ...]]
-"""For each array of a value, by its name: for each of its first axes a word, and names."""
-
-
 @dataclass(frozen=True)
 class Comparison:
     """Describes in the terms of its field how two values of one type differ.
@@ -388,11 +384,6 @@ class Comparison:
     compare : callable
         ``compare(first, second)`` yields a sentence per difference, the most important first;
         nothing if the two are the same. Types without a comparison are compared part by part.
-    parts : callable, optional
-        ``parts(value)`` returns what the first axes of a value's arrays are, by the arrays' names:
-        a word for one member, and the members' names if they have any, as in
-        ``{"positions": (("frame", ()), ("marker", value.markers))}``. A lock, which stores only
-        digests of parts, names by it where a new value differs.
 
     Raises
     ------
@@ -402,7 +393,6 @@ class Comparison:
 
     type: type
     compare: Callable[[Any, Any], Iterable[str]]
-    parts: Callable[[Any], Parts] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -23,9 +23,9 @@ _MOST_NAMES = 5
 def comparisons() -> tuple[Comparison, ...]:
     """Return the comparisons of this package's types."""
     return (
-        Comparison(Trajectories, compare_recordings, recording_parts),
+        Comparison(Trajectories, compare_recordings),
         Comparison(Mask, compare_masks),
-        Comparison(Weights, compare_weights, weight_parts),
+        Comparison(Weights, compare_weights),
     )
 
 
@@ -49,11 +49,6 @@ def compare_recordings(first: Trajectories, second: Trajectories) -> Iterator[st
     relabelled = (first.origin != second.origin) & ~lone
     if relabelled.any():
         yield f"{_samples(relabelled, first.markers)} of another origin"
-
-
-def recording_parts(recording: Trajectories) -> dict[str, tuple[tuple[str, tuple[str, ...]], ...]]:
-    """Return what the positions are made of: frames and markers."""
-    return {"positions": (("frame", ()), ("marker", recording.markers))}
 
 
 def compare_masks(first: Mask, second: Mask) -> Iterator[str]:
@@ -80,11 +75,6 @@ def compare_weights(first: Weights, second: Weights) -> Iterator[str]:
         frame, column = divmod(int(np.argmax(apart)), apart.shape[1])
         most = f"by up to {apart[frame, column]:.3g} (frame {frame}, {first.names[column]})"
         yield f"{_samples(differs, first.names)} of another weight, {most}"
-
-
-def weight_parts(weights: Weights) -> dict[str, tuple[tuple[str, tuple[str, ...]], ...]]:
-    """Return what the weights are made of: frames and shapes."""
-    return {"values": (("frame", ()), ("shape", weights.names))}
 
 
 def _samples(where: NDArray[np.bool_], markers: Sequence[str]) -> str:

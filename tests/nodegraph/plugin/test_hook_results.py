@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from nodegraph import (
@@ -27,10 +26,6 @@ from nodegraph.plugin.registry import Registry
 
 Install = Callable[..., Registry]
 LINE = r"\(test_hook_results\.py:\d+\)"
-
-
-class Held:
-    rows = np.zeros(3)
 
 
 @node("fill.hold")
@@ -149,50 +144,25 @@ def test_a_conclusion_that_fails_concludes_nothing(
         assert conclusion.numbers(1) == ""
 
 
-@pytest.mark.parametrize(
-    ("parts", "reason"),
-    [
-        (5, "expected Mapping, got int"),
-        ({"speeds": ()}, "Held has no array 'speeds'"),
-        ({5: ()}, "expected str, got int"),
-        ({"rows": (("row", ()), ("column", ()))}, "'rows' has 1 axis, but 2 are described"),
-        ({"rows": (("row", ("a", "b")),)}, "'rows' has 3 along axis 'row', but 2 are named"),
-        ({"rows": ("row",)}, "ValueError"),
-    ],
-)
-def test_parts_that_a_value_does_not_have_are_left_out(
-    install: Install, parts: Any, reason: str
-) -> None:
-    bad = {"comparisons": [Comparison(Held, fails, lambda value: parts)]}
-    (comparison,) = install(bad=bad).hooks.comparisons
-    assert comparison.parts is not None
-    with pytest.warns(UserWarning, match=f"'bad': the parts of Held, .* failed: .*{reason}"):
-        assert comparison.parts(Held()) == {}
-    with pytest.warns(UserWarning, match=f"'bad': the comparison of Held, .*out of tune {LINE}"):
-        assert comparison.compare(Held(), Held()) == ()
+def test_a_comparison_that_fails_finds_no_difference(install: Install) -> None:
+    (comparison,) = install(bad={"comparisons": [Comparison(int, fails)]}).hooks.comparisons
+    with pytest.warns(UserWarning, match=f"'bad': the comparison of int, .*out of tune {LINE}"):
+        assert comparison.compare(1, 2) == ()
 
 
 def test_what_works_passes_unchanged(install: Install) -> None:
-    axes = {"rows": (("row", ("a", "b", "c")),)}
     rendered = Rendered("<p>")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         hooks = install(
             good={
-                "comparisons": [
-                    Comparison(Held, lambda first, second: iter(["it"]), lambda value: axes),
-                    Comparison(int, text),
-                ],
+                "comparisons": [Comparison(int, lambda first, second: iter(["it"]))],
                 "conclusions": [Conclusion(int, lambda value: ["it"], str)],
                 "renderers": [Renderer(int, lambda value, title: rendered)],
                 "storages": [Storage(int, str, str, faithful=False)],
             }
         ).hooks
-        held, plain = hooks.comparisons
-        assert held.compare(1, 2) == ("it",)
-        assert held.parts is not None
-        assert held.parts(Held()) == axes
-        assert plain.parts is None
+        assert hooks.comparisons[0].compare(1, 2) == ("it",)
         assert hooks.conclusions[0].conclude(1) == ("it",)
         assert hooks.conclusions[0].numbers(1) == "1"
         assert hooks.renderers[0].render(1, "") is rendered

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph import Comparison, Conclusion, Format, Rendered, Renderer, Storage
+from nodegraph import Conclusion, Format, Rendered, Renderer, Storage
 
 
 def nothing(*arguments: object) -> tuple[str, ...]:
@@ -20,7 +20,6 @@ def nothing(*arguments: object) -> tuple[str, ...]:
         (lambda: Conclusion("int", nothing, str), "Conclusion.type: expected type, got str"),  # type: ignore[arg-type]
         (lambda: Conclusion(int, nothing, 4), "Conclusion.numbers: expected Callable, got int"),  # type: ignore[arg-type]
         (lambda: Renderer(nothing, int), "Renderer.type: expected type, got function"),  # type: ignore[arg-type]
-        (lambda: Comparison(int, nothing, ()), "Comparison.parts: .* got tuple"),  # type: ignore[arg-type]
         (lambda: Storage(int, nothing, None), "Storage.put_together: .* got NoneType"),  # type: ignore[arg-type]
         (lambda: Storage(int, nothing, nothing, nothing), "Storage.faithful: expected bool"),  # type: ignore[arg-type]
         (lambda: Rendered(b"<p>"), "Rendered.html: expected str, got bytes"),  # type: ignore[arg-type]
@@ -50,5 +49,4 @@ def test_a_suffix_of_another_form_is_refused(suffixes: Any) -> None:
 
 def test_fields_of_the_declared_types_are_accepted() -> None:
     assert Storage(int, nothing, nothing, lend=nothing).faithful
-    assert Comparison(int, nothing).parts is None
     assert Rendered("", files={".csv": b"a"}, styles=("p {}",)).text == ""

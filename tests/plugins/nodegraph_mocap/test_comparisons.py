@@ -128,24 +128,3 @@ def test_weights_are_distinguished_by_frames_and_shapes() -> None:
         "shapes only now: frown",
         "had 20 frames, now 5",
     )
-
-
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (TAKE, {"positions": (("frame", ()), ("marker", MARKERS))}),
-        (
-            Weights(values=np.zeros((4, 1)), names=("jawOpen",), rate=60.0),
-            {"values": (("frame", ()), ("shape", ("jawOpen",)))},
-        ),
-    ],
-)
-def test_values_are_made_of_frames_and_names(value: object, expected: dict[str, object]) -> None:
-    kinds = (
-        registered
-        for registered in default_registry().hooks.comparisons
-        if isinstance(value, registered.type)
-    )
-    parts = next(kinds).parts
-    assert parts is not None
-    assert parts(value) == expected
