@@ -1,69 +1,87 @@
-"""Shared by the fills along time: each gap is bridged from the marker's own samples alone.
+"""The fills along time: each gap is bridged from its ends, or follows markers that have none.
 
-Only gaps between two samples of the marker are bridged. Nothing is extrapolated: a gap at the
-start or the end of the take stays missing, as does a marker that is never present.
+Most take a marker's own samples alone. Nothing is extrapolated: a gap at the start or the end of
+the take stays missing, unless a fill needs one end only.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
-from nodegraph_fill.meet_ends import Ends, check_ends
+from nodegraph import node
+from nodegraph_fill.family import LEFT, MAX_GAP, NO_ENDS, Fill, fill_gaps, make_fill
+from nodegraph_fill.gaps import Gaps, to_gap_end
+from nodegraph_fill.streams import live_form
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Between = Callable[[NDArray[np.float64], Gaps], NDArray[np.float64]]
-    """Takes positions (T, M, 3) mm, NaN where missing, and gaps; returns the positions of their
-    samples, (S, 3), in the order of `Gaps.samples`, NaN where it has none."""
     Curve = Callable[[NDArray[np.intp], NDArray[np.float64]], Callable[..., NDArray[np.float64]]]
     """Takes frames, (n,), and positions there, (n, 3); returns what gives positions at frames."""
 
+_TWO_ENDS = """\
+A gap at the start or at the end of the take has one end only and stays missing, counted in
+a warning, as does a marker that is never measured. Samples that are present come out as
+they went in; those that an earlier fill has made count like measured ones."""
 
-def bridge(
-    recording: Trajectories,
-    ends: Ends,
-    max_gap: int | None,
-    between: Between,
+
+def along_time(
+    name: str,
     *,
+    cite: str = "none",
+    adapted: str = "",
+    whole_take: bool = False,
+    one_end: bool = False,
     otherwise: str = "",
-) -> Trajectories:
-    """Fill the gaps that have two ends, and warn of those that are left; called by a node.
+) -> Callable[[Callable[..., NDArray[np.float64]]], Fill]:
+    """Make a method that bridges gaps, and so meets their ends, a fill.
+
+    The method takes positions (T, M, 3) mm, NaN where missing, gaps, and its settings, which are
+    keyword-only. It returns the positions of the gaps' samples, (S, 3), in the order of
+    `Gaps.samples`; NaN where it has none.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
-    ends
-        The setting: a curve through both ends meets them whatever it is.
-    max_gap
-        Longer gaps stay missing.
-    between
-        What fills them.
+    name, cite, adapted
+        As for `nodegraph.node`.
+    whole_take
+        Whether it looks beyond the two samples beside a gap; if not, it runs on a stream.
+    one_end
+        Whether it fills a gap that the take begins or ends with.
     otherwise
-        Why it has none.
+        Why it may leave a sample missing.
     """
-    check_ends(ends)
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    bridged = gaps.subset(gaps.inner & ~long)
-    positions = recording.positions.copy()
-    _, frame, marker, _ = bridged.samples
-    positions[frame, marker] = between(recording.positions, bridged)
-    filled = recording.with_samples(positions, changed=bridged.mask, origin=Origin.FILLED)
-    reasons = [
-        (gaps.subset(gaps.never), NEVER),
-        (gaps.subset(long), LONG),
-        (gaps.subset(gaps.at_start & ~long), "at the take's start"),
-        (gaps.subset(gaps.at_end & ~long), "at the take's end"),
-    ]
-    warn_left(filled, reasons, otherwise, stacklevel=3)
-    return filled
+
+    def decorate(method: Callable[..., NDArray[np.float64]]) -> Fill:
+        def fill(
+            recording: Trajectories, *, ends: object, max_gap: int | None, **settings: Any
+        ) -> Trajectories:
+            def bridged(recording: Trajectories, gaps: Gaps) -> Trajectories:
+                positions = recording.positions.copy()
+                _, frame, marker, _ = gaps.samples
+                positions[frame, marker] = method(recording.positions, gaps, **settings)
+                return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED)
+
+            return fill_gaps(
+                recording, max_gap, bridged, both_ends=not one_end, otherwise=otherwise
+            )
+
+        filled = make_fill(method, fill, (NO_ENDS, MAX_GAP), LEFT if one_end else _TWO_ENDS)
+        return node(
+            name,
+            cite=cite,
+            adapted=adapted,
+            lookahead=None if whole_take else to_gap_end,
+            ends=True,
+            live=None if whole_take else live_form(partial(partial, method), one_end=one_end),
+        )(filled)
+
+    return decorate
 
 
 def on_curves(positions: NDArray[np.float64], gaps: Gaps, curve: Curve) -> NDArray[np.float64]:
@@ -86,7 +104,7 @@ def on_curves(positions: NDArray[np.float64], gaps: Gaps, curve: Curve) -> NDArr
     _, frame, marker, _ = gaps.samples
     values = np.empty((len(frame), 3))
     ends = np.flatnonzero(np.diff(marker)) + 1
-    for samples in np.split(np.arange(len(frame)), ends) if len(frame) else ():
+    for samples in np.split(np.arange(len(frame)), ends):
         column = marker[samples[0]]
         known = np.flatnonzero(~np.isnan(positions[:, column, 0]))
         values[samples] = curve(known, positions[known, column])(frame[samples])

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Refusal, Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph import Refusal, Unit
+from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.low_rank import Entries, LowRank
-from nodegraph_fill.meet_ends import Ends, are_met
-from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -30,24 +29,21 @@ _SLIGHT = 1e-9
 """Relative margin by which a cosine exactly at the cut-off is kept, however that was rounded."""
 
 
-@node(
+@whole_take(
     "fill.bilinear",
     cite="akhter2012",
     adapted=(
         "from Akhter et al. 2012: the basis of shapes is learnt from the take itself, and a "
         "small weight on straight lines decides what the model leaves open"
     ),
-    lookahead=None,
-    ends=are_met,
 )
 def bilinear(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     cutoff: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("Hz")] = 6.0,
     variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Fill gaps by a bilinear spatiotemporal basis (Akhter, Simon, Khan, Matthews & Sheikh, 2012).
 
     The take, a matrix X of a row per frame and three columns per marker without their means, is
@@ -65,39 +61,23 @@ def bilinear(
     from training takes. No frame need be complete. The take is treated as a whole, however
     long: its cosines are many, but never written down.
 
-    A marker that is never measured stays missing, counted in a warning. Samples that are
-    present come out as they went in; those that an earlier fill has made count like measured
-    ones. Does not depend on where the origin lies, how the axes are turned, or the unit. The
+    Does not depend on where the origin lies, how the axes are turned, or the unit. The
     head's motion is part of the shape: remove it first, where it is large.
 
     Looks at the whole take.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     cutoff
         The highest frequency of the cosines. 6 Hz holds what faces do slowly; quicker motion of
         the shape's components is lost.
     variance
         Share of the variance that the components of the shape keep.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
 
     Raises
     ------
     Refusal
-        If the cut-off is not below half the frame rate.
+        If there are gaps to fill, and the cut-off is not below half the frame rate.
     """
     if not 2.0 * cutoff < recording.rate:
         raise Refusal(
@@ -105,16 +85,13 @@ def bilinear(
             f"{cutoff:g} Hz"
         )
 
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        matrix = TakeMatrix.of(recording)
-        shape = LowRank(matrix, _SHRINKAGE).principal(variance)
-        cosines = 1 + math.floor(2.0 * cutoff / recording.rate * recording.frames + _SLIGHT)
-        basis = _Basis(shape.basis, cosines)
-        straight = matrix.with_lines() - shape.middle
-        completed = _completed(basis, straight, matrix.missing)
-        return Estimate(matrix.positions(basis.nearest(completed) + shape.middle))
-
-    return fill_from(recording, max_gap, model, ends=ends)
+    matrix = TakeMatrix.of(recording)
+    shape = LowRank(matrix, _SHRINKAGE).principal(variance)
+    cosines = 1 + math.floor(2.0 * cutoff / recording.rate * recording.frames + _SLIGHT)
+    basis = _Basis(shape.basis, cosines)
+    straight = matrix.with_lines() - shape.middle
+    completed = _completed(basis, straight, matrix.missing)
+    return Estimate(matrix.positions(basis.nearest(completed) + shape.middle))
 
 
 @dataclass(frozen=True)

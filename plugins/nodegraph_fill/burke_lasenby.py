@@ -7,26 +7,24 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Refusal, Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.meet_ends import Ends, are_met
+from nodegraph import Refusal, Unit
+from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.state_space import StateSpace
-from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
 _UNKNOWN = 1e9
 """Times the noise: as good as no knowledge of the state before the first frame."""
 
 
-@node("fill.burke_lasenby", cite="burke_lasenby2016", lookahead=None, ends=are_met)
+@whole_take("fill.burke_lasenby", cite="burke_lasenby2016")
 def burke_lasenby(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.0025,
     noise: Annotated[float, Field(ge=1e-6, allow_inf_nan=False), Unit("mm")] = 0.001,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Fill gaps by a Kalman smoother in the subspace of complete frames (Burke & Lasenby, 2016).
 
     Frames that have every marker, all coordinates in a row, teach the model: their mean m and
@@ -45,10 +43,9 @@ def burke_lasenby(
     of variance 1e12, which makes no difference. `fill.subspace_kalman` is the same idea without
     complete frames.
 
-    A take with fewer than two complete frames is refused. A marker that is never measured stays
-    missing, counted in a warning, and is not part of "every marker". Samples that are present come
-    out as they went in; those that an earlier fill has made count like measured ones. Does not
-    depend on where the origin lies, but depends on the axes, by s, and on the unit by `noise`.
+    A take with fewer than two complete frames is refused. A marker that is never measured is not
+    part of "every marker". Does not depend on where the origin lies, but depends on the axes, by
+    s, and on the unit by `noise`.
 
     For `ends` met, the estimate beside a gap is that which leaves the samples there out, as those
     in the gap are.
@@ -57,39 +54,20 @@ def burke_lasenby(
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     tolerance
         Share of the sum of the singular values that is left out.
     noise
         What stands for the variance of a coordinate's noise. With less than the least allowed,
         rounding would decide what is filled where many markers are missing.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
 
     Raises
     ------
     Refusal
         If there are gaps to fill, and fewer than two complete frames.
     """
-
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        matrix = TakeMatrix.of(recording)
-        space = _learnt(matrix, tolerance, noise)
-        # noise that is set and not learnt is not a measure of errors
-        return space.estimate(matrix, gaps, ends, with_sigma=False)
-
-    return fill_from(recording, max_gap, model, ends=ends)
+    matrix = TakeMatrix.of(recording)
+    # noise that is set and not learnt is not a measure of errors
+    return _learnt(matrix, tolerance, noise).estimate(matrix, gaps, with_sigma=False)
 
 
 def _learnt(matrix: TakeMatrix, tolerance: float, noise: float) -> StateSpace:

@@ -1,9 +1,8 @@
-"""Gaps of a recording as arrays, and the account of what a fill left missing."""
+"""Gaps of a recording as arrays, and the look-ahead of fills that stop at their ends."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any
@@ -35,10 +34,6 @@ def to_limit(settings: Mapping[str, Any]) -> int:
     sample is filled. Gaps at the start of a take do not count.
     """
     return settings["max_gap"] or 0
-
-
-LONG = "longer than max_gap"
-NEVER = "never measured"
 
 
 @dataclass(frozen=True)
@@ -130,37 +125,3 @@ class Gaps:
         step = np.arange(len(gap)) - first[gap]
         share = (step + 1) / (self.length[gap] + 1)
         return gap, self.start[gap] + step, self.marker[gap], share
-
-
-def warn_left(
-    filled: Trajectories, reasons: Iterable[tuple[Gaps, str]], otherwise: str, *, stacklevel: int
-) -> None:
-    """Warn how many samples a fill has left missing, and why.
-
-    Parameters
-    ----------
-    filled
-        What the fill returns.
-    reasons
-        Gaps, none of them twice, with the reason why they were not filled.
-    otherwise
-        The reason for every other sample that is still missing.
-    stacklevel
-        As for `warnings.warn`, counted from the caller of this function.
-    """
-    missing = filled.origin == Origin.MISSING
-    left = int(np.count_nonzero(missing))
-    if not left:
-        return
-    counts = [(reason, int(gaps.length.sum())) for gaps, reason in reasons]
-    counts.append((otherwise, left - sum(count for _, count in counts)))
-    details = ", ".join(f"{reason} {count}" for reason, count in counts if count)
-    markers = _counted(np.count_nonzero(missing.any(axis=0)), "marker")
-    warnings.warn(
-        f"{_counted(left, 'sample')} of {markers} left missing: {details}",
-        stacklevel=stacklevel + 1,
-    )
-
-
-def _counted(count: int | np.intp, what: str) -> str:
-    return f"{count} {what}" + ("" if count == 1 else "s")

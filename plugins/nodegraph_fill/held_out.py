@@ -22,7 +22,10 @@ _LEAST = 10
 
 
 def calibrated(
-    fill: Callable[[Trajectories, Gaps], Trajectories], recording: Trajectories, gaps: Gaps
+    filled: Trajectories,
+    fill: Callable[[Trajectories, Gaps], Trajectories],
+    recording: Trajectories,
+    gaps: Gaps,
 ) -> Trajectories:
     """Return the recording filled, with a `sigma` that 95 % of errors lie within 1.96 times.
 
@@ -38,21 +41,21 @@ def calibrated(
 
     Parameters
     ----------
+    filled
+        The recording filled, with a sigma in the gaps.
     fill
-        Takes a recording and its gaps to fill, and gives all samples in them a sigma, or none.
+        Takes the recording with other gaps and these, and fills them likewise.
     recording
         Trajectories with gaps.
     gaps
-        Those to fill.
+        Those that were filled.
 
     Returns
     -------
     Trajectories
         The recording filled; sigma is NaN in the gaps if fewer than 10 could be held out.
     """
-    filled = fill(recording, gaps)
-    if filled.sigma is None or np.isnan(filled.sigma[gaps.mask]).all():
-        return filled
+    assert filled.sigma is not None
     held, sigma = _moved(recording, gaps), filled.sigma.copy()
     gap, frame, marker, _ = gaps.samples
     if len(held.start) < _LEAST:

@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from nodegraph import node
-from nodegraph_fill.gaps import MaxGap
-from nodegraph_fill.meet_ends import Ends
-from nodegraph_fill.stepwise import (
-    CloseGap,
-    Rule,
-    fill_stepwise,
-    live_form,
-    lookahead,
-    meets_ends,
-)
+from nodegraph_fill.stepwise import Rule, lookahead, stepwise
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
@@ -31,17 +21,7 @@ def _lookahead(settings: Mapping[str, object]) -> int | None:
     return None if settings["neighbours"] == "one_ring" else lookahead(settings)
 
 
-def _rule(
-    recording: Trajectories, *, neighbours: int | Literal["one_ring"], use_filled: bool
-) -> Rule:
-    if neighbours != "one_ring":
-        return Rule(weights="cosine", neighbours=neighbours, use_filled=use_filled)
-    allowed = one_ring(recording)
-    count = max(1, int(allowed.sum(axis=1).max(initial=1)))
-    return Rule(weights="cosine", neighbours=count, use_filled=use_filled, allowed=allowed)
-
-
-@node(
+@stepwise(
     "fill.lin_ouhyoung",
     cite=("lin_ouhyoung2005", "zhang_scattered"),
     adapted=(
@@ -49,18 +29,12 @@ def _rule(
         "be checked"
     ),
     lookahead=_lookahead,
-    ends=meets_ends,
-    live=live_form(_rule, _lookahead),
 )
 def lin_ouhyoung(
     recording: Trajectories,
     *,
     neighbours: Annotated[int, Field(ge=1)] | Literal["one_ring"] = 8,
-    use_filled: bool = True,
-    close_gap: CloseGap = "none",
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Rule:
     """Fill gaps with a cosine-weighted mean of many neighbours' displacements (Lin & Ouhyoung).
 
     As formulated in Zhang et al., equations 6 and 7:
@@ -69,46 +43,23 @@ def lin_ouhyoung(
     distance of neighbour i at t-1 and R_s, R_f are the nearest and the farthest of them. The
     weights lie between 0.309017 and 1; where R_f = R_s, equation 6 is 0/0 and all are 1.
 
-    Markers missing in one frame are filled in marker order. A gap at the start of the take is
-    filled backward from the marker's first sample. What has no usable neighbour stays missing,
-    as does the rest of that gap, counted in a warning. Samples that are present come out bit
-    for bit; those an earlier fill made count as filled.
+    Markers missing in one frame are filled in marker order.
 
-    Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` that many, to know
-    that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
-    without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
-    take stay missing.
     The one ring is found once, in the most complete frame of the take.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     neighbours
         How many of the nearest usable markers are weighted, fewer where there are fewer; or
         one_ring: the usable ones among those joined to the marker by a Delaunay triangulation.
         It is made in the most complete frame, seen from the front: projected on the plane of
         the first two principal axes of the markers, of which a face's depth is the third.
-    use_filled
-        Whether samples filled earlier serve as neighbours, after all measured ones.
-    close_gap
-        none: a jump stays where the marker reappears. ramp: that sample is predicted too and
-        its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
-        forward and a backward pass, cross-faded linearly; where one is missing, the other.
-    ends
-        met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
-        `close_gap` already sees to it. as_published: as `close_gap` has it.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
     """
-    rule = _rule(recording, neighbours=neighbours, use_filled=use_filled)
-    return fill_stepwise(recording, rule, close_gap=close_gap, ends=ends, max_gap=max_gap)
+    if neighbours != "one_ring":
+        return Rule(weights="cosine", neighbours=neighbours)
+    allowed = one_ring(recording)
+    count = max(1, int(allowed.sum(axis=1).max(initial=1)))
+    return Rule(weights="cosine", neighbours=count, allowed=allowed)
 
 
 def one_ring(recording: Trajectories) -> NDArray[np.bool_]:

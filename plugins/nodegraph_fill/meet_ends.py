@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,12 +16,6 @@ Ends = Literal["as_published", "met"]
 """The setting ``ends``. ``as_published``: the method's own estimate. ``met``: the mismatch at each
 end of a gap is spread linearly over the gap; see `meet_ends`.
 """
-
-
-def check_ends(ends: Ends) -> None:
-    """Raise `ValueError` unless it is one of the choices."""
-    if ends not in get_args(Ends):
-        raise ValueError(f"ends must be {' or '.join(get_args(Ends))}, got {ends!r}")
 
 
 def are_met(settings: Mapping[str, object]) -> bool:

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import node
-from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.meet_ends import Ends, are_met
-from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -21,20 +19,18 @@ _MOST_FRAMES = 4000
 """Frames to choose among, evenly spread over the take."""
 
 
-@node(
+@whole_take(
     "fill.nearest_frames",
     cite="troyanskaya2001",
     adapted="from Troyanskaya et al. 2001: frames take the place of genes",
-    lookahead=None,
-    ends=are_met,
+    otherwise="no frame like it",
 )
 def nearest_frames(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     frames: Annotated[int, Field(ge=1)] = 5,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Fill a sample with the marker's mean position in the most similar frames (Troyanskaya).
 
     Of the frames in which the marker is present, those whose other markers lie nearest are
@@ -46,36 +42,17 @@ def nearest_frames(
     For `ends` met, the samples beside all gaps are hidden and filled in the same way, which takes
     as long again: a frame is most like itself.
 
-    Where a marker is never measured, it stays missing, counted in a warning. Samples that are
-    present come out as they went in; those that an earlier fill has made count like measured
-    ones. Frames are compared where the head is: remove its motion first, where it is large.
+    Frames are compared where the head is: remove its motion first, where it is large.
 
     Looks at the whole take.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     frames
         How many frames are averaged, fewer where there are fewer.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
     """
 
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        estimate = Estimate(_imputed(recording, frames))
-        if ends == "as_published":
-            return estimate
+    def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         # a frame is most like itself: hide what is to be estimated there
         positions = recording.positions.copy()
         for frame in (gaps.start - 1, gaps.stop):
@@ -83,10 +60,9 @@ def nearest_frames(
             positions[frame[within], gaps.marker[within]] = np.nan
         origin = np.where(np.isnan(positions[..., 0]), Origin.MISSING, recording.origin)
         hidden = replace(recording, positions=positions, origin=origin, sigma=None)
-        beside = _imputed(hidden, frames)
-        return replace(estimate, ends=gaps.beside(beside))
+        return gaps.beside(_imputed(hidden, frames))
 
-    return fill_from(recording, max_gap, model, ends=ends, otherwise="no frame like it")
+    return Estimate(_imputed(recording, frames), ends=beside)
 
 
 def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import StateForm, Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end, to_limit
-from nodegraph_fill.meet_ends import Ends, are_met
+from nodegraph import StateForm, Unit
+from nodegraph_fill.gaps import Gaps, to_gap_end, to_limit
+from nodegraph_fill.meet_ends import are_met
 from nodegraph_fill.rigid_motion import carried, moved
 from nodegraph_fill.streams import Limit
-from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class _Stream:
         acceleration: float,
         noise: float,
         neighbour_noise: float,
-        ends: Ends,
+        ends: object,
         max_gap: int | None,
     ) -> None:
         markers = len(recording.markers)
@@ -96,7 +96,7 @@ class _Stream:
         )
 
 
-@node(
+@whole_take(
     "fill.neighbour_kalman",
     cite="aristidou2008",
     adapted=(
@@ -104,19 +104,18 @@ class _Stream:
         "three at least"
     ),
     lookahead=_lookahead,
-    ends=are_met,
     live=StateForm(_Stream, lookahead=_live_lookahead, leaves="gaps at the start of the take"),
+    otherwise="no three neighbours that span a plane",
 )
 def neighbour_kalman(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     neighbours: Annotated[int, Field(ge=3)] = 6,
     acceleration: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm/s^2")] = 1000.0,
     noise: Noise = 0.1,
     neighbour_noise: Noise = 1.0,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Predict missing markers by a Kalman filter that neighbours help (Aristidou et al., 2008).
 
     Each coordinate of a marker has a position and a velocity, constant but for an acceleration
@@ -137,10 +136,10 @@ def neighbour_kalman(
     distances; here, where there are no limbs, they are the nearest ones. Its way to predict the
     position from fewer than three neighbours is left out: there the sample stays missing, and
     so it does where they lie on a line (their second principal extent is under a twentieth of
-    the first). That is counted in a warning, as is a marker that is never measured.
+    the first). That is counted in a warning. For `ends` met, the estimate beside a gap is the
+    filter's in the frame before, and what it predicts for the frame after.
 
-    Samples that are present come out as they went in; those that an earlier fill has made count
-    like measured ones. Does not depend on where the origin lies or how the axes are turned; on
+    Does not depend on where the origin lies or how the axes are turned; on
     the unit it does, by the three settings in mm.
 
     Causal: a sample depends on its frame and on earlier ones, no frame ahead, unless `max_gap`
@@ -149,8 +148,6 @@ def neighbour_kalman(
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     neighbours
         How many markers make up the body, fewer where there are fewer, three at least; equally
         near ones go by marker order.
@@ -162,27 +159,8 @@ def neighbour_kalman(
     neighbour_noise
         Standard deviation of what the neighbours predict, per coordinate: the larger, the longer
         the marker's own motion counts.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end. Beside a gap the estimate is the
-        filter's in the frame before, and what it predicts for the frame after.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
     """
-
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        filtered = _Filter(recording, gaps, neighbours, acceleration, noise, neighbour_noise)
-        return filtered.estimate(with_ends=ends == "met")
-
-    otherwise = "no three neighbours that span a plane"
-    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
+    return _Filter(recording, gaps, neighbours, acceleration, noise, neighbour_noise).estimate()
 
 
 class _Filter:
@@ -202,22 +180,24 @@ class _Filter:
         self._observations = _observations(recording, gaps, neighbours)
         self._variance = np.where(recording.present, noise, neighbour_noise) ** 2
 
-    def estimate(self, *, with_ends: bool) -> Estimate:
+    def estimate(self) -> Estimate:
         """Return the estimates in the gaps, and beside them."""
-        gaps, observations = self._gaps, self._observations
-        positions = np.full_like(observations, np.nan)
-        before, after = np.full((2, len(gaps.start), 3), np.nan)
+        gaps = self._gaps
+        positions = np.full_like(self._observations, np.nan)
+        after = np.full((len(gaps.start), 3), np.nan)
         for marker in np.unique(gaps.marker[~gaps.at_start]):
             positions[:, marker] = self._forward(marker)
-        if with_ends:
-            before, _ = gaps.beside(positions)
-            after[gaps.inner] = self._predicted(gaps.subset(gaps.inner))
         for gap in np.flatnonzero(gaps.at_start):
             marker, stop = gaps.marker[gap], gaps.stop[gap]
             backward = self._backward(marker, stop)
             positions[:stop, marker], after[gap] = backward[:stop], backward[stop]
-        positions[np.isnan(observations)] = np.nan
-        return Estimate(positions, ends=(before, after))
+        positions[np.isnan(self._observations)] = np.nan
+
+        def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+            after[gaps.inner] = self._predicted(gaps.subset(gaps.inner))
+            return gaps.beside(positions)[0], after
+
+        return Estimate(positions, ends=beside)
 
     def _forward(self, marker: int) -> NDArray[np.float64]:
         return self._follow(self._observed(marker), self._variance[:, marker])

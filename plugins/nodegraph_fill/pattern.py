@@ -6,28 +6,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import node
-from nodegraph_fill.along_time import bridge
-from nodegraph_fill.gaps import Gaps, MaxGap, to_gap_end
-from nodegraph_fill.meet_ends import Ends
-from nodegraph_fill.streams import live_form
-from nodegraph_mocap import Trajectories
+from nodegraph_fill.along_time import along_time
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from nodegraph_fill.gaps import Gaps
 
-@node(
+
+@along_time(
     "fill.pattern",
     cite="vicon_nexus",
     adapted="from Vicon Nexus: the donor is the nearest marker, not one that the user picks",
-    lookahead=to_gap_end,
-    ends=True,
-    live=live_form(lambda: _between),
+    otherwise="no marker without a hole there",
 )
-def pattern(
-    recording: Trajectories, *, ends: Ends = "as_published", max_gap: MaxGap = None
-) -> Trajectories:
+def pattern(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
     """Fill each gap with the movement of the nearest marker, bent to meet both ends (Vicon).
 
     With the donor's trajectory D(t), the gap in F between the frames a and b, and the straight
@@ -36,32 +29,10 @@ def pattern(
     ``F(t) = V(F, t) + D(t) - V(D, t)``. The donor is the marker nearest to F at frame a among
     those that are present from a to b; equally near ones go by marker order.
 
-    A gap for which there is no donor stays missing, as do gaps at the start and at the end of
-    the take, which have one end only, and a marker that is never measured: counted in a
-    warning. Samples that are present come out as they went in; those that an earlier fill has
-    made count like measured ones.
+    A gap for which there is no donor stays missing, counted in a warning.
 
     Looks ahead to the gap's end.
-
-    Parameters
-    ----------
-    recording
-        Trajectories with gaps.
-    ends
-        No matter: the fill meets both ends by itself.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
     """
-    return bridge(recording, ends, max_gap, _between, otherwise="no marker without a hole there")
-
-
-def _between(positions: NDArray[np.float64], gaps: Gaps) -> NDArray[np.float64]:
     donor = _donors(positions, gaps)
     gap, frame, marker, share = gaps.samples
     share = share[:, None]

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Refusal, Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.meet_ends import Ends, are_met
-from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph import Refusal, Unit
+from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
@@ -26,26 +25,24 @@ _FAR = 0.5
 """Factor of the mean distance to all markers beyond which a marker with gaps predicts nothing."""
 
 
-@node(
+@whole_take(
     "fill.pca",
     cite="gloersen_federolf2016",
     adapted=(
         "from Gloersen and Federolf 2016: B0' B where their code multiplies by B' B0, and a "
         "weight scale that goes with the size of the face unless it is set (theirs: 200 mm)"
     ),
-    lookahead=None,
-    ends=are_met,
+    otherwise="no marker to fill from, or no frame complete with those",
 )
 def pca(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     strategy: Strategy = "each",
     weight_scale: Annotated[float | None, Field(gt=0, allow_inf_nan=False), Unit("mm")] = None,
     weight_missing: Annotated[float, Field(gt=0, le=1)] = 0.02,
     singular_values: Annotated[float, Field(gt=0, le=1)] = 0.99,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Fill gaps from the markers' principal components (Gloersen & Federolf, 2016).
 
     From every frame the mean of the markers that are never missing is taken off (nothing, where
@@ -69,18 +66,14 @@ def pca(
     result hangs on the signs that the eigenvectors happen to have; here it does not.
 
     A marker that shares no complete frame with those that it is filled from, or that there is
-    none to fill from, stays missing, counted in a warning, as does one that is never measured;
-    that one is not part of "every marker". Samples that are present come out as they went in;
-    those that an earlier fill has made count like measured ones. Does not depend on where the
-    origin lies; but depends on the axes, each coordinate being scaled by itself, and on the unit
-    by a `weight_scale` that is set.
+    none to fill from, stays missing, counted in a warning. One that is never measured is not
+    part of "every marker". Does not depend on where the origin lies; but depends on the axes, each
+    coordinate being scaled by itself, and on the unit by a `weight_scale` that is set.
 
     Looks at the whole take.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     strategy
         Whether each marker is filled by itself or all that have gaps together.
     weight_scale
@@ -91,18 +84,6 @@ def pca(
         The weight of the marker that is filled.
     singular_values
         Share of the sum of the singular values that the components kept must reach.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
 
     Raises
     ------
@@ -111,29 +92,22 @@ def pca(
     ValueError
         If `strategy` is not one of its choices.
     """
-    if strategy not in get_args(Strategy):
-        raise ValueError(f"strategy must be {' or '.join(get_args(Strategy))}, got {strategy!r}")
-
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        positions = np.full_like(recording.positions, np.nan)
-        centred, middle = _without_mean(recording)
-        scale = weight_scale or _mean_distance(recording)
-        groups = _each if strategy == "each" else _together
-        estimated = False
-        for wanted, predictors, distance in groups(recording, np.unique(gaps.marker)):
-            complete = np.asarray(recording.present[:, wanted | predictors].all(axis=1))
-            weight = np.exp(-(distance**2) / (2.0 * scale**2))
-            weight[wanted] = weight_missing
-            estimated |= bool(complete.any())
-            if complete.any() and predictors.any():
-                estimate = _carried(centred, complete, wanted, predictors, weight, singular_values)
-                positions[:, wanted] = estimate + middle
-        if not estimated:
-            raise _refusal(recording, gaps, strategy)
-        return Estimate(positions)
-
-    otherwise = "no marker to fill from, or no frame complete with those"
-    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
+    positions = np.full_like(recording.positions, np.nan)
+    centred, middle = _without_mean(recording)
+    scale = weight_scale or _mean_distance(recording)
+    groups = _each if strategy == "each" else _together
+    estimated = False
+    for wanted, predictors, distance in groups(recording, np.unique(gaps.marker)):
+        complete = np.asarray(recording.present[:, wanted | predictors].all(axis=1))
+        weight = np.exp(-(distance**2) / (2.0 * scale**2))
+        weight[wanted] = weight_missing
+        estimated |= bool(complete.any())
+        if complete.any() and predictors.any():
+            estimate = _carried(centred, complete, wanted, predictors, weight, singular_values)
+            positions[:, wanted] = estimate + middle
+    if not estimated:
+        raise _refusal(recording, gaps, strategy)
+    return Estimate(positions)
 
 
 _Group = tuple["NDArray[np.bool_]", "NDArray[np.bool_]", "NDArray[np.float64]"]

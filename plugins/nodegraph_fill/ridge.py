@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Unit, node
-from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.meet_ends import Ends, are_met
-from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph import Unit
+from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
@@ -22,21 +21,19 @@ _MOST_FRAMES = 5000
 """Frames to learn from, evenly spread over what there is: more hardly improve the fit."""
 
 
-@node(
+@whole_take(
     "fill.ridge",
     cite="hoerl_kennard1970",
     adapted="from Hoerl and Kennard 1970: applied to each gap, from the nearest markers",
-    lookahead=None,
-    ends=are_met,
+    otherwise="no marker, or no frames, to learn from",
 )
 def ridge(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     neighbours: Annotated[int, Field(ge=1)] = 12,
     penalty: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm^2")] = 10.0,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Fill gaps by ridge regression on the nearest markers (Hoerl & Kennard, 1970).
 
     For each gap, the markers that are present all through it and at its ends, the nearest in
@@ -46,43 +43,18 @@ def ridge(
     need be complete.
 
     Where no marker is present all through the gap, or no two frames to learn from, the gap
-    stays missing, counted in a warning, as does a marker that is never measured. Samples that
-    are present come out as they went in; those that an earlier fill has made count like
-    measured ones. The head's motion is learnt along with the face's: remove it first, where it
-    is large.
+    stays missing, counted in a warning. The head's motion is learnt along with the face's:
+    remove it first, where it is large.
 
     Looks at the whole take.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     neighbours
         How many markers predict, fewer where there are fewer.
     penalty
         How strongly large coefficients are avoided, in the squares of what is learnt from.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`.
     """
-
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        return _estimate(recording, gaps, neighbours, penalty)
-
-    otherwise = "no marker, or no frames, to learn from"
-    return fill_from(recording, max_gap, model, ends=ends, otherwise=otherwise)
-
-
-def _estimate(recording: Trajectories, gaps: Gaps, neighbours: int, penalty: float) -> Estimate:
     estimate = np.full_like(recording.positions, np.nan)
     before, after = np.full((2, len(gaps.start), 3), np.nan)
     near, present = _nearest_first(recording), recording.present
@@ -100,7 +72,7 @@ def _estimate(recording: Trajectories, gaps: Gaps, neighbours: int, penalty: flo
             predicted = model(now.reshape(len(now), -1))
             estimate[window, marker] = predicted
             before[gap], after[gap] = predicted[0], predicted[-1]
-    return Estimate(estimate, ends=(before, after))
+    return Estimate(estimate, ends=lambda: (before, after))
 
 
 def _nearest_first(recording: Trajectories) -> NDArray[np.intp]:

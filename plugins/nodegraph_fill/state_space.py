@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_fill.gaps import Gaps
-    from nodegraph_fill.meet_ends import Ends
 
 _LEAST_DRIFT = 1e-12
 """Smallest drift in any direction, relative to the direction in which states drift most."""
@@ -43,25 +42,26 @@ class StateSpace:
     first: NDArray[np.float64]
     drift: NDArray[np.float64]
 
-    def estimate(self, matrix: TakeMatrix, gaps: Gaps, ends: Ends, *, with_sigma: bool) -> Estimate:
+    def estimate(self, matrix: TakeMatrix, gaps: Gaps, *, with_sigma: bool) -> Estimate:
         """Return the mean of every sample, and its deviation, all present ones being known.
 
-        For `ends` met, the estimates beside the gaps leave out what is missing in them.
+        The estimates beside the gaps leave out what is missing in them.
         """
         rows = np.where(matrix.missing, 0.0, matrix.rows - self.middle)
         states, covariances = self._smoothed(rows, matrix.missing)
+
+        def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+            hidden = matrix.hidden_ends(gaps)
+            at, there = hidden.frame, states[hidden.frame]
+            lacking = hidden.missing & ~matrix.missing[at]
+            for row, lost, state, covariance in zip(
+                rows[at], lacking, there, covariances[at], strict=True
+            ):
+                self._forget(row, lost, state, covariance)
+            return hidden.of_gaps(self._positions(matrix, there))
+
         sigma = self._sigma(matrix, gaps, covariances) if with_sigma else None
-        estimate = Estimate(self._positions(matrix, states), sigma)
-        if ends == "as_published":
-            return estimate
-        hidden = matrix.hidden_ends(gaps)
-        at, beside = hidden.frame, states[hidden.frame]
-        lacking = hidden.missing & ~matrix.missing[at]
-        for row, lost, state, covariance in zip(
-            rows[at], lacking, beside, covariances[at], strict=True
-        ):
-            self._forget(row, lost, state, covariance)
-        return replace(estimate, ends=hidden.of_gaps(self._positions(matrix, beside)))
+        return Estimate(self._positions(matrix, states), sigma, beside)
 
     def _smoothed(
         self, rows: NDArray[np.float64], missing: NDArray[np.bool_]

@@ -17,14 +17,15 @@ from __future__ import annotations
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from nodegraph import StateForm
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, to_limit, warn_left
-from nodegraph_fill.meet_ends import Ends, are_met, check_ends, meet_ends
+from nodegraph import StateForm, node
+from nodegraph_fill.family import CALLER, ENDS, MAX_GAP, Fill, Setting, fill_gaps, make_fill
+from nodegraph_fill.gaps import Gaps, to_limit
+from nodegraph_fill.meet_ends import Ends, are_met, meet_ends
 from nodegraph_fill.streams import Limit
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
@@ -34,11 +35,43 @@ if TYPE_CHECKING:
 CloseGap = Literal["none", "ramp", "blend"]
 """Ways in which a fill meets the sample that ends the gap.
 
-``none``: it does not, and a jump stays. ``ramp``: the sample that ends the gap is predicted too;
-its mismatch e is spread, ``e j / (L + 1)`` at the j-th of L frames, where both ends and that
-prediction are there. ``blend``: a forward and a backward pass, each by itself, cross-faded
-linearly; where one is missing, the other.
+``ramp``: the mismatch is spread where both ends and the prediction of the second are there.
 """
+
+_SETTINGS = (
+    Setting(
+        "use_filled",
+        bool,
+        True,
+        "Whether samples filled earlier serve as neighbours, after all measured ones.",
+    ),
+    Setting(
+        "close_gap",
+        CloseGap,
+        "none",
+        """\
+none: a jump stays where the marker reappears. ramp: that sample is predicted too and
+its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
+forward and a backward pass, cross-faded linearly; where one is missing, the other.""",
+    ),
+    # a gap begins at its first end, so that its whole mismatch is at the other
+    replace(
+        ENDS,
+        meaning="""\
+met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
+`close_gap` already sees to it. as_published: as `close_gap` has it.""",
+    ),
+    MAX_GAP,
+)
+_LEFT = """\
+A gap at the start of the take is filled backward from the marker's first sample. What has
+no usable neighbour stays missing, as does the rest of that gap, counted in a warning.
+Samples that are present come out bit for bit; those an earlier fill made count as filled.
+
+Looks ahead 0 frames, but for gaps at the start of the take; with a `max_gap` that many, to know
+that a gap is no longer; twice as many with `close_gap` ramp or `ends` met, up to the gap's end
+without a `max_gap`; with blend to the take's end. Frame by frame, gaps at the start of the
+take stay missing."""
 
 
 def lookahead(settings: Mapping[str, Any]) -> int | None:
@@ -85,7 +118,7 @@ class Rule:
 
     weights: str
     neighbours: int
-    use_filled: bool
+    use_filled: bool = True
     ring: int = 0
     full_radius: float = 0.0
     falloff_radius: float = 0.0
@@ -144,55 +177,65 @@ class _Pass:
         )
 
 
-def fill_stepwise(
-    recording: Trajectories, rule: Rule, *, close_gap: CloseGap, ends: Ends, max_gap: int | None
-) -> Trajectories:
-    """Fill a recording's gaps by a rule, and warn of what is left; called by a node.
+def stepwise(
+    name: str,
+    *,
+    cite: str | tuple[str, ...],
+    adapted: str = "",
+    lookahead: Callable[[Mapping[str, Any]], int | None] = lookahead,
+) -> Callable[[Callable[..., Rule]], Fill]:
+    """Make a rule by which a sample is predicted a fill.
+
+    The method takes a recording, which has no frames on a stream, and its settings, which are
+    keyword-only. It returns a `Rule`.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
-    rule
-        How a sample is predicted.
-    close_gap
-        See `CloseGap`.
-    ends
-        The setting; ``met`` is a ramp where `close_gap` is ``none``: a gap begins at its first
-        end, so that its whole mismatch is at the other.
-    max_gap
-        Longer gaps stay missing.
-
-    Returns
-    -------
-    Trajectories
-        The recording; present samples bit for bit as they were, written ones called filled.
-
-    Raises
-    ------
-    ValueError
-        If `close_gap` or `ends` is not one of its choices.
+    name, cite, adapted, lookahead
+        As for `nodegraph.node`.
     """
-    check_ends(ends)
-    if close_gap not in get_args(CloseGap):
-        raise ValueError(f"close_gap must be none, ramp or blend, got {close_gap!r}")
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.subset(~(long | gaps.never))
-    if close_gap == "blend":
-        chain = _blended(recording, wanted, rule)
-    else:
-        chain = _chained(recording, wanted, rule, ramps=close_gap == "ramp" or ends == "met")
-    filled = recording.with_samples(chain.positions, changed=wanted.mask, origin=Origin.FILLED)
-    reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
-    warn_left(filled, reasons, "no usable neighbour", stacklevel=3)
-    if chain.still:
-        warnings.warn(
-            f"{chain.still} predictions left a marker where it was: its nearest neighbour lies "
-            "beyond falloff_radius, or where the marker itself does",
-            stacklevel=3,
-        )
-    return filled
+
+    def decorate(method: Callable[..., Rule]) -> Fill:
+        def fill(
+            recording: Trajectories,
+            *,
+            use_filled: bool,
+            close_gap: CloseGap,
+            ends: Ends,
+            max_gap: int | None,
+            **settings: Any,
+        ) -> Trajectories:
+            rule = replace(method(recording, **settings), use_filled=use_filled)
+            ramps = close_gap == "ramp" or ends == "met"
+
+            def predicted(recording: Trajectories, gaps: Gaps) -> Trajectories:
+                if close_gap == "blend":
+                    chain = _blended(recording, gaps, rule)
+                else:
+                    chain = _chained(recording, gaps, rule, ramps=ramps)
+                if chain.still:
+                    warnings.warn(
+                        f"{chain.still} predictions left a marker where it was: its nearest "
+                        "neighbour lies beyond falloff_radius, or where the marker itself does",
+                        stacklevel=CALLER,
+                    )
+                return recording.with_samples(
+                    chain.positions, changed=gaps.mask, origin=Origin.FILLED
+                )
+
+            return fill_gaps(recording, max_gap, predicted, otherwise="no usable neighbour")
+
+        filled = make_fill(method, fill, _SETTINGS, _LEFT)
+        return node(
+            name,
+            cite=cite,
+            adapted=adapted,
+            lookahead=lookahead,
+            ends=meets_ends,
+            live=_live_form(method, lookahead),
+        )(filled)
+
+    return decorate
 
 
 def _chained(recording: Trajectories, gaps: Gaps, rule: Rule, *, ramps: bool) -> _Pass:
@@ -234,38 +277,26 @@ def _mismatch(chain: _Pass, gaps: Gaps, rule: Rule) -> NDArray[np.float64]:
     return np.asarray(returned - predicted)
 
 
-def live_form(
-    rule: Callable[..., Rule], lookahead: Callable[[Mapping[str, Any]], int | None] = lookahead
+def _live_form(
+    method: Callable[..., Rule], lookahead: Callable[[Mapping[str, Any]], int | None]
 ) -> StateForm:
-    """Return how a step-wise fill computes frame by frame.
-
-    Parameters
-    ----------
-    rule
-        ``rule(recording, **settings)`` returns how a sample is predicted; the recording has no
-        frames.
-    lookahead
-        That of the fill.
-    """
-
     def state(
         recording: Trajectories,
         *,
+        use_filled: bool,
         close_gap: CloseGap,
         ends: Ends,
         max_gap: int | None,
         **settings: object,
     ) -> _Stream:
+        rule = replace(method(recording, **settings), use_filled=use_filled)
         ramps = close_gap == "ramp" or ends == "met"
-        return _Stream(recording, rule(recording, **settings), max_gap, ramps=ramps)
+        return _Stream(recording, rule, max_gap, ramps=ramps)
 
-    return StateForm(
-        state,
-        lookahead=lambda settings: (
-            None if settings["close_gap"] == "blend" else lookahead(settings)
-        ),
-        leaves="gaps at the start of the take",
-    )
+    def live_lookahead(settings: Mapping[str, Any]) -> int | None:
+        return None if settings["close_gap"] == "blend" else lookahead(settings)
+
+    return StateForm(state, lookahead=live_lookahead, leaves="gaps at the start of the take")
 
 
 class _Stream:

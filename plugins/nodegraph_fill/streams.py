@@ -15,7 +15,9 @@ from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_fill.along_time import Between
+    Between = Callable[[NDArray[np.float64], Gaps], NDArray[np.float64]]
+    """Takes positions (T, M, 3) mm, NaN where missing, and gaps; returns the positions of their
+    samples, (S, 3), in the order of `Gaps.samples`, NaN where it has none."""
 
 
 class Limit:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from nodegraph import node
-from nodegraph_fill.gaps import Gaps, MaxGap
+from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.low_rank import LowRank
-from nodegraph_fill.meet_ends import Ends, are_met
 from nodegraph_fill.state_space import StateSpace
-from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
+from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
 _SHRINKAGE = 0.001
@@ -23,23 +22,20 @@ _SETTLED, _ROUGHLY = 1e-9, 1e-3
 """Changes at which the completion of the take ends, and that of the take with held-out gaps."""
 
 
-@node(
+@whole_take(
     "fill.subspace_kalman",
     cite=("burke_lasenby2016", "lei2018"),
     adapted=(
         "from Burke and Lasenby 2016: the subspace and the steps are learnt from the take as "
         "soft-impute completes it, and each coordinate has its own noise"
     ),
-    lookahead=None,
-    ends=are_met,
 )
 def subspace_kalman(
     recording: Trajectories,
+    gaps: Gaps,
     *,
     variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
-    ends: Ends = "as_published",
-    max_gap: MaxGap = None,
-) -> Trajectories:
+) -> Estimate:
     """Fill gaps by a Kalman smoother in the subspace of a low-rank completion of the take.
 
     A frame, all coordinates in a row and without their mean, is ``C x[t] + v[t]``: the
@@ -74,48 +70,36 @@ def subspace_kalman(
     held 58 to 78 % and those of 80 % 84 to 92 % there. Where fewer than ten gaps can be held out,
     sigma is NaN. Present samples keep the recording's sigma, NaN where it has none.
 
-    A marker that is never measured stays missing, counted in a warning. Samples that are
-    present come out as they went in; those that an earlier fill has made count like measured
-    ones. Does not depend on where the origin lies or on the unit, but depends on the axes a
-    little, by each coordinate's own noise. The head's motion is part of the subspace: remove it
-    first, where it is large.
+    Does not depend on where the origin lies or on the unit, but depends on the axes a little, by
+    each coordinate's own noise. The head's motion is part of the subspace: remove it first, where
+    it is large.
 
     Looks at the whole take. Memory grows with the frames and the square of the dimensions, which
     were 5 to 44 on seven faces.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
     variance
         Share of the variance that the subspace keeps.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-
-    Returns
-    -------
-    Trajectories
-        The recording with filled samples, their origin `Origin.FILLED`, and with `sigma`.
     """
-    near: LowRank | None = None
+    return _estimate(recording, gaps, variance, None)
 
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-        nonlocal near
-        matrix = TakeMatrix.of(recording)
-        # the take with held-out gaps is nearly the same, and only sigma depends on it
-        near = LowRank(matrix, _SHRINKAGE, near, _ROUGHLY if near else _SETTLED)
-        space = _learnt(matrix, near, variance)
-        if not space.noise.all():
-            # nothing ever moves
-            return Estimate(matrix.positions(matrix.rows), np.zeros(gaps.shape))
-        return space.estimate(matrix, gaps, ends, with_sigma=True)
 
-    return fill_from(recording, max_gap, model, ends=ends)
+def _estimate(
+    recording: Trajectories, gaps: Gaps, variance: float, near: LowRank | None
+) -> Estimate:
+    """Return the estimate; `near` is the completion of the same take without held-out gaps."""
+    matrix = TakeMatrix.of(recording)
+    # with held-out gaps only sigma depends on it
+    low_rank = LowRank(matrix, _SHRINKAGE, near, _ROUGHLY if near else _SETTLED)
+    space = _learnt(matrix, low_rank, variance)
+    if not space.noise.all():
+        # nothing ever moves
+        return Estimate(matrix.positions(matrix.rows), np.zeros(gaps.shape))
+    return replace(
+        space.estimate(matrix, gaps, with_sigma=True),
+        again=lambda recording, gaps: _estimate(recording, gaps, variance, low_rank),
+    )
 
 
 def _learnt(matrix: TakeMatrix, low_rank: LowRank, variance: float) -> StateSpace:

@@ -1,20 +1,25 @@
-"""What the fills share that estimate all gaps at once: written, counted; the take as a matrix."""
+"""The fills that estimate all gaps at once from the whole take, and the take as a matrix."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_fill.gaps import LONG, NEVER, Gaps, warn_left
+from nodegraph import StateForm, node
+from nodegraph_fill.family import ENDS, LEFT, MAX_GAP, Fill, fill_gaps, make_fill
+from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.held_out import calibrated
-from nodegraph_fill.meet_ends import Ends, check_ends, meet_ends
+from nodegraph_fill.meet_ends import are_met, meet_ends
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -27,61 +32,88 @@ class Estimate:
         Millimetres, in the gaps and, without `ends`, at their ends; NaN where there is none.
     sigma : (T, M) array of float64, or None
         Standard deviation in the gaps, mm, to be calibrated; None if the model does not know it.
-    ends : two (G, 3) arrays of float64, or None
-        What the model makes of the sample before and of the sample after each gap, mm, if that
-        is not what `positions` has there; NaN where there is none.
+    ends : callable or None
+        Returns what the model makes of the sample before and of the sample after each gap, two
+        (G, 3) arrays, mm, NaN where there is none; called where the ends are to be met. None:
+        what `positions` has there.
+    again : callable or None
+        The model as it is to estimate the held-out gaps that `sigma` is calibrated by; None: as
+        it estimated these.
     """
 
     positions: NDArray[np.float64]
     sigma: NDArray[np.float64] | None = None
-    ends: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None
+    ends: Callable[[], Ends] | None = None
+    again: Callable[[Trajectories, Gaps], Estimate] | None = None
 
 
-def fill_from(
-    recording: Trajectories,
-    max_gap: int | None,
-    model: Callable[[Trajectories, Gaps], Estimate],
+def whole_take(
+    name: str,
     *,
-    ends: Ends,
+    cite: str | tuple[str, ...],
+    adapted: str = "",
+    lookahead: Callable[[Mapping[str, Any]], int | None] | None = None,
+    live: StateForm | None = None,
     otherwise: str = "",
-) -> Trajectories:
-    """Fill gaps with what a model estimates, and warn of those left; called by a node.
+) -> Callable[[Callable[..., Estimate]], Fill]:
+    """Make a method that estimates all gaps at once a fill.
+
+    The method takes the recording, the gaps to fill, of which there is one at least, and its
+    settings, which are keyword-only. It returns an `Estimate`.
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
-    max_gap
-        Longer gaps stay missing.
-    model
-        Takes the recording and the gaps to fill; not called when there are none.
-    ends
-        The setting; for ``met`` the model estimates the samples beside the gaps, too.
+    name, cite, adapted, lookahead, live
+        As for `nodegraph.node`.
     otherwise
-        Why the model may have no estimate.
+        Why it may have no estimate of a sample.
     """
 
-    def fill(recording: Trajectories, gaps: Gaps) -> Trajectories:
-        return _written(recording, gaps, model(recording, gaps), ends)
+    def decorate(method: Callable[..., Estimate]) -> Fill:
+        def fill(
+            recording: Trajectories, *, ends: str, max_gap: int | None, **settings: Any
+        ) -> Trajectories:
+            def written(recording: Trajectories, gaps: Gaps) -> Trajectories:
+                model = partial(method, **settings)
+                return _filled(recording, gaps, model, meets=ends == "met")
 
-    check_ends(ends)
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
-    wanted = gaps.subset(~(long | gaps.never))
-    filled = recording
-    if len(wanted.start):
-        filled = calibrated(fill, recording, wanted)
-    reasons = [(gaps.subset(gaps.never), NEVER), (gaps.subset(long), LONG)]
-    warn_left(filled, reasons, otherwise, stacklevel=3)
-    return filled
+            return fill_gaps(recording, max_gap, written, otherwise=otherwise)
+
+        filled = make_fill(method, fill, (ENDS, MAX_GAP), LEFT)
+        return node(name, cite=cite, adapted=adapted, lookahead=lookahead, ends=are_met, live=live)(
+            filled
+        )
+
+    return decorate
 
 
-def _written(recording: Trajectories, gaps: Gaps, estimate: Estimate, ends: Ends) -> Trajectories:
+def _filled(
+    recording: Trajectories,
+    gaps: Gaps,
+    model: Callable[[Trajectories, Gaps], Estimate],
+    *,
+    meets: bool,
+) -> Trajectories:
+    estimate = model(recording, gaps)
+    filled = _written(recording, gaps, estimate, meets=meets)
+    if estimate.sigma is None:
+        return filled
+    again = estimate.again or model
+
+    def held_out(recording: Trajectories, gaps: Gaps) -> Trajectories:
+        return _written(recording, gaps, again(recording, gaps), meets=meets)
+
+    return calibrated(filled, held_out, recording, gaps)
+
+
+def _written(
+    recording: Trajectories, gaps: Gaps, estimate: Estimate, *, meets: bool
+) -> Trajectories:
     _, frame, marker, _ = gaps.samples
     estimated = estimate.positions[frame, marker]
     positions = recording.positions.copy()
-    if ends == "met":
-        before, after = estimate.ends or gaps.beside(estimate.positions)
+    if meets:
+        before, after = estimate.ends() if estimate.ends else gaps.beside(estimate.positions)
         first, last = gaps.beside(recording.positions)
         estimated = meet_ends(gaps, estimated, first - before, last - after)
     positions[frame, marker] = estimated
@@ -176,9 +208,7 @@ class HiddenEnds:
     missing: NDArray[np.bool_]
     within: NDArray[np.bool_]
 
-    def of_gaps(
-        self, estimates: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def of_gaps(self, estimates: NDArray[np.float64]) -> Ends:
         """Return the estimates (E, M, 3), each that of its own marker, as `Estimate.ends`."""
         both = np.full((len(self.within), 3), np.nan)
         both[self.within] = estimates[np.arange(len(estimates)), self.marker]

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from nodegraph_fill.akima import akima
 from tests.plugins.nodegraph_fill.plain_fills import check_hermite
-from tests.plugins.recordings import make_recording
 
 
 def slope(x: list[float], y: list[float], i: int) -> float:
@@ -18,13 +15,3 @@ def slope(x: list[float], y: list[float], i: int) -> float:
 
 def test_equals_the_hermite_curve_of_akimas_slopes() -> None:
     check_hermite(akima, slope)
-
-
-def test_beside_a_straight_stretch_nothing_swings() -> None:
-    positions = np.zeros((20, 1, 3))
-    positions[10:] = 5.0
-    gappy = positions.copy()
-    gappy[14:17] = np.nan
-    np.testing.assert_allclose(
-        akima(make_recording(gappy)).positions, positions, rtol=0, atol=1e-12
-    )

@@ -81,11 +81,3 @@ def test_complete_frames_are_needed() -> None:
     gappy[::2, 0] = gappy[1::2, 1] = np.nan
     with pytest.raises(Refusal, match="needs two complete frames: 0 of 30"):
         burke_lasenby(make_recording(gappy))
-
-
-def test_a_marker_that_is_never_measured_is_no_part_of_complete() -> None:
-    gappy = holed()
-    gappy[:, 3] = np.nan
-    with pytest.warns(UserWarning, match="30 samples of 1 marker left missing: never measured 30"):
-        filled = burke_lasenby(make_recording(gappy))
-    assert filled.present[:, :3].all()

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
-import pytest
 
-from nodegraph_fill.gaps import Gaps, warn_left
+from nodegraph_fill.gaps import Gaps
 from nodegraph_mocap import Origin
 from tests.plugins.recordings import make_gappy, make_recording
 
@@ -30,15 +27,3 @@ def test_the_share_of_the_way_leaves_both_ends_out() -> None:
     gap, frame, marker, share = Gaps.of(make_recording(positions)).samples
     assert (gap.tolist(), frame.tolist(), marker.tolist()) == ([0] * 3, [1, 2, 3], [0] * 3)
     assert share.tolist() == [0.25, 0.5, 0.75]
-
-
-def test_nothing_left_is_no_warning() -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        warn_left(make_recording(np.zeros((2, 1, 3))), [], "nothing", stacklevel=1)
-
-
-def test_one_is_not_reported_as_many() -> None:
-    positions = np.full((1, 1, 3), np.nan)
-    with pytest.warns(UserWarning, match="^1 sample of 1 marker left missing: lost 1$"):
-        warn_left(make_recording(positions), [], "lost", stacklevel=1)

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph_fill.gaps import Gaps
-from nodegraph_fill.whole_take import Estimate, fill_from
+from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
 from tests.plugins.recordings import make_recording
 
@@ -28,10 +28,12 @@ def gappy(markers: int = MARKERS) -> Positions:
 
 
 def sigma_of(recording: Trajectories, own: float) -> Positions:
-    def model(recording: Trajectories, gaps: Gaps) -> Estimate:
+    @whole_take("fill.wrong", cite="none")
+    def wrong(recording: Trajectories, gaps: Gaps) -> Estimate:
+        """Fill with what is wrong by a known amount."""
         return Estimate(OFF[:, : gaps.shape[1]], np.full(gaps.shape, own))
 
-    sigma = fill_from(recording, None, model, ends="as_published").sigma
+    sigma = wrong(recording).sigma
     assert sigma is not None
     return sigma
 

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -41,15 +40,6 @@ def test_equals_the_plain_statement(
     )
     plain = run_plainly(recording, weigh, **rule, **shared)
     np.testing.assert_allclose(filled.positions, plain, rtol=0, atol=1e-9)
-
-
-def test_the_farthest_neighbour_weighs_a_third_of_the_nearest() -> None:
-    positions = np.zeros((2, 3, 3))
-    positions[:, 1, 0], positions[:, 2, 0] = 1, 5
-    positions[1, 2, 1] = 1
-    positions[1, 0] = np.nan
-    filled = lin_ouhyoung(make_recording(positions))
-    assert filled.positions[1, 0, 1] == pytest.approx(0.309017 / 1.309017, abs=1e-6)
 
 
 def test_equal_distances_weigh_the_same() -> None:

@@ -74,9 +74,3 @@ def moved_by_one(places: list[list[float]], *, normalize: bool = False) -> Any:
 def test_the_sum_of_the_weights(places: list[list[float]], total: float) -> None:
     np.testing.assert_allclose(moved_by_one(places), [total, 0, 0], rtol=0, atol=1e-15)
     np.testing.assert_allclose(moved_by_one(places, normalize=True), [1, 0, 0], rtol=0, atol=1e-15)
-
-
-def test_two_neighbours_are_weighted_by_inverse_distance() -> None:
-    positions = np.array([[[0, 0, 0], [0, 1, 0], [0, 0, 3]], [[np.nan] * 3, [4, 1, 0], [0, 0, 3]]])
-    recording = Trajectories(positions=positions.astype(float), markers=("a", "b", "c"), rate=60.0)
-    np.testing.assert_allclose(muscle(recording).positions[1, 0], [3, 0, 0], rtol=0, atol=1e-12)

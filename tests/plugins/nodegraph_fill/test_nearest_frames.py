@@ -29,15 +29,6 @@ def test_equals_the_plain_weighted_mean(frames: int) -> None:
         np.testing.assert_allclose(filled.positions[frame, marker], expected, rtol=0, atol=1e-9)
 
 
-def test_a_frame_that_comes_again_is_found() -> None:
-    once = np.cumsum(np.random.default_rng(2).normal(size=(30, 5, 3)), axis=0)
-    truth = np.concatenate([once, once])
-    gappy = truth.copy()
-    gappy[40:50, 1] = np.nan
-    filled = nearest_frames(make_recording(gappy))
-    np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-5)
-
-
 def test_of_a_long_take_a_marker_seen_between_the_chosen_frames_is_found() -> None:
     positions = np.random.default_rng(4).normal(size=(9000, 2, 3))
     positions[:, 0] = np.nan

@@ -13,8 +13,6 @@ from nodegraph_mocap import Origin
 from tests.plugins.nodegraph_fill.plain_fills import plain_gaps
 from tests.plugins.recordings import make_gappy, make_recording, quietly
 
-Plain = list[tuple[int, int, int]]
-
 
 def line(body: NDArray[np.float64], first: int, last: int, frame: int) -> NDArray[np.float64]:
     return np.asarray(body[first] + (body[last] - body[first]) * (frame - first) / (last - first))
@@ -43,16 +41,6 @@ def test_equals_the_plain_formula(seed: int, max_gap: int | None) -> None:
             )
     filled = quietly(pattern, recording, max_gap=max_gap)
     np.testing.assert_allclose(filled.positions, expected, rtol=0, atol=1e-9)
-
-
-def test_a_donor_has_no_hole_in_the_whole_gap() -> None:
-    positions = np.zeros((8, 3, 3))
-    positions[:, 1, 0], positions[:, 2, 0] = 1.0, 9.0
-    positions[:, :, 1] = np.arange(8.0)[:, None] ** 2
-    truth = positions.copy()
-    positions[2:5, 0] = positions[4, 1] = np.nan
-    filled = pattern(make_recording(positions))
-    np.testing.assert_allclose(filled.positions[2:5, 0], truth[2:5, 0], atol=1e-12)
 
 
 def test_without_a_donor_the_gap_is_left_and_reported() -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from nodegraph import Refusal
 from nodegraph_fill.pca import Strategy, pca
-from tests.plugins.recordings import make_gappy, make_recording, quietly
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
 
@@ -94,17 +94,6 @@ def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not() -> None:
         assert np.array_equal(first, second) is not used
 
 
-def test_linear_movements_are_found_again() -> None:
-    truth = take(frames=200, markers=9)
-    gappy = truth.copy()
-    gappy[50:90, 0] = gappy[100:150, 1] = gappy[:20, 2] = np.nan
-    missing = np.isnan(gappy[..., 0])
-    for ends in ("as_published", "met"):
-        filled = pca(make_recording(gappy), singular_values=0.999, ends=ends).positions
-        off = np.linalg.norm(filled - truth, axis=2)[missing]
-        assert np.sqrt((off**2).mean()) < 0.15
-
-
 @pytest.mark.parametrize("strategy", ["each", "together"])
 def test_without_a_complete_frame_it_is_refused(strategy: Strategy) -> None:
     gappy = take()
@@ -136,19 +125,4 @@ def test_static_markers_tell_nothing_and_are_filled() -> None:
 
 def test_an_unknown_strategy_is_refused() -> None:
     with pytest.raises(ValueError, match="strategy must be each or together, got 'both'"):
-        pca(make_recording(take()), strategy="both")  # type: ignore[arg-type]
-
-
-def test_what_is_left_is_left_in_any_recording() -> None:
-    filled = 0
-    for seed in range(40):
-        recording = make_gappy(seed)
-        for strategy in ("each", "together"):
-            try:
-                output = quietly(pca, recording, strategy=strategy, ends="met")
-            except Refusal:
-                continue
-            filled += int(np.count_nonzero(output.present & ~recording.present))
-            same = output.positions[recording.present]
-            np.testing.assert_array_equal(same, recording.positions[recording.present])
-    assert filled
+        pca(make_recording(take()), strategy="both")

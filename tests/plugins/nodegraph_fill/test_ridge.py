@@ -61,27 +61,6 @@ def _shape_distances(positions: Positions) -> Positions:
     return np.asarray(np.linalg.norm(positions[frame] - positions[frame, 0], axis=1))
 
 
-def test_a_gap_with_one_end_meets_that() -> None:
-    gappy = take()
-    gappy[60:, 2] = np.nan
-    free = ridge(make_recording(gappy), penalty=1e3).positions[60:, 2]
-    bent = ridge(make_recording(gappy), penalty=1e3, ends="met").positions[60:, 2]
-    shift = bent - free
-    share = np.arange(1, len(shift) + 1)[:, None] / (len(shift) + 1)
-    assert np.linalg.norm(shift[0]) > 0.01
-    np.testing.assert_allclose(shift, shift[0] / (1 - share[0]) * (1 - share), atol=1e-9)
-
-
-def test_linear_movements_are_found_again() -> None:
-    truth = take(frames=300)
-    gappy = truth.copy()
-    gappy[100:160, 0] = gappy[120:200, 1] = gappy[:30, 2] = np.nan
-    filled = ridge(make_recording(gappy), penalty=0.1)
-    error = np.linalg.norm(filled.positions - truth, axis=2)
-    assert error.max() < 0.2
-    assert np.sqrt((error[np.isnan(gappy[..., 0])] ** 2).mean()) < 0.05
-
-
 def test_where_nothing_can_be_learnt_the_gap_is_left_and_reported() -> None:
     positions = take(frames=6, markers=3)
     positions[1:5, 0] = np.nan

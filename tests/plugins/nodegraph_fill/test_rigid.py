@@ -14,7 +14,6 @@ from nodegraph_mocap import Origin
 from tests.plugins.nodegraph_fill.plain_fills import carry, plain_gaps
 from tests.plugins.recordings import make_gappy, make_recording, quietly
 
-Plain = list[tuple[int, int, int]]
 Positions = NDArray[np.float64]
 
 
@@ -25,15 +24,6 @@ def moved_body(frames: int, markers: int, seed: int) -> Positions:
     turns = Rotation.from_rotvec(np.cumsum(random.normal(0, 0.05, (frames, 3)), axis=0))
     shifts = np.cumsum(random.normal(0, 2, (frames, 1, 3)), axis=0)
     return np.stack([turn.apply(body) for turn in turns]) + shifts
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_rigid_body_is_filled_exactly(seed: int) -> None:
-    truth = moved_body(20, 7, seed)
-    gappy = truth.copy()
-    gappy[3:9, 0] = gappy[5:12, 1] = gappy[:4, 2] = gappy[15:, 3] = np.nan
-    filled = rigid(make_recording(gappy))
-    np.testing.assert_allclose(filled.positions, truth, rtol=0, atol=1e-9)
 
 
 @given(seed=st.integers(0, 2**32 - 1), neighbours=st.sampled_from([3, 4, 6]))

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from nodegraph_files.c3d import read_c3d
-from nodegraph_fill.linear import linear
 from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_gaps.cut import cut
-from nodegraph_mocap import Trajectories
-from tests.plugins.recordings import make_gappy, make_recording, quietly
+from tests.plugins.recordings import make_recording
 from tests.studies import DATA, needs_recordings
 
 FOLDER = DATA / "animface"
@@ -91,33 +87,6 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(one_end: bool) -> Non
     share = (np.arange(20, stop)[:, None] - 19) / (stop - 19)
     expected = free[20:stop, 0] + (1 - share) * first + share * last
     np.testing.assert_allclose(bent[20:stop, 0], expected, rtol=0, atol=1e-4)
-
-
-def test_few_movements_are_found_again() -> None:
-    straight = quietly(linear, make_recording(holed()))
-    hidden = np.isnan(holed()[..., 0]) & straight.present
-
-    def error(fill: Callable[..., Trajectories]) -> float:
-        off = quietly(fill, make_recording(holed()), ends="met").positions - take()
-        return float(np.sqrt((off[hidden] ** 2).sum(axis=1).mean()))
-
-    assert error(soft_impute) < 0.25 * error(linear)
-
-
-def test_turning_and_another_unit_change_nothing() -> None:
-    turn = Rotation.from_rotvec([0.5, -1.0, 0.3])
-    gappy = holed()
-    plain = soft_impute(make_recording(gappy)).positions
-    turned = soft_impute(make_recording(1e-3 * gappy @ turn.as_matrix().T)).positions
-    np.testing.assert_allclose(turned, 1e-3 * plain @ turn.as_matrix().T, rtol=0, atol=1e-8)
-
-
-def test_any_recording_can_be_filled() -> None:
-    for seed in range(40):
-        recording = make_gappy(seed)
-        filled = quietly(soft_impute, recording)
-        seen = recording.present.any(axis=0)
-        np.testing.assert_array_equal(filled.present, np.broadcast_to(seen, filled.present.shape))
 
 
 @needs_recordings

@@ -3,61 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from nodegraph_fill.gaps import Gaps
-from nodegraph_fill.whole_take import Estimate, TakeMatrix, fill_from
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_fill.whole_take import TakeMatrix
 from tests.plugins.recordings import make_gappy, make_recording
-
-
-def model(recording: Trajectories, gaps: Gaps) -> Estimate:
-    """Every sample is at (7, 7, 7), give or take 2 mm."""
-    return Estimate(np.full_like(recording.positions, 7.0), np.full(gaps.shape, 2.0))
-
-
-def holed() -> Trajectories:
-    positions = np.zeros((8, 3, 3))
-    positions[2:4, 0] = positions[5:, 1] = positions[:, 2] = np.nan
-    return make_recording(positions)
-
-
-def test_gaps_are_filled_and_marked() -> None:
-    recording = holed()
-    with pytest.warns(UserWarning, match="^8 samples of 1 marker left missing: never measured 8$"):
-        filled = fill_from(recording, None, model, ends="as_published")
-    written = np.zeros((8, 3), dtype=bool)
-    written[2:4, 0] = written[5:, 1] = True
-    np.testing.assert_array_equal(filled.origin == Origin.FILLED, written)
-    np.testing.assert_array_equal(filled.positions[written], 7.0)
-
-
-def test_present_samples_keep_their_sigma() -> None:
-    positions = np.zeros((3, 1, 3))
-    positions[1] = np.nan
-    sigma = np.array([[0.5], [np.nan], [0.25]])
-    source = make_recording(positions)
-    recording = Trajectories(positions=positions, markers=source.markers, rate=60.0, sigma=sigma)
-    filled = fill_from(recording, None, model, ends="as_published")
-    assert filled.sigma is not None
-    np.testing.assert_array_equal(filled.sigma[:, 0], [0.5, np.nan, 0.25])
-
-
-def test_the_mismatch_of_each_end_is_spread() -> None:
-    with pytest.warns(UserWarning, match="never measured"):
-        filled = fill_from(holed(), None, model, ends="met")
-    np.testing.assert_array_equal(filled.positions[2:4, 0], 0.0)
-    # the gap at the take's end has a mismatch at its beginning alone
-    np.testing.assert_allclose(filled.positions[5:, 1, 0], [7 / 4, 14 / 4, 21 / 4])
-
-
-def test_long_gaps_are_left_and_the_model_is_not_asked_for_nothing() -> None:
-    def never(recording: Trajectories, gaps: Gaps) -> Estimate:
-        raise AssertionError("nothing to fill")
-
-    with pytest.warns(UserWarning, match="never measured 8, longer than max_gap 5$"):
-        filled = fill_from(holed(), 1, never, ends="met")
-    assert not np.any(filled.origin == Origin.FILLED)
 
 
 def test_the_matrix_comes_back_as_positions() -> None:
