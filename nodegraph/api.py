@@ -5,19 +5,19 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph import execute
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Event, HowToRun, Listener, open_store
+from nodegraph.execute.settings import settings_of
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.node.ports import Label
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry, default_registry
-from nodegraph.runs.settings import RunSettings, settings_of
 from nodegraph.store import Store
 
 if TYPE_CHECKING:
@@ -31,14 +31,11 @@ class Run(execute.Run):
 
     Attributes
     ----------
-    settings : RunSettings
-        What it was started with.
     events : tuple of Event
         What happened, in order.
     """
 
-    settings: RunSettings
-    events: tuple[Event, ...]
+    events: tuple[Event, ...] = ()
 
     def save(self, folder: str | Path) -> None:
         """Write the run as ``nodegraph run`` does.
@@ -84,7 +81,7 @@ class Run(execute.Run):
         from nodegraph.report.write import write_run
 
         try:
-            written = write_run(self, self.settings, folder)
+            written = write_run(self, folder)
             folder.replace_same()
             return written
         finally:
@@ -210,9 +207,10 @@ def run_graph(
         store=store,
         keep=reported(graph),
         listeners=[events.append, *listeners],
-        about={"settings": asdict(settings), "folder": str(graph.choices.folder.absolute())},
+        settings=settings,
     )
-    return Run(**vars(finished), settings=settings, events=tuple(events))
+    taken = {each.name: getattr(finished, each.name) for each in fields(finished) if each.init}
+    return Run(**taken, events=tuple(events))
 
 
 def reported(graph: Graph) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from nodegraph.report.citing import cited
 from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import graph_name
 from nodegraph.runs.record import Record
-from nodegraph.runs.saved_run import SavedRun
+from nodegraph.runs.record_files import read_record
 
 MOST_BYTES = 100_000_000
 """Size of the largest input in an archive."""
@@ -46,7 +46,7 @@ def contents_of(
     NodegraphError
         If there is no finished run, or if the lock is missing or of another run.
     """
-    record, study = SavedRun(folder).record, read_study(folder)
+    record, study = read_record(folder), read_study(folder)
     return _Collector(folder, record, study, registry, with_inputs=with_inputs).contents(lock)
 
 

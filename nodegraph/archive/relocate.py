@@ -18,8 +18,8 @@ from typing import Any
 
 import markupsafe
 
+from nodegraph.execute.settings import RunSettings
 from nodegraph.runs.record import Record
-from nodegraph.runs.settings import RunSettings
 
 _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
 """Characters before a path in a text, so that none is matched inside of base 64."""

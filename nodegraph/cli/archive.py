@@ -43,9 +43,9 @@ def archive(arguments: Namespace) -> int:
     from nodegraph.archive.rocrate import crate_metadata
     from nodegraph.filenames import MAX_BYTES, shorten
     from nodegraph.plugin.registry import Registry
-    from nodegraph.runs.saved_run import SavedRun
+    from nodegraph.runs.record_files import read_record
 
-    SavedRun(arguments.run)  # raises if it is not a run
+    read_record(arguments.run)  # raises if it is not a run
     folder = arguments.run.resolve()
     stem = shorten(folder.name, MAX_BYTES - len(_SUFFIX))
     path = arguments.out or arguments.run.parent / f"{stem}{_SUFFIX}"

@@ -33,9 +33,9 @@ def diff(arguments: Namespace) -> int:
     from nodegraph.execute import open_store
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.diff import differences
-    from nodegraph.runs.saved_run import SavedRun
+    from nodegraph.runs.record_files import read_record
 
-    was, now = SavedRun(arguments.run).record, SavedRun(arguments.other).record
+    was, now = read_record(arguments.run), read_record(arguments.other)
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
     result = differences(was, now, store)
@@ -98,7 +98,7 @@ def _changes(pair: Pair) -> Iterator[str]:
 def _values(pair: Pair, now: Record, registry: Registry, store: Store) -> Iterator[str]:
     """Yield the differences between the outputs of the two steps, as far as they are stored."""
     from nodegraph.runs.diff import value_differences
-    from nodegraph.runs.saved_run import stored_values
+    from nodegraph.runs.recorded_value import stored_values
 
     if not pair.have_results:
         return

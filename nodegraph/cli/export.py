@@ -39,13 +39,14 @@ def export(arguments: Namespace) -> int:
     """Write a value of a run as a file, in the format that the suffix names."""
     from nodegraph.execute import open_store
     from nodegraph.plugin.registry import Registry
-    from nodegraph.runs.saved_run import SavedRun
+    from nodegraph.runs.record_files import read_record
+    from nodegraph.runs.recorded_value import recorded_value
 
     refuse_existing(arguments.out)
-    run = SavedRun(arguments.run)
+    record = read_record(arguments.run)
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
-    value = run.value(arguments.node, labels_at(arguments), store)
+    value = recorded_value(record, arguments.node, labels_at(arguments), store)
     files = _files(value, arguments.out, registry)
     for path in files:
         refuse_existing(path)

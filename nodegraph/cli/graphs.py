@@ -11,11 +11,11 @@ from nodegraph.cli.arguments import input_values, pairs
 from nodegraph.cli.output import say
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import HowToRun, Listener, open_store
+from nodegraph.execute.settings import read_axis, read_labels
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry
-from nodegraph.runs.settings import read_axis, read_labels
 from nodegraph.store import Store
 
 if TYPE_CHECKING:

@@ -24,14 +24,14 @@ def why(graph: Graph, arguments: Namespace) -> None:
     from nodegraph.cli.graphs import run_folder, store_of
     from nodegraph.execute import StoredSteps
     from nodegraph.plan import plan
-    from nodegraph.runs.saved_run import SavedRun
+    from nodegraph.runs.record_files import read_record
     from nodegraph.runs.why import Why
 
     node: str = arguments.why
     if node not in graph.nodes:
         raise NodegraphError(f"the graph has no node {node!r}; {nearest(node, graph.nodes)}")
     folder = arguments.run or run_folder(arguments)
-    record = SavedRun(folder).record
+    record = read_record(folder)
     planned = plan(graph)
     cache = StoredSteps(planned, store_of(arguments, graph))
     steps = list(Why(planned, cache, record).explain(node))

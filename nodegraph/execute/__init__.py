@@ -2,9 +2,10 @@
 
 from nodegraph.execute.events import Event, EventKind, Listener
 from nodegraph.execute.executor import Executor, HowToRun, executor_of
-from nodegraph.execute.results import Run, Values
+from nodegraph.execute.results import NotStored, Run, Values
 from nodegraph.execute.resume import StoredSteps, open_store
 from nodegraph.execute.run import execute
+from nodegraph.execute.settings import RunSettings
 
 __all__ = [
     "Event",
@@ -12,7 +13,9 @@ __all__ = [
     "Executor",
     "HowToRun",
     "Listener",
+    "NotStored",
     "Run",
+    "RunSettings",
     "StoredSteps",
     "Values",
     "execute",

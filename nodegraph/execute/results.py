@@ -1,12 +1,13 @@
-"""A finished run: how its steps ended, and their values."""
+"""A run, finished or opened from its folder: how its steps ended, and their values."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.errors import NodegraphError, nearest
 from nodegraph.execute.call import Outcome, collecting_warnings
@@ -14,21 +15,45 @@ from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
+from nodegraph.execute.settings import RunSettings
 from nodegraph.execute.threads import serial
 from nodegraph.execute.value_table import value_table
 from nodegraph.formatting import number_of
 from nodegraph.node.ports import Label
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State
-from nodegraph.store import Packer, Upkeep
+from nodegraph.store import DamagedEntry, Entry, Packer, Upkeep
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
+class NotStored(NodegraphError):
+    """Values of a run are not stored, and are computed only by `Run.compute`.
+
+    Attributes
+    ----------
+    steps : tuple of int
+        Those that have to be computed, by their index in the plan.
+    """
+
+    def __init__(self, steps: Iterable[Step]) -> None:
+        listed = tuple(steps)
+        self.steps = tuple(step.index for step in listed)
+        super().__init__(f"not stored: {', '.join(step.name for step in listed)}")
+
+
+class Advance(NamedTuple):
+    """Progress of a computation: steps that have ended, steps left, and the last that ended."""
+
+    ended: int
+    left: int
+    step: str = ""
+
+
 @dataclass(frozen=True, repr=False)
 class Run:
-    """A finished run.
+    """A run, finished in this process or opened from its folder.
 
     Attributes
     ----------
@@ -41,6 +66,11 @@ class Run:
         Where results are stored.
     packer : Packer
         How values are lent to readers.
+    settings : RunSettings
+        What it was started with.
+    is_opened : bool
+        Whether it was opened from its folder: it computes values again only by `compute`, as code
+        and files may have changed since.
     """
 
     plan: Plan
@@ -49,6 +79,9 @@ class Run:
     seconds: float
     cache: StoredSteps | None
     packer: Packer
+    settings: RunSettings
+    is_opened: bool = False
+    _computed: dict[int, tuple[object, ...]] = field(default_factory=dict, init=False)
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {state}" for state, count in self.counts().items() if count)
@@ -123,54 +156,99 @@ class Run:
         step, outcome = self.plan.steps[index], self.outcomes[index]
         if not outcome.state.has_value:
             raise NodegraphError(f"{step.name} was {outcome.state}: {outcome.reason}")
-        values = self.in_memory.get(index) or self._loaded(step) or self._computed(step)
+        values = self._at_hand(index)
+        if values is None:
+            if self.is_opened:
+                raise NotStored([step])
+            for _ in self.compute([index]):
+                pass
+            # a value that cannot be stored is computed each time, so that it takes no memory
+            values = self._computed.pop(index, None) or self._stored(index)
+        if values is None:
+            raise NodegraphError(f"{step.name} cannot be computed again: its result is lost")
         return tuple(map(self.packer.lend, values))
 
     def has_at_hand(self, index: int) -> bool:
         """Whether a step has values in memory or stored, so that nothing is computed for them."""
         if not self.outcomes[index].state.has_value:
             return False
-        if index in self.in_memory or self.cache is None or index not in self.cache:
-            return index in self.in_memory
-        return self.cache.gives(index, range(len(self.plan.steps[index].method.node.outputs)))
+        entry = self._entry(index)
+        in_memory = index in self.in_memory or index in self._computed
+        return in_memory or (entry is not None and all(entry.faithful))
 
     def shown_of(self, index: int) -> tuple[object, ...]:
         """Return a step's values, or the stand-ins that are stored of them to be shown."""
-        stand_ins = self._loaded(self.plan.steps[index], stand_ins=True)
+        stand_ins = None if index in self.in_memory else self._stored(index, stand_ins=True)
         return self.values_of(index) if stand_ins is None else stand_ins
 
-    def _loaded(self, step: Step, *, stand_ins: bool = False) -> tuple[object, ...] | None:
-        if self.cache is None or step.index not in self.cache:
-            return None
-        outputs = range(len(step.method.node.outputs))
-        if self.cache.gives(step.index, outputs) == stand_ins:
-            return None
-        return self.cache.load(step.index)
+    def compute(self, indices: Iterable[int]) -> Iterator[Advance]:
+        """Compute steps again, with those that they need and that are not stored.
 
-    def _computed(self, step: Step) -> tuple[object, ...]:
+        Nothing is computed beyond the step at which the iterator is left. Their values stay in
+        memory until the next call.
+
+        Raises
+        ------
+        NodegraphError
+            If one of the steps fails, or gives another result because a file or code has changed.
+        """
+        wanted = list(indices)
         known = self.cache.stored() if self.cache is not None else {}
         known |= {at: end for at, end in self.outcomes.items() if not end.state.has_value}
-        known.pop(step.index, None)
         schedule = Schedule(
             self.plan,
             cache=self.cache,
-            known=known,
+            known={index: outcome for index, outcome in known.items() if index not in wanted},
             packer=self.packer,
-            keep=[step.index],
-            wanted=[step.index],
+            keep=wanted,
+            wanted=wanted,
         )
+        ended = 0
+        yield Advance(ended, len(schedule.left))
         with collecting_warnings(), one_thread_each():
-            for index, result in serial(schedule, HowToRun()):
-                schedule.finish(index, result)
-        outcome = schedule.outcomes[step.index]
-        if outcome.state is not State.SKIPPED and outcome.key != self.outcomes[step.index].key:
-            raise NodegraphError(
-                f"{step.name} cannot be computed again: a file that it depends on has changed"
-            )
-        values = schedule.values.get(step.index) or self._loaded(step)
-        if values is None:
-            raise NodegraphError(f"{step.name} cannot be computed again: {outcome.reason}")
-        return values
+            for index, outcome in serial(schedule, HowToRun()):
+                schedule.finish(index, outcome)
+                ended += 1
+                yield Advance(ended, len(schedule.left), self.plan.steps[index].name)
+        self._computed.clear()
+        for index in wanted:
+            outcome, name = schedule.outcomes[index], self.plan.steps[index].name
+            if not outcome.state.has_value:
+                raise NodegraphError(f"{name} cannot be computed again: {outcome.reason}")
+            if outcome.key != self.outcomes[index].key:
+                raise NodegraphError(
+                    f"{name} cannot be computed again: what it depends on has changed"
+                )
+            if index in schedule.values:
+                self._computed[index] = schedule.values[index]
+
+    @cached_property
+    def now(self) -> Run:
+        """The run of the same graph with code and files as they are now."""
+        assert self.cache is not None
+        outcomes = {
+            index: replace(outcome, key=self.cache.expected_key(index))
+            for index, outcome in self.outcomes.items()
+        }
+        return replace(self, outcomes=outcomes, in_memory={})
+
+    def _at_hand(self, index: int) -> tuple[object, ...] | None:
+        in_memory = self.in_memory.get(index) or self._computed.get(index)
+        return in_memory or self._stored(index)
+
+    def _stored(self, index: int, *, stand_ins: bool = False) -> tuple[object, ...] | None:
+        entry = self._entry(index)
+        if self.cache is None or entry is None or all(entry.faithful) == stand_ins:
+            return None
+        try:
+            return self.cache.values(self.plan.steps[index], entry)
+        except DamagedEntry:
+            return None
+
+    def _entry(self, index: int) -> Entry | None:
+        if self.cache is None:
+            return None
+        return self.cache.entry(self.plan.steps[index], self.outcomes[index].key)
 
 
 @dataclass(frozen=True, repr=False)

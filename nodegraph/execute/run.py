@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from contextlib import nullcontext
-from types import MappingProxyType
+from dataclasses import asdict
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome, collecting_warnings
@@ -16,6 +16,7 @@ from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
+from nodegraph.execute.settings import RunSettings
 from nodegraph.plan import Plan
 from nodegraph.plugin.formats import formats_of
 from nodegraph.state import State
@@ -32,7 +33,7 @@ def execute(
     store: Store | None = None,
     keep: Iterable[str] = (),
     listeners: Iterable[Listener] = (),
-    about: Mapping[str, object] = MappingProxyType({}),
+    settings: RunSettings | None = None,
 ) -> Run:
     """Run every step of a plan that is not stored; a step that fails does not stop the others.
 
@@ -48,8 +49,8 @@ def execute(
         are needed.
     listeners
         Each is called with every `Event`, in this thread.
-    about
-        Further data of the first event, which says what is planned.
+    settings
+        What the run is started with; by default its graph alone.
 
     Raises
     ------
@@ -58,7 +59,9 @@ def execute(
     """
     how = how or HowToRun()
     executor = executor_of(how, plan.graph.registry)
-    log = EventLog(tuple(listeners), plan, about)
+    settings = settings or RunSettings(plan.graph.spec.file)
+    folder = str(plan.graph.choices.folder.absolute())
+    log = EventLog(tuple(listeners), plan, {"settings": asdict(settings), "folder": folder})
     try:
         cache = StoredSteps(plan, store) if store is not None else None
         known = cache.known if cache is not None else {}
@@ -96,7 +99,7 @@ def execute(
         step.index: schedule.outcomes.get(step.index) or _unneeded(step.index, cache)
         for step in plan.steps
     }
-    run = Run(plan, outcomes, schedule.values, log.seconds(), cache, schedule.packer)
+    run = Run(plan, outcomes, schedule.values, log.seconds(), cache, schedule.packer, settings)
     log.finished(run.counts)
     return run
 

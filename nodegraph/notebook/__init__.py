@@ -12,7 +12,6 @@ from nodegraph.graph import Graph
 from nodegraph.report.from_run import compose
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.page import standalone_page, templates_of, titled
-from nodegraph.runs.settings import RunSettings
 
 _MOST = 24
 _FEW = 3
@@ -45,7 +44,7 @@ def run_html(run: Run) -> str:
     page, where names of scripts would clash.
     """
     graph = run.plan.graph
-    study = compose(run, RunSettings(graph.spec.file)).study
+    study = compose(run).study
     return (
         templates_of("nodegraph.notebook")
         .get_template("run.html")

@@ -40,7 +40,6 @@ from nodegraph.report.study import (
 )
 from nodegraph.runs.folder import EVENTS, RECORD, REPORT, STEPS, STUDY, graph_name
 from nodegraph.runs.record import NotShown, versions
-from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _FILES = (Link("what ran", RECORD), Link("steps", STEPS), Link("events", EVENTS))
@@ -56,21 +55,17 @@ class Composed(NamedTuple):
     not_shown: tuple[NotShown, ...]
 
 
-def compose(
-    run: Run, settings: RunSettings, *, write: Write = lambda name, content: ""
-) -> Composed:
+def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
     """Return the study of a run; write its tables, its figures and the files of its nodes.
 
     Parameters
     ----------
     run
-    settings
-        What the run was started with.
     write
         Called with each file as soon as there is one; nothing is written by default.
     """
     graph = run.plan.graph
-    shown = _Shown(run, settings, write)
+    shown = _Shown(run, write)
     for result in _results(run):
         shown.add(result)
     software, methods = versions(graph), Methods(run)
@@ -89,14 +84,12 @@ def compose(
         methods=methods.rows(),
         without_result=methods.without_result(),
         bibtex=methods.bibtex(),
-        notes=tuple(
-            with_relevance((*shown.notes, *step_notes(run, settings)), graph, _numbers(shown))
-        ),
+        notes=tuple(with_relevance((*shown.notes, *step_notes(run)), graph, _numbers(shown))),
         timings=_timings(run),
         seconds=run.seconds,
         versions=tuple(software.items()),
         seeds=methods.seeds(),
-        command=settings.command,
+        command=run.settings.command,
         graph_file=graph.spec.file,
         graph_text=graph.spec.text,
         files=_FILES,
@@ -183,9 +176,9 @@ def _results(run: Run) -> Iterator[_Result]:
 class _Shown:
     """The results as the report shows them, and their files."""
 
-    def __init__(self, run: Run, settings: RunSettings, write: Write) -> None:
+    def __init__(self, run: Run, write: Write) -> None:
         graph = run.plan.graph
-        self._run, self._settings = run, settings
+        self._run = run
         self._names = _FileNames(graph)
         self._write = write
         self.sections: list[Section] = []
@@ -202,7 +195,7 @@ class _Shown:
                 return
             # the files beside the report have the author's words too
             caption = result.entry.caption or result.entry.title
-            origin = RunOrigin(self._run, self._settings, result.node, result.labels, caption)
+            origin = RunOrigin(self._run, result.node, result.labels, caption)
             rendered = render_in_run(value, str(result), origin)
             if rendered is not None:
                 self._add_rendered(result, rendered)

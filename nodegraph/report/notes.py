@@ -11,7 +11,6 @@ from nodegraph.execute import Run
 from nodegraph.formatting import labels_of, number_of
 from nodegraph.graph import Graph
 from nodegraph.report.study import Kind, StepNote, Study
-from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _KIND_OF_STATE: dict[State, Kind] = {
@@ -43,10 +42,10 @@ _LONG = 5
 _MOST_METHODS = 8
 
 
-def step_notes(run: Run, settings: RunSettings) -> tuple[StepNote, ...]:
+def step_notes(run: Run) -> tuple[StepNote, ...]:
     """Return a note for everything in a run that failed, was left out, or gave a warning."""
     return (
-        *_settled(run, settings),
+        *_settled(run),
         *_left_out_by_plan(run),
         *_left_out_by_command(run),
         *_noticed(run),
@@ -54,9 +53,9 @@ def step_notes(run: Run, settings: RunSettings) -> tuple[StepNote, ...]:
     )
 
 
-def _settled(run: Run, settings: RunSettings) -> Iterator[StepNote]:
+def _settled(run: Run) -> Iterator[StepNote]:
     for step, outcome in run.settled(*_KIND_OF_STATE):
-        repeat = settings.repeat(step) if outcome.state is State.FAILED else ""
+        repeat = run.settings.repeat(step) if outcome.state is State.FAILED else ""
         yield StepNote(
             step.node,
             labels_of(step.labels),

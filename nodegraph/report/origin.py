@@ -14,7 +14,6 @@ from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Step
 from nodegraph.plugin.hook_types import Detail, Rendered
 from nodegraph.report.axis_text import axis_text
-from nodegraph.runs.settings import RunSettings
 from nodegraph.state import State
 
 _MOST_VALUES = 32
@@ -36,7 +35,6 @@ class RunOrigin:
     """The `nodegraph.Origin` of a value of a run."""
 
     run: Run
-    settings: RunSettings
     node: str
     labels: Mapping[str, Label]
     caption: str = ""
@@ -98,7 +96,7 @@ class RunOrigin:
     def command(self, labels: Mapping[str, Label]) -> str:
         """Return the command that computes the step behind a gathered value."""
         step = self.step(labels)
-        return "" if step is None else self.settings.repeat(step)
+        return "" if step is None else self.run.settings.repeat(step)
 
     def step(self, labels: Mapping[str, Label]) -> Step | None:
         """Return the step behind a gathered value; labels of other axes are ignored."""

@@ -14,7 +14,6 @@ from nodegraph.report.study import Study, study_bytes
 from nodegraph.runs.folder import RECORD, REPORT, STEPS, STUDY, RunFolder
 from nodegraph.runs.record import NotWritten, record
 from nodegraph.runs.record_files import record_bytes, steps_bytes
-from nodegraph.runs.settings import RunSettings
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class Written:
     lost: dict[str, str]
 
 
-def write_run(run: Run, settings: RunSettings, folder: RunFolder) -> Written:
+def write_run(run: Run, folder: RunFolder) -> Written:
     """Write the record of a run, then its tables and figures, then its report.
 
     A file that cannot be composed or written costs no other one. The record is then written again,
@@ -42,12 +41,10 @@ def write_run(run: Run, settings: RunSettings, folder: RunFolder) -> Written:
     Parameters
     ----------
     run
-    settings
-        What the run was started with.
     folder
         Has the graph and the events already.
     """
-    return _Writer(folder).write(run, settings)
+    return _Writer(folder).write(run)
 
 
 class _Writer:
@@ -55,11 +52,11 @@ class _Writer:
         self._folder = folder
         self._lost: dict[str, NotWritten] = {}
 
-    def write(self, run: Run, settings: RunSettings) -> Written:
-        what_ran = record(run, settings)
+    def write(self, run: Run) -> Written:
+        what_ran = record(run)
         self._write(STEPS, lambda: steps_bytes(what_ran.steps))
         self._write(RECORD, lambda: record_bytes(what_ran))
-        composed = self._compose(run, settings)
+        composed = self._compose(run)
         lost = [file for name, file in self._lost.items() if name != RECORD]
         if lost or composed.not_shown:
             has_record = RECORD not in self._lost
@@ -71,9 +68,9 @@ class _Writer:
                 self._lost[RECORD] = replace(again, reason=reason)
         return Written(composed.study, {name: file.reason for name, file in self._lost.items()})
 
-    def _compose(self, run: Run, settings: RunSettings) -> Composed:
+    def _compose(self, run: Run) -> Composed:
         try:
-            composed = compose(run, settings, write=self._write_beside)
+            composed = compose(run, write=self._write_beside)
         except Exception as error:
             self._lose(REPORT, error)
             return Composed(Study(run.plan.graph.title), ())

@@ -16,9 +16,9 @@ from pydantic import Field
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Run
+from nodegraph.execute.settings import Bool, Float, Int, Label, RunSettings
 from nodegraph.graph import Graph, GraphNode
 from nodegraph.plan import Output, Step, StepInput, skip_reason
-from nodegraph.runs.settings import Bool, Float, Int, Label, RunSettings
 from nodegraph.state import State
 
 FORMAT = 1
@@ -268,18 +268,18 @@ class Record:
         return next(method for method in methods if method.use == step.use)
 
 
-def record(run: Run, settings: RunSettings) -> Record:
+def record(run: Run) -> Record:
     """Return the record of a run."""
     graph = run.plan.graph
-    steps = _steps(run, settings)
+    steps = _steps(run)
     rules = {
         skip_reason(item): {axis: list(labels) for axis, labels in item.labels.items()}
         for item in graph.spec.skip
     }
     return Record(
         format=FORMAT,
-        command=settings.command,
-        settings=settings,
+        command=run.settings.command,
+        settings=run.settings,
         folder=str(graph.choices.folder.absolute()),
         plugins=[
             PluginFile(str(plugin.module.__file__), plugin.digest)
@@ -354,7 +354,7 @@ def _code(run: Run) -> dict[str, RecordedCode]:
     }
 
 
-def _steps(run: Run, settings: RunSettings) -> list[RecordedStep]:
+def _steps(run: Run) -> list[RecordedStep]:
     also: dict[int, list[Cell]] = {}
     for name, cells in run.plan.cells.items():
         axes = run.plan.graph.nodes[name].axes
@@ -363,15 +363,10 @@ def _steps(run: Run, settings: RunSettings) -> list[RecordedStep]:
             step = run.plan.steps[index]
             if (step.node, step.labels) != (name, labels):
                 also.setdefault(index, []).append(Cell(name, plain(labels)))
-    return [
-        _step(run, step, outcome, settings, also.get(step.index, []))
-        for step, outcome in run.settled()
-    ]
+    return [_step(run, step, outcome, also.get(step.index, [])) for step, outcome in run.settled()]
 
 
-def _step(
-    run: Run, step: Step, outcome: Outcome, settings: RunSettings, also: list[Cell]
-) -> RecordedStep:
+def _step(run: Run, step: Step, outcome: Outcome, also: list[Cell]) -> RecordedStep:
     return RecordedStep(
         step=step.index,
         node=step.node,
@@ -387,7 +382,7 @@ def _step(
         trace=outcome.trace,
         warnings=list(outcome.warnings),
         digests=list(outcome.digests),
-        repeat=settings.repeat(step) if outcome.state is State.FAILED else "",
+        repeat=run.settings.repeat(step) if outcome.state is State.FAILED else "",
         key=outcome.key,
         files=dict(run.cache.digest_of(step).files) if run.cache else {},
         also=also,

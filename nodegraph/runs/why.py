@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import networkx as nx
 
+from nodegraph.execute import Run
 from nodegraph.execute.events import plain
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.plan import Output, Plan, Step, StepInput
@@ -43,6 +44,36 @@ class Explanation:
     changes: tuple[str, ...]
 
 
+def changes_since(run: Run, record: Record, indices: Iterable[int]) -> tuple[str, ...]:
+    """Return the changes since a run in everything that some of its steps depend on.
+
+    If anything has changed, or may have, they cannot be computed as they were then.
+
+    Parameters
+    ----------
+    run
+        Opened from its folder.
+    record
+        Of the run.
+    indices
+        Steps of its plan.
+    """
+    if not record.settings.cache or run.cache is None:
+        return ("the run stored nothing (--no-cache), so what has changed is not known",)
+    needed = set(indices)
+    needed |= {above for index in needed for above in nx.ancestors(run.plan.network, index)}
+    changed = (
+        index
+        for index in sorted(needed)
+        if run.outcomes[index].state.has_value
+        and run.cache.key(run.plan.steps[index], run.outcomes) != run.outcomes[index].key
+    )
+    why = Why(run.plan, run.cache, record)
+    return tuple(
+        dict.fromkeys(text for index in changed for text in why.explain_step(index).changes)
+    )
+
+
 class Why:
     """Compares a plan with the record of an earlier run.
 
@@ -66,13 +97,16 @@ class Why:
 
     def explain(self, node: str) -> Iterator[Explanation]:
         """Yield an explanation for each step of a node."""
-        for index in dict.fromkeys(self._plan.cells[node].values()):
-            step = self._plan.steps[index]
-            stored = index in self._cache
-            changes = self._all_changes(step)
-            if not stored and not changes:
-                changes = (self._reason(step),)
-            yield Explanation(step, stored, changes)
+        yield from map(self.explain_step, dict.fromkeys(self._plan.cells[node].values()))
+
+    def explain_step(self, index: int) -> Explanation:
+        """Return the explanation for a step."""
+        step = self._plan.steps[index]
+        stored = index in self._cache
+        changes = self._all_changes(index)
+        if not stored and not changes:
+            changes = (self._reason(step),)
+        return Explanation(step, stored, changes)
 
     def _reason(self, step: Step) -> str:
         """Return why a step without changes has no result."""
@@ -88,9 +122,9 @@ class Why:
         same_key = self._by_key.get(self._cache.expected_key(step.index))
         return same_key or self._by_cell.get(_cell(step.node, step.labels))
 
-    def _all_changes(self, step: Step) -> tuple[str, ...]:
+    def _all_changes(self, index: int) -> tuple[str, ...]:
         """Return the changes of a step and of everything upstream, each once."""
-        indices = {step.index} | nx.ancestors(self._plan.network, step.index)
+        indices = {index} | nx.ancestors(self._plan.network, index)
         changes = (text for index in sorted(indices) for text in self._own_changes(index))
         return tuple(dict.fromkeys(changes))
 
@@ -122,9 +156,7 @@ class Why:
             *self._code_changes(step),
             *(f"{step.name}: {text}" for text in self._input_changes(step, earlier)),
         ]
-        if not changes and not any(
-            self._all_changes(self._plan.steps[index]) for index in step.needed
-        ):
+        if not changes and not any(map(self._all_changes, step.needed)):
             # the record has no output positions, nor the labels that are absent from a gathering
             changes = [f"{step.name}: takes other outputs, or labels, of what feeds it"]
         return changes

@@ -17,12 +17,14 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from nodegraph.errors import NodegraphError, listed, nearest
+from nodegraph.execute import NotStored, Run
 from nodegraph.formatting import labels_of
 from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, source
-from nodegraph.runs.reopened_run import NotStored, ReopenedRun
-from nodegraph.runs.saved_run import SavedRun
+from nodegraph.runs.record import Record
+from nodegraph.runs.record_files import read_record
+from nodegraph.runs.why import changes_since
 from nodegraph.serve.computing import Computing
 from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response
 from nodegraph.serve.runs import OpenRun, OpenRuns, RunState, entry_of
@@ -109,11 +111,11 @@ class NotComputed(NodegraphError):
         How many steps, and what has changed since the run.
     """
 
-    def __init__(self, error: NotStored, run: ReopenedRun) -> None:
+    def __init__(self, error: NotStored, run: Run, record: Record) -> None:
         super().__init__(str(error))
         self.data = {
             "missing": len(error.steps),
-            "changed": list(run.changes(error.steps)),
+            "changed": list(changes_since(run, record, error.steps)),
             "message": str(error),
         }
 
@@ -168,7 +170,7 @@ class _Pages:
     def values(self, request: Request) -> Response:
         """List the nodes of a run with their combinations."""
         run = self._run(request)
-        record = SavedRun(run.folder).record
+        record = read_record(run.folder)
         return page_response("values.html", title="Results", run=run, record=record)
 
     def value(self, request: Request) -> Response:
@@ -178,18 +180,18 @@ class _Pages:
         context: dict[str, Any] = {"run": run, "title": query.get("node", ""), "query": query}
         context["labels"] = labels_of(labels_in(query))
         scripts = [*(source(f"{name}.js") for name in SCRIPTS), _server([run])]
-        values = self._values(run, query)
+        values, record = self._values(run, query)
         try:
             value = shown(values, query)
         except NotStored as error:
-            missing = NotComputed(error, values).data
+            missing = NotComputed(error, values, record).data
             scripts.append(own_source("missing.js"))
             return page_response("missing.html", missing=missing, **context, scripts=scripts)
         return page_response(
             "value.html",
             **context,
             value=value,
-            record=values.record,
+            record=record,
             address=request.url.query,
             scripts=[*scripts, *value.rendered.scripts],
             styles=value.rendered.styles,
@@ -199,7 +201,7 @@ class _Pages:
     def download(self, request: Request) -> Response:
         """Return a value of a run as a file."""
         run, query = self._run(request), _query(request)
-        exporters = shown(self._values(run, query), query).exporters
+        exporters = shown(self._values(run, query)[0], query).exporters
         suffix = query.get("suffix", "")
         if suffix not in exporters:
             raise NotThere(f"no format {suffix!r}; {nearest(suffix, exporters)}")
@@ -218,11 +220,11 @@ class _Pages:
     def detail(self, request: Request) -> object:
         """Return the data of the view of a block."""
         run, query = self._run(request), _query(request)
-        values = self._values(run, query)
+        values, record = self._values(run, query)
         try:
             return packed(values, query)
         except NotStored as error:
-            raise NotComputed(error, values) from error
+            raise NotComputed(error, values, record) from error
 
     async def progress(self, request: Request) -> Response:
         """Send how far runs are, until all of them have ended."""
@@ -249,8 +251,8 @@ class _Pages:
         try:
             wanted, query = _wanted(await request.body())
             run = await run_in_threadpool(self._run_of, query)
-            values = await run_in_threadpool(self._values, run, query)
-            steps = await run_in_threadpool(_missing, wanted, values, query)
+            values, record = await run_in_threadpool(self._values, run, query)
+            steps = await run_in_threadpool(_missing, wanted, values, record, query)
         except Exception as error:
             return JSONResponse({"message": _text(error)}, _status(error))
         lines = (f"{json.dumps(line)}\n" async for line in self._computing.lines(values, steps))
@@ -278,16 +280,16 @@ class _Pages:
             raise NotThere("name a run")
         return runs[0]
 
-    def _values(self, run: OpenRun, query: Query) -> ReopenedRun:
-        values = run.values()
-        return values.now if query.get("now") else values
+    def _values(self, run: OpenRun, query: Query) -> tuple[Run, Record]:
+        values, record = run.values()
+        return values.now if query.get("now") else values, record
 
 
 def _query(request: Request) -> dict[str, str]:
     return dict(request.query_params)
 
 
-_WANTED: Mapping[str, Callable[[ReopenedRun, Query], object]] = {"value": shown, "detail": packed}
+_WANTED: Mapping[str, Callable[[Run, Query], object]] = {"value": shown, "detail": packed}
 
 
 def _wanted(body: bytes) -> tuple[str, dict[str, str]]:
@@ -303,7 +305,7 @@ def _wanted(body: bytes) -> tuple[str, dict[str, str]]:
     return wanted, texts
 
 
-def _missing(wanted: str, run: ReopenedRun, query: Query) -> Sequence[int]:
+def _missing(wanted: str, run: Run, record: Record, query: Query) -> Sequence[int]:
     """Return the steps that have to be computed.
 
     Raises
@@ -314,7 +316,7 @@ def _missing(wanted: str, run: ReopenedRun, query: Query) -> Sequence[int]:
     try:
         _WANTED[wanted](run, query)
     except NotStored as error:
-        changes = run.changes(error.steps)
+        changes = changes_since(run, record, error.steps)
         if changes:
             raise NodegraphError(
                 f"changed since the run: {listed(changes, _MOST_CHANGES)}"

@@ -7,7 +7,7 @@ import threading
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import suppress
 
-from nodegraph.runs.reopened_run import ReopenedRun
+from nodegraph.execute import Run
 
 _EVERY = 0.5
 """Seconds between two looks whether the reader still waits for another computation to end."""
@@ -28,7 +28,7 @@ class Computing:
         self._message_of = message_of
         self._one_at_a_time = threading.Lock()
 
-    async def lines(self, run: ReopenedRun, steps: Sequence[int]) -> AsyncIterator[Line]:
+    async def lines(self, run: Run, steps: Sequence[int]) -> AsyncIterator[Line]:
         """Compute steps; yield how far that is, then ``finished`` or the ``message`` of an error.
 
         No further step is begun once the iterator is closed.
@@ -52,7 +52,7 @@ class Computing:
 
     def _compute(
         self,
-        run: ReopenedRun,
+        run: Run,
         steps: Sequence[int],
         send: Callable[[Line | None], None],
         is_left: Callable[[], bool],

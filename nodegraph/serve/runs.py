@@ -14,14 +14,14 @@ from typing import Any
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import open_store
+from nodegraph.execute import Run, RunSettings, open_store
 from nodegraph.filenames import portable_name
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_run, is_written, runs_in
-from nodegraph.runs.reopened_run import ReopenedRun, reopen, saved_graph
-from nodegraph.runs.saved_run import SavedRun
-from nodegraph.runs.settings import RunSettings
+from nodegraph.runs.opened import open_run, saved_graph
+from nodegraph.runs.record import Record
+from nodegraph.runs.record_files import read_record
 from nodegraph.serve.progress import EventFile, Progress
 
 _LONGEST = 1 << 20
@@ -79,7 +79,7 @@ class OpenRun:
         self._quiet = 0
         self._state = RunState.RUNNING
         self._study: tuple[tuple[int, int], Study] | None = None
-        self._values: tuple[tuple[int, int], ReopenedRun] | None = None
+        self._values: tuple[tuple[int, int], Run, Record] | None = None
         self._lock = Lock()
 
     def condition(self) -> Condition:
@@ -137,8 +137,8 @@ class OpenRun:
                 self._study = version, read_study(self.folder)
             return self._study[1]
 
-    def values(self) -> ReopenedRun:
-        """Return the run with its values.
+    def values(self) -> tuple[Run, Record]:
+        """Return the run with its values, and its record.
 
         Raises
         ------
@@ -148,12 +148,14 @@ class OpenRun:
         version = _version(self.folder / RECORD)
         with self._lock:
             if self._values is None or self._values[0] != version:
-                saved = SavedRun(self.folder)
-                self._refuse_missing_plugins(saved)
-                folder = self._store or self._recorded_store(saved)
-                store = open_store(self._registry, folder, _warn)
-                self._values = version, reopen(saved, self._registry, store)
-            return self._values[1]
+                record = read_record(self.folder)
+                self._refuse_missing_plugins(record)
+                store = open_store(
+                    self._registry, self._store or self._recorded_store(record), _warn
+                )
+                run = open_run(self.folder, record, self._registry, store)
+                self._values = version, run, record
+            return self._values[1:]
 
     def drawing(self) -> str:
         """Return the graph as SVG; empty if it cannot be drawn."""
@@ -216,21 +218,21 @@ class OpenRun:
 
     def _recorded_command(self) -> str:
         try:
-            return SavedRun(self.folder).record.command
+            return read_record(self.folder).command
         except NodegraphError:
             return ""
 
-    def _recorded_store(self, saved: SavedRun) -> Path | None:
-        if not saved.record.settings.store:
+    def _recorded_store(self, record: Record) -> Path | None:
+        if not record.settings.store:
             return None
-        folder = Path(saved.record.folder, saved.record.settings.store)
+        folder = Path(record.folder, record.settings.store)
         return folder if folder.is_dir() else None
 
-    def _refuse_missing_plugins(self, saved: SavedRun) -> None:
+    def _refuse_missing_plugins(self, record: Record) -> None:
         """Raise an error if the run used plugin files; only the user may name what is imported."""
         files = [plugin.module.__file__ for plugin in self._registry.loaded if plugin.digest]
         names = {Path(str(file)).name for file in files}
-        missing = [each for each in saved.record.plugins if Path(each.path).name not in names]
+        missing = [each for each in record.plugins if Path(each.path).name not in names]
         if missing:
             options = shlex.join(part for each in missing for part in ("--plugin", each.path))
             raise NodegraphError(f"the run used nodes of other files; open it with {options}")

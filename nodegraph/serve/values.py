@@ -9,13 +9,12 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 from nodegraph.errors import NodegraphError, listed, nearest
-from nodegraph.execute.results import Values
+from nodegraph.execute import NotStored, Run, Values
 from nodegraph.formatting import labels_of, name_at
 from nodegraph.node.ports import Label
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
-from nodegraph.runs.reopened_run import NotStored, ReopenedRun
 
 Query = Mapping[str, str]
 """The query of an address."""
@@ -53,7 +52,7 @@ def labels_in(query: Query) -> dict[str, str]:
     return {name.removeprefix(AT): text for name, text in query.items() if name.startswith(AT)}
 
 
-def shown(run: ReopenedRun, query: Query) -> Shown:
+def shown(run: Run, query: Query) -> Shown:
     """Return the value that a query names.
 
     Parameters
@@ -80,7 +79,7 @@ def shown(run: ReopenedRun, query: Query) -> Shown:
     registry = run.plan.graph.registry
     text = labels_of(labels)
     title = f"{name} {text}".strip()
-    origin = RunOrigin(run, run.record.settings, values.node, labels)
+    origin = RunOrigin(run, values.node, labels)
     return Shown(
         values.node,
         text,
@@ -91,7 +90,7 @@ def shown(run: ReopenedRun, query: Query) -> Shown:
     )
 
 
-def exact_labels(run: ReopenedRun, values: Values, texts: Mapping[str, str]) -> dict[str, Label]:
+def exact_labels(run: Run, values: Values, texts: Mapping[str, str]) -> dict[str, Label]:
     """Return the labels of a value from their texts; axes with one label may be left out.
 
     Raises
@@ -162,7 +161,7 @@ class BlockQuery:
         return cls(node, compare, tuple(map(str, methods)), block)
 
 
-def packed(run: ReopenedRun, query: Query) -> Mapping[str, object]:
+def packed(run: Run, query: Query) -> Mapping[str, object]:
     """Return the data of the view of a block; see `nodegraph.Detail`.
 
     Parameters
@@ -181,7 +180,7 @@ def packed(run: ReopenedRun, query: Query) -> Mapping[str, object]:
     wanted = BlockQuery.of(query)
     values = run[wanted.node]
     at = exact_labels(run, values, labels_in(query))
-    origin = RunOrigin(run, run.record.settings, wanted.node, at)
+    origin = RunOrigin(run, wanted.node, at)
     known = {axis.name: axis.labels for axis in run.plan.graph.axes.values()}
     labels = {
         axis: next((label for label in known.get(axis, ()) if str(label) == str(text)), text)

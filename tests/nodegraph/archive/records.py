@@ -3,8 +3,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from nodegraph.execute.settings import RunSettings
 from nodegraph.runs.record import FORMAT, Record
-from nodegraph.runs.settings import RunSettings
 
 _EMPTY = Record(
     format=FORMAT,

@@ -10,7 +10,7 @@ import pytest
 
 from nodegraph.archive import relocate
 from nodegraph.archive.relocate import Relocation, relocate_graph, relocate_settings
-from nodegraph.runs.settings import RunSettings
+from nodegraph.execute.settings import RunSettings
 
 RELOCATION = Relocation(
     {"/data/old/a.c3d": "inputs/a.c3d"}, {"/data/old", "/data", "/home/anna", "/home/anna/study"}

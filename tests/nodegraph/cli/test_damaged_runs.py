@@ -16,7 +16,7 @@ from nodegraph import NodegraphError
 from nodegraph.report import study
 from nodegraph.report.study import read_study
 from nodegraph.runs import folder
-from nodegraph.runs.saved_run import SavedRun
+from nodegraph.runs.record_files import read_record as record_in
 from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record, write_steps
 
@@ -92,7 +92,7 @@ def test_a_record_may_be_damaged_anywhere(command: Command, ran: Path) -> None:
             (ran / "run.json").write_text(json.dumps(data))
             write_steps(ran, steps if isinstance(steps, list) else [steps])
             try:
-                SavedRun(ran)
+                record_in(ran)
             except NodegraphError as error:
                 message = str(error)
                 assert message.startswith(beginnings), message
@@ -137,7 +137,7 @@ def test_steps_that_refer_to_nothing_are_named(
     first, *rest = read_record(ran)["steps"]
     write_steps(ran, [first | step, *rest])
     with pytest.raises(NodegraphError) as caught:
-        SavedRun(ran)
+        record_in(ran)
     assert reason in str(caught.value)
 
 
@@ -185,7 +185,7 @@ def test_a_file_that_has_no_steps_is_an_error(
     if content is not None:
         (ran / "steps.jsonl.gz").write_bytes(content)
     with pytest.raises(NodegraphError, match="run the graph again") as caught:
-        SavedRun(ran)
+        record_in(ran)
     assert str(caught.value).startswith("ran/steps.jsonl.gz")
     assert reason in str(caught.value)
 

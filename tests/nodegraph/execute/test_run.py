@@ -117,6 +117,8 @@ def test_events_come_in_order(run_of: Callable[..., Run]) -> None:
     ]
     planned = {**events[0].detail}
     assert datetime.fromisoformat(planned.pop("began")).tzinfo is not None
+    assert planned.pop("settings")["graph"] == "toy.yaml"
+    assert Path(planned.pop("folder")).is_dir()
     nodes = dict.fromkeys("abcd", 1)
     assert planned == {"format": 1, "steps": 4, "nodes": nodes, "title": "toy.yaml"}
     assert events[4].detail["reason"] == "-1.0 is negative"

@@ -15,7 +15,6 @@ from nodegraph.graph import Graph
 from nodegraph.node.decorator import node_of
 from nodegraph.node.description import describe_settings, summary_of
 from nodegraph.report.notes import step_notes
-from nodegraph.runs.settings import RunSettings
 
 
 @node("fill.old", deprecated="use fill.hold")
@@ -122,7 +121,7 @@ def test_a_family_of_deprecated_methods_alone_is_an_error(
 def test_it_runs_as_before_with_a_notice_in_the_report(run_of: Callable[..., Run]) -> None:
     run = run_of("nodes: {a: {use: read.number}, b: {use: fill.old, in: a}}", more=[old])
     assert run["b"].value == 3.0
-    [note] = step_notes(run, RunSettings("toy.yaml"))
+    [note] = step_notes(run)
     assert (note.kind, note.node) == ("warning", "toy.yaml:2:41")
     assert note.reason == "b: fill.old is deprecated: use fill.hold"
 

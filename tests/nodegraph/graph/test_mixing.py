@@ -8,10 +8,9 @@ from typing import NamedTuple
 import pytest
 
 from nodegraph import Truth, node
-from nodegraph.execute import HowToRun, Run
+from nodegraph.execute import Run
 from nodegraph.graph import Graph
 from nodegraph.runs.record import record
-from nodegraph.runs.settings import settings_of
 
 
 class Noisy(NamedTuple):
@@ -98,6 +97,6 @@ def test_a_notice_is_in_the_record_of_the_run(run_of: Callable[..., Run]) -> Non
     written = TEXT.format(smooth="smooth.whole", damage="gaps.cut")
     run = run_of(written.replace("axes: {k: [0, 3]}", ""), more=(*MORE, count))
     graph = run.plan.graph
-    (notice,) = record(run, settings_of(graph, HowToRun(), [], None)).notices
+    (notice,) = record(run).notices
     assert notice.place == str(graph.notices[0].place)
     assert notice.message == graph.notices[0].message

@@ -11,6 +11,7 @@ import pytest
 
 from nodegraph import Files, Rendered, Renderer, hookimpl, node
 from nodegraph.execute import Run, execute
+from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
@@ -19,7 +20,6 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
 from nodegraph.report.from_run import compose
 from nodegraph.report.study import StepNote, Study
-from nodegraph.runs.settings import RunSettings
 
 SETTINGS = RunSettings("toy.yaml")
 COMMAND = SETTINGS.command
@@ -38,7 +38,7 @@ TEXT = """
 
 
 def _study(run: Run) -> Study:
-    return compose(run, SETTINGS)[0]
+    return compose(run)[0]
 
 
 def _kinds(notes: tuple[StepNote, ...], kind: str) -> list[tuple[str, str]]:
@@ -244,7 +244,7 @@ report: [one]
         files[name] = content
         return ""
 
-    study = compose(execute(plan(graph)), SETTINGS, write=write).study
+    study = compose(execute(plan(graph)), write=write).study
     assert files["out_start-1.5/one.txt"] == b"1.5"
     assert files["out_start-2.5/more/about.md"] == b"a number"
     last = study.sections[-1]

@@ -10,7 +10,6 @@ from nodegraph.report.from_run import compose
 from nodegraph.report.merge import merged
 from nodegraph.report.methods import Methods
 from nodegraph.report.study import WithoutResult
-from nodegraph.runs.settings import RunSettings
 
 TEXT = """
     inputs: {start: 3}
@@ -83,7 +82,7 @@ def test_in_print_files_have_their_names_alone(run_of: Callable[..., Run]) -> No
 
 def test_of_several_runs_each_says_what_gave_no_result(run_of: Callable[..., Run]) -> None:
     runs = {"one": run_of(TEXT), "two": run_of(TEXT, inputs={"start": 99})}
-    both = merged({name: compose(run, RunSettings("toy.yaml"))[0] for name, run in runs.items()})
+    both = merged({name: compose(run)[0] for name, run in runs.items()})
     assert [str(value) for value in both.without_result] == [
         "fill=hold (fill.hold): 4 left out (one)",
         "low (strict.fails): 2 failed (one)",

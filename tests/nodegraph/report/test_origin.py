@@ -15,7 +15,6 @@ from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin as Loaded
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.from_run import compose
-from nodegraph.runs.settings import RunSettings
 
 GRAPH = """\
 nodegraph: 1
@@ -111,7 +110,7 @@ def origin_in(text: str) -> tuple[Run, Origin]:
     registry.loaded.append(Loaded("origins", plugin))
     graph = build(read_graph_text(text, "origin.yaml", Path()), registry)
     run = execute(plan(graph), keep=list(graph.nodes))
-    study = compose(run, RunSettings("origin.yaml")).study
+    study = compose(run).study
     assert [section.rendered.text for section in study.sections] == ["shown"]
     return run, plugin.origins[0]
 

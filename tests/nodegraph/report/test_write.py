@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
-from nodegraph.execute import Run
+from nodegraph.execute import Run, RunSettings
 from nodegraph.report.write import write_run
 from nodegraph.runs.folder import RunFolder
-from nodegraph.runs.settings import RunSettings
 
 
 def test_a_command_that_is_not_valid_text_costs_no_report(
@@ -16,7 +16,7 @@ def test_a_command_that_is_not_valid_text_costs_no_report(
 ) -> None:
     run = run_of("nodes: {a: {use: read.number, with: {start: -1}}, b: {use: strict.fails, in: a}}")
     folder = RunFolder(tmp_path / "run", "")
-    written = write_run(run, RunSettings("\udc80.yaml"), folder)
+    written = write_run(replace(run, settings=RunSettings("\udc80.yaml")), folder)
     folder.close()
     assert not written.lost
     assert b"\\udc80.yaml" in (tmp_path / "run" / "report.html").read_bytes()

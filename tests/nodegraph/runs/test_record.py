@@ -6,7 +6,6 @@ from collections.abc import Callable
 from nodegraph.execute import Run
 from nodegraph.runs.record import record
 from nodegraph.runs.record_files import record_bytes, steps_bytes
-from nodegraph.runs.settings import RunSettings
 from tests.records import steps_of
 
 TEXT = """
@@ -27,7 +26,7 @@ known: [a]
 
 def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -> None:
     run = run_of(TEXT)
-    what_ran = record(run, RunSettings("toy.yaml"))
+    what_ran = record(run)
     data = json.loads(record_bytes(what_ran)) | {"steps": steps_of(steps_bytes(what_ran.steps))}
     assert data["settings"] == {"graph": "toy.yaml"}
     assert (data["title"], data["inputs"], data["known"]) == ("A toy", {"start": -3}, ["a"])
@@ -66,5 +65,5 @@ def test_the_record_says_what_ran_and_how_it_ended(run_of: Callable[..., Run]) -
 
 
 def test_what_was_left_out_is_recorded(run_of: Callable[..., Run]) -> None:
-    left_out = record(run_of(TEXT, only={"actor": ("MB",)}), RunSettings("toy.yaml")).left_out
+    left_out = record(run_of(TEXT, only={"actor": ("MB",)})).left_out
     assert [step.node for step in left_out] == ["x"]

@@ -12,7 +12,6 @@ from nodegraph.execute import Run, StoredSteps, open_store
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
 from nodegraph.runs.record import Record, RecordedCode, record
-from nodegraph.runs.settings import RunSettings
 from nodegraph.runs.why import Why
 
 WhyOf = Callable[..., list[tuple[str, ...]]]
@@ -37,7 +36,7 @@ def why_of(graph_of: Callable[..., Graph], run_of: Callable[..., Run], tmp_path:
         node: str,
         edit: Callable[[Record], Record] = lambda earlier: earlier,
     ) -> list[tuple[str, ...]]:
-        earlier = edit(record(run_of(before, store=tmp_path), RunSettings("toy.yaml")))
+        earlier = edit(record(run_of(before, store=tmp_path)))
         graph = graph_of(now)
         planned = plan(graph)
         cache = StoredSteps(planned, open_store(graph.registry, tmp_path, pytest.fail))

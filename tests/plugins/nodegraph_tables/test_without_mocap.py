@@ -19,7 +19,6 @@ from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import page
 from nodegraph.report.from_run import compose
-from nodegraph.runs.settings import RunSettings
 
 @node("toy.table")
 def table() -> nodegraph_tables.Table:
@@ -47,7 +46,7 @@ registry.loaded.append(Plugin("tables", nodegraph_tables))
 run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), registry)))
 files = {}
 write = lambda name, content: files.update({name: content}) or ""
-study = compose(run, RunSettings(graph="toy.yaml"), write=write).study
+study = compose(run, write=write).study
 assert study.answer == ("a is smaller.",), study.answer
 assert [section.title for section in study.sections] == ["Rows", "Plot"]
 assert files["rows.csv"] == b"name,size\\na,1.5\\nb,2.0\\n"

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.errors import NodegraphError
-from nodegraph.runs.settings import RunSettings, read_axis, read_value
+from nodegraph.execute.settings import RunSettings, read_axis, read_value
 
 SCALARS = st.one_of(
     st.none(),

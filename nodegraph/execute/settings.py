@@ -13,8 +13,8 @@ from typing import Annotated, Any
 from pydantic import Field, Strict
 
 from nodegraph.errors import GraphError, NodegraphError
-from nodegraph.execute import HowToRun
 from nodegraph.execute.events import plain
+from nodegraph.execute.executor import HowToRun
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Graph
 from nodegraph.graphfile.yaml_text import read_yaml
