@@ -87,7 +87,6 @@ def run_of(
     until: Iterable[str] = (),
     listeners: Iterable[Listener] = (),
     quiet: bool = False,
-    color: bool = True,
 ) -> Run:
     """Run a graph with the options of a command, and show its progress.
 
@@ -100,7 +99,7 @@ def run_of(
     cache
     until, listeners
         As in `nodegraph.api.run`.
-    quiet, color
+    quiet
         As in `nodegraph.cli.progress.progress`.
     """
     from nodegraph.api import run_graph
@@ -115,7 +114,7 @@ def run_of(
         )
     for line in () if quiet else left_out_lines(graph):
         say(line)
-    with progress(quiet=quiet, color=color) as display, watched():
+    with progress(quiet=quiet) as display, watched():
         if store is None and cache:
             store = store_of(arguments, graph, display.say)
         return run_graph(graph, how, store=store, until=until, listeners=[display, *listeners])

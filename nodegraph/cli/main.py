@@ -17,7 +17,7 @@ from importlib import import_module
 from io import TextIOWrapper
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
 from nodegraph.errors import GraphError, NodegraphError, Place, nearest
@@ -30,6 +30,10 @@ COMMANDS = (
     "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema", "completion",
 )  # fmt: skip
 """Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
+
+_FOR_EDITORS = ("schema", "completion")
+"""Commands that are given once, to set up an editor or a shell: the list of commands is shorter
+without them."""
 
 _SECONDS_TO_END = 5.0
 _EXCERPT = 60  # characters of a line that are shown on either side of an error
@@ -194,12 +198,11 @@ def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentP
         title="commands", dest="command", required=True, metavar="COMMAND"
     )
     for name, command in commands.items():
+        listed: dict[str, Any] = {"help": command.help.replace("%", "%%")}
+        if name in _FOR_EDITORS:
+            listed.clear()  # even an empty help would list it
         choice = choices.add_parser(
-            name,
-            help=command.help.replace("%", "%%"),
-            description=command.help,
-            allow_abbrev=False,
-            add_help=False,
+            name, description=command.help, allow_abbrev=False, add_help=False, **listed
         )
         if name in words:
             _declared(choice, name, command).set_defaults(parser=choice)

@@ -137,41 +137,28 @@ def _check_file_name(name: str, files: Collection[Path]) -> None:
 
 def _owner(name: str, registry: Registry) -> str:
     """Return what already has the name of a package; empty if nothing has."""
-    for plugin in registry.loaded:
-        if plugin.name == name:
-            return "a plugin"
-        if getattr(plugin.module, "__name__", "") == name:
-            return f"the package of the plugin {plugin.name!r}"
+    if any(plugin.name == name for plugin in registry.loaded):
+        return "a plugin"
     if name in sys.stdlib_module_names:
         return "a module of Python"
+    return "an installed package or module" if _is_installed(name) else ""
+
+
+def _is_installed(name: str) -> bool:
     from importlib import metadata
 
     try:
-        return f"the installed package {_with_version(name)}"
+        metadata.distribution(name)
+        return True
     except metadata.PackageNotFoundError:
         pass
-    if not _is_importable(name):
-        return ""
-    packages = dict.fromkeys(metadata.packages_distributions().get(name, ()))
-    owners = " and ".join(map(_with_version, packages))
-    return f"a module of the installed package {owners}" if owners else "an importable module"
-
-
-def _is_importable(name: str) -> bool:
-    """Return whether a module can be imported that is not in the current folder."""
+    # what is in the current folder may be what is written
     current = {"", str(Path.cwd())}
     path = [folder for folder in sys.path if folder not in current]
     finders = (finder for finder in sys.meta_path if finder is not PathFinder)
     return PathFinder.find_spec(name, path) is not None or any(
         finder.find_spec(name, None) is not None for finder in finders
     )
-
-
-def _with_version(package: str) -> str:
-    from importlib.metadata import distribution
-
-    installed = distribution(package)
-    return f"{installed.name} {installed.version}"
 
 
 def _files(folder: Path, name: str) -> dict[Path, str]:

@@ -24,18 +24,15 @@ def say(text: str) -> None:
     print(text, file=sys.stderr)
 
 
-def console(stream: IO[str], *, color: bool = True) -> Console:
+def console(stream: IO[str]) -> Console:
     """Return a console that prints to a stream in the width of its terminal.
 
-    Parameters
-    ----------
-    stream
-    color
-        Whether to use colours and bold, if the stream is a terminal and ``NO_COLOR`` is not set.
+    It uses colours and bold if the stream is a terminal and ``NO_COLOR`` is not set.
     """
     from rich.console import Console
 
-    plain = not color or bool(os.environ.get("NO_COLOR"))
+    # rich itself would still print bold
+    plain = bool(os.environ.get("NO_COLOR"))
     return Console(file=stream, color_system=None if plain else "auto", highlight=False)
 
 

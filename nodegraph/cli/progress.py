@@ -27,17 +27,16 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 @contextmanager
-def progress(*, quiet: bool = False, color: bool = True) -> Iterator[Display]:
+def progress(*, quiet: bool = False) -> Iterator[Display]:
     """Show the progress of a run, whose listener is the display that is returned.
 
     Parameters
     ----------
     quiet
         Whether to show nothing but steps that fail.
-    color
     """
     if sys.stderr.isatty() and not quiet:
-        with _bar(color=color) as bar, bar.closing():
+        with _bar() as bar, bar.closing():
             yield bar
     else:
         lines = _Quiet() if quiet else _Lines()
@@ -95,7 +94,7 @@ class Display(ABC):
 
 
 @contextmanager
-def _bar(*, color: bool) -> Iterator[_Bar]:
+def _bar() -> Iterator[_Bar]:
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -113,7 +112,7 @@ def _bar(*, color: bool) -> Iterator[_Bar]:
         TextColumn("{task.fields[counts]}", markup=False),
         TextColumn("{task.description}", markup=False),
     )
-    with Progress(*columns, console=console(sys.stderr, color=color), transient=True) as bar:
+    with Progress(*columns, console=console(sys.stderr), transient=True) as bar:
         yield _Bar(bar, bar.add_task("planning", total=None, counts=""))
 
 

@@ -43,15 +43,6 @@ def add_arguments(parser: ArgumentParser) -> None:
     amount.add_argument(
         "--json", action="store_true", help="Print answer, tables, warnings and files as JSON."
     )
-    parser.add_argument(
-        "--open", action="store_true", help="Show the report in a browser when it is written."
-    )
-    parser.add_argument(
-        "--no-color",
-        action="store_false",
-        dest="color",
-        help="Print without colours and bold, as with NO_COLOR in the environment.",
-    )
 
 
 def run(arguments: Namespace) -> int:
@@ -59,7 +50,7 @@ def run(arguments: Namespace) -> int:
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
     from nodegraph.cli.summary import print_summary, summary_json
     from nodegraph.execute import executor_of
-    from nodegraph.runs.folder import REPORT, RunFolder
+    from nodegraph.runs.folder import RunFolder
 
     graph = graph_of(arguments)
     # these raise errors, before an earlier run is moved aside
@@ -74,7 +65,6 @@ def run(arguments: Namespace) -> int:
             until=arguments.until,
             listeners=[folder.hear],
             quiet=arguments.quiet,
-            color=arguments.color,
         )
     except Exception:
         folder.abandon()
@@ -91,16 +81,16 @@ def run(arguments: Namespace) -> int:
     if arguments.json:
         print(summary_json(written.study, finished, folder.path))
     elif not arguments.quiet:
-        out = console(sys.stdout, color=arguments.color)
         print_summary(
-            written.study, finished, folder.path, out, full=arguments.full, lost=written.lost
+            written.study,
+            finished,
+            folder.path,
+            console(sys.stdout),
+            full=arguments.full,
+            lost=written.lost,
         )
     for name, reason in written.lost.items():
         say(f"{folder.path / name}: cannot be written: {reason}")
-    if arguments.open and REPORT not in written.lost:
-        import webbrowser
-
-        webbrowser.open((folder.path / REPORT).resolve().as_uri())
     sys.stdout.flush()
     finished.tidy()
     return 0 if written.study.ok and not written.lost else 1

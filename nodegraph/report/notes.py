@@ -37,8 +37,6 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)", re.IGN
 _NAME = re.compile(r"(?<![\w.])(?:\w*[A-Za-z]_?\d\w*|\w+_\w+)")
 _LIST = re.compile(r"(?<=: )[^\s,;:]+(?:, (?:and )?[^\s,;:]+)*(?: more)?(?=[,;.]? |[;.]?$)")
 _SEVERAL = re.compile(r"…(?:(?:,? and|,|;)? …)+")
-_LONG = 5
-"""Number of words of a template of which one may differ."""
 _MOST_METHODS = 8
 
 
@@ -198,68 +196,39 @@ def note_kinds(study: Study) -> tuple[NoteKind, ...]:
 
 
 def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
-    templates: dict[str, list[_Template]] = {}
+    alike: dict[tuple[str, str], list[StepNote]] = {}
     for note in notes:
-        words = _words(note)
         # what was left out together is one thing, whatever nodes it has
-        of = "" if note.kind is Kind.LEFT_OUT else note.node
-        known = templates.setdefault(of, [])
-        template = next((each for each in known if each.fits(words)), None)
-        if template is None:
-            template = _Template(words)
-            known.append(template)
-        template.add(note, words)
-    groups = [template.group() for of_node in templates.values() for template in of_node]
+        node = "" if note.kind is Kind.LEFT_OUT else note.node
+        alike.setdefault((node, _template(note)), []).append(note)
+    groups = [_group(together, template) for (_, template), together in alike.items()]
     return tuple(sorted(groups, key=lambda group: (not group.matters, -group.count)))
 
 
-def _words(note: StepNote) -> list[str]:
-    """Return the words of a reason; of a warning with ``…`` for numbers, names and lists of them.
+def _template(note: StepNote) -> str:
+    """Return a reason; of a warning with ``…`` for numbers, names and lists of them.
 
     The names are those in quotes, with digits or underscores, or in a list after a colon.
     """
     if note.kind is not Kind.WARNING:
-        return [note.reason]
+        return note.reason
     text = _NAME.sub("…", _NUMBER.sub("…", _QUOTE.sub("…", note.reason)))
-    return _SEVERAL.sub("…", _LIST.sub("…", text)).split()
+    return _SEVERAL.sub("…", _LIST.sub("…", text))
 
 
-class _Template:
-    """Notes of one node whose reasons differ in few words."""
-
-    def __init__(self, words: list[str]) -> None:
-        self._words = words
-        self._notes: list[StepNote] = []
-
-    def fits(self, words: list[str]) -> bool:
-        """Return whether a reason has these words, all but few."""
-        if len(words) != len(self._words):
-            return False
-        pairs = zip(words, self._words, strict=True)
-        differ = sum(a != b for a, b in pairs if "…" not in (a, b))
-        return differ <= len(words) // _LONG
-
-    def add(self, note: StepNote, words: list[str]) -> None:
-        """Add a note; what differs from the words of the others becomes ``…``."""
-        pairs = zip(self._words, words, strict=True)
-        self._words = [a if a == b else "…" for a, b in pairs]
-        self._notes.append(note)
-
-    def group(self) -> NoteGroup:
-        """Return the notes as one group."""
-        notes = self._notes
-        same = len({note.reason for note in notes}) == 1
-        return NoteGroup(
-            node=", ".join(dict.fromkeys(note.node for note in notes)),
-            methods=tuple(dict.fromkeys(note.method for note in notes if note.method)),
-            reason=notes[0].reason if same else _SEVERAL.sub("…", " ".join(self._words)),
-            count=sum(note.count for note in notes),
-            labels=tuple(_labels(note, with_reason=not same) for note in notes if note.labels),
-            repeat=next((note.repeat for note in notes if note.repeat), ""),
-            trace=next((note.trace for note in notes if note.trace), ""),
-            matters=notes[0].matters,
-        )
-
-
-def _labels(note: StepNote, *, with_reason: bool) -> str:
-    return f"{note.labels}: {note.reason}" if with_reason else note.labels
+def _group(notes: list[StepNote], template: str) -> NoteGroup:
+    same = len({note.reason for note in notes}) == 1
+    return NoteGroup(
+        node=", ".join(dict.fromkeys(note.node for note in notes)),
+        methods=tuple(dict.fromkeys(note.method for note in notes if note.method)),
+        reason=notes[0].reason if same else template,
+        count=sum(note.count for note in notes),
+        labels=tuple(
+            note.labels if same else f"{note.labels}: {note.reason}"
+            for note in notes
+            if note.labels
+        ),
+        repeat=next((note.repeat for note in notes if note.repeat), ""),
+        trace=next((note.trace for note in notes if note.trace), ""),
+        matters=notes[0].matters,
+    )

@@ -17,7 +17,7 @@ from tests.nodegraph.cli.conftest import Command
     [
         (["che"], ["check"]),
         (["run", "--onl"], ["--only"]),
-        (["run", "graph.yaml", "--no-c"], ["--no-cache", "--no-color"]),
+        (["run", "graph.yaml", "--no-c"], ["--no-cache"]),
         (["run", "gra"], []),
     ],
 )

@@ -89,6 +89,13 @@ def test_help_ends_with_0(command: Command, words: list[str]) -> None:
     assert out.startswith("usage: nodegraph")
 
 
+def test_commands_that_set_up_an_editor_are_not_listed_and_work(command: Command) -> None:
+    listed = command("--help", nodes=False)[1]
+    assert "report" in listed
+    assert "schema" not in listed
+    assert command("schema", "--help", nodes=False)[0] == 0
+
+
 def test_the_version_is_printed(command: Command) -> None:
     assert command("--version", nodes=False) == (0, f"nodegraph {version('nodegraph')}\n", "")
 

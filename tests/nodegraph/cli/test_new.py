@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -60,12 +59,10 @@ def test_nothing_is_overwritten_and_nothing_written_by_halves(command: Command) 
         ("pair", "class", "'class' cannot be the name of a package"),
         ("pair", "json", "'json' is the name of a module of Python, which"),
         ("pair", "ships", "'ships' is the name of a plugin, which"),
-        ("pair", "numpy", f"the installed package numpy {version('numpy')}, which"),
-        ("pair", "nodegraph", "the installed package nodegraph "),
-        ("pair", "its_package", "'its_package' is the name of the package of the plugin 'ships'"),
-        ("pair", "scikit_learn", "the installed package scikit-learn "),
-        ("pair", "sklearn", "a module of the installed package scikit-learn "),
-        ("pair", "no_package", "'no_package' is the name of an importable module"),
+        ("pair", "numpy", "'numpy' is the name of an installed package or module, which"),
+        ("pair", "scikit_learn", "an installed package or module"),
+        ("pair", "sklearn", "an installed package or module"),
+        ("pair", "no_package", "an installed package or module"),
         ("leaf", "../up", "'../up' is not a portable file name"),
         ("leaf", "up.", "'up.' is not a portable file name"),
         ("leaf", "mine.yaml", "'mine.yaml': .yaml is added to the name; write 'mine'"),
