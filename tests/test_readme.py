@@ -140,5 +140,5 @@ def test_the_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         else:
             assert words[:3] in INSTALLS or words[:2] in INSTALLS, words
     used = {words[1] for words in commands if readmes.is_ours(words)}
-    assert used >= {"run", "export", "diff", "report", "cite", "lock", "verify", "audit", "archive"}
+    assert used >= {"run", "export", "diff", "report", "cite", "lock", "verify", "archive"}
     assert all((tmp_path / name).stat().st_size > 1000 for name in ("filled.c3d", "figure.pdf"))

@@ -1,19 +1,21 @@
-"""``nodegraph verify``: whether a frozen study still gives its results."""
+"""``nodegraph verify``: whether a study gives its results again, then and now or twice in a row."""
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_executor, add_pairs, add_plugin, add_store, input_values
-from nodegraph.cli.output import MOST, counted, few, first_and_more, say
+from nodegraph.cli.output import MOST, columns, counted, few, first_and_more, say
 from nodegraph.state import State
 
 if TYPE_CHECKING:
+    from nodegraph.audit.audit import Audited
     from nodegraph.execute import Run
+    from nodegraph.graph import Graph
     from nodegraph.lock.compare import Compared, Moved
     from nodegraph.lock.conclusions import Reported
     from nodegraph.lock.lockfile import Lock
@@ -27,29 +29,50 @@ def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
     parser.description = (
         f"{HELP} The verdict is identical, within tolerance, same conclusions, or diverged. "
-        "The exit status is 1 if results diverged or conclusions changed."
+        "The exit status is 1 if results diverged or conclusions changed. With --repeat, it tells "
+        "instead whether each method gives the same result again, called once more, with more "
+        "threads, and in another process; the exit status is 1 if one does not."
     )
-    parser.add_argument("lock", type=Path, metavar="LOCK", help="File written by nodegraph lock.")
+    parser.add_argument(
+        "lock",
+        type=Path,
+        metavar="LOCK",
+        help="File written by nodegraph lock; with --repeat, also a graph file.",
+    )
     parser.add_argument("--rerun", action="store_true", help="Do not use stored results.")
-    add_pairs(parser, "set", "Path of a file that the lock has by name only.")
+    parser.add_argument(
+        "--repeat",
+        choices=("one", "all"),
+        nargs="?",
+        const="one",
+        help="Repeat one combination of each method, or all, with the same inputs.",
+    )
+    add_pairs(parser, "set", "Value of an input, or path of a file that the lock has by name only.")
     add_plugin(parser)
     add_executor(parser)
     add_store(parser)
 
 
 def verify(arguments: Namespace) -> int:
-    """Run a frozen study, and print how far its results are those in the lock."""
-    from nodegraph.cli.graphs import run_of
+    """Run a study, and print how far its results agree with its lock, or when repeated."""
+    from nodegraph.cli.graphs import graph_of, run_of
     from nodegraph.execute import open_store
-    from nodegraph.lock.lockfile import read_lock
+    from nodegraph.lock.lockfile import is_lock, read_lock
     from nodegraph.lock.restore import edited_files, unlocked
     from nodegraph.plugin.registry import Registry
 
-    lock = read_lock(arguments.lock)
+    path = arguments.lock
+    if arguments.repeat and not (path.is_file() and is_lock(path)):
+        return _repeat(
+            arguments, graph_of(Namespace(graph=path, axis=[], only=[], **vars(arguments)))
+        )
+    lock = read_lock(path)
     registry = Registry.installed(arguments.plugin)
     graph = unlocked(lock, registry, input_values(arguments))
     for text in edited_files(lock):
         say(text)
+    if arguments.repeat:
+        return _repeat(arguments, graph)
     store = open_store(registry, arguments.store, say)
     with _store_for_run(store, rerun=arguments.rerun) as run_store:
         run = run_of(arguments, graph, store=run_store)
@@ -182,3 +205,51 @@ def _table_changes(lock: Lock, compared: Compared, reported: list[Reported]) -> 
     if compared.beyond:
         changed = table_changes(lock.study.tables, reported, lock.study.tolerance)
         yield from few(list(changed))
+
+
+def _repeat(arguments: Namespace, graph: Graph) -> int:
+    """Run a graph, repeat its steps, and print for each method whether results are the same."""
+    from nodegraph.audit.audit import audit, cases
+    from nodegraph.cli.graphs import run_of, store_of
+
+    if not arguments.executor:
+        arguments.executor = "processes"  # a node that ends its process ends nothing else
+    store = store_of(arguments, graph)
+    run = run_of(arguments, graph, store=store)
+    by_method = cases(run, every=arguments.repeat == "all")
+    indices = {index for steps in by_method.values() for index in steps}
+    say(f"repeating {len(indices)} of {len(run.plan.steps)} steps")
+    audited = {result.step.index: result for result in audit(run, indices)}
+    print(columns(list(_rows(run, by_method, audited))))
+    for line in (*_consequences(audited.values(), writable=store.writable), *run.not_stored()):
+        print(f"\n{line}")
+    run.tidy()
+    return 0 if all(result.grade.passes for result in audited.values()) else 1
+
+
+def _rows(
+    run: Run,
+    by_method: Mapping[tuple[str, str], tuple[int, ...]],
+    audited: Mapping[int, Audited],
+) -> Iterator[tuple[str, ...]]:
+    """Yield a row per node and method, with the worst of its steps."""
+    yield "node", "method", "grade", "cases", "what"
+    for (node, label), steps in by_method.items():
+        method = run.plan.graph.nodes[node].methods[label].node.name
+        worst = max((audited[index] for index in steps), key=lambda result: result.grade.rank)
+        count = sum(audited[index].grade == worst.grade for index in steps)
+        cases = f"{count} of {len(steps)}" if count < len(steps) else str(len(steps))
+        yield node, method, worst.grade, cases, worst.text
+
+
+def _consequences(audited: Iterable[Audited], *, writable: bool) -> Iterator[str]:
+    """Yield the consequences for later runs."""
+    several = {result.step.method.node.name for result in audited if result.varies}
+    names = ", ".join(sorted(several))
+    if several and writable:
+        yield (
+            f"{names}: results are no longer stored, nor results made from them, and runs say so, "
+            "until the code is edited or `nodegraph cache clear` is run"
+        )
+    elif several:
+        yield f"{names}: later runs will not know, because the store cannot be written"

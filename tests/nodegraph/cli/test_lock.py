@@ -140,7 +140,7 @@ def test_an_unwritable_place_is_refused_before_anything_runs(locked: Locked) -> 
 def test_results_that_vary_in_an_audit_are_named(locked: Locked) -> None:
     frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
     words = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
-    assert main(["audit", "study.yaml", *words]) == 1
+    assert main(["verify", "study.yaml", "--repeat", *words]) == 1
     _, out, _ = locked()
     reason = "1 result is not stored: read.sheet: an audit found that it gives another answer"
     assert reason in out

@@ -124,7 +124,7 @@ def test_a_conclusion_that_rounding_changes_is_in_the_verdict(
 
 def test_a_node_that_varies_in_an_audit_is_named(verified: Verified) -> None:
     frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
-    assert main(["audit", "study.yaml", "--plugin", "study.py", *STORE]) == 1
+    assert main(["verify", "study.yaml", "--repeat", "--plugin", "study.py", *STORE]) == 1
     verified()
     lock_again()
     reason = "read.sheet: an audit found that it gives another answer in a second call"

@@ -1,4 +1,4 @@
-"""``audit`` prints a line per method, and its status says whether all have one answer."""
+"""``verify --repeat`` prints a line per method; its status says whether all have one answer."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def rows(out: str) -> list[list[str]]:
 
 
 def test_a_line_per_node_and_method(command: Command) -> None:
-    status, out, err = command("audit", "toy.yaml", *_HERE)
+    status, out, err = command("verify", "toy.yaml", "--repeat", *_HERE)
     assert status == 0, out + err
     assert rows(out) == [
         ["a", "toy.number", "identical", "1"],
@@ -49,9 +49,15 @@ def test_a_line_per_node_and_method(command: Command) -> None:
     assert "repeating 6 of 8 steps" in err
 
 
+def test_a_lock_is_repeated_like_its_graph(command: Command) -> None:
+    assert command("lock", "toy.yaml", *_HERE)[0] == 0
+    status, out, _ = command("verify", "toy.lock", "--repeat", *_HERE)
+    assert (status, rows(out)) == (0, rows(command("verify", "toy.yaml", "--repeat", *_HERE)[1]))
+
+
 def test_all_combinations_on_demand(command: Command) -> None:
-    words = ("--set", "start=-5", "--all", *_HERE)
-    status, out, _ = command("audit", "toy.yaml", *words)
+    words = ("--set", "start=-5", "--repeat", "all", *_HERE)
+    status, out, _ = command("verify", "toy.yaml", *words)
     assert status == 0, out
     strict = next(row for row in rows(out) if row[1] == "fill.strict")
     assert strict[2:] == ["refused", "1", "of", "2", "too", "small"]
@@ -61,7 +67,7 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
     command: Command,
 ) -> None:
     add("  odd: {use: odd.process, in: a}\n")
-    status, out, _ = command("audit", "toy.yaml", *_HERE)
+    status, out, _ = command("verify", "toy.yaml", "--repeat", *_HERE)
     assert status == 1
     assert rows(out)[-1][:3] == ["odd", "odd.process", "differs"]
     assert "odd.process: results are no longer stored" in out
@@ -72,7 +78,7 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
     assert f"1 result is not stored: {reason}" in out
     assert "this result is one of several, and is not stored" in str(read_record("ran"))
     # the same again, with the same code: an audit does not take it back
-    assert reason in command("audit", "toy.yaml", "--only", "fill=hold", *_HERE)[1]
+    assert reason in command("verify", "toy.yaml", "--repeat", *_HERE)[1]
 
     assert command("cache", "clear", *_STORE, nodes=False)[0] == 0
     assert "an audit found" not in command("run", "toy.yaml", *_STORE, "--out", "ran")[1]
@@ -80,17 +86,17 @@ def test_a_node_of_several_answers_costs_the_status_and_later_runs_say_so(
 
 def test_an_edit_ends_the_doubt(command: Command) -> None:
     add("  odd: {use: odd.process, in: a}\n")
-    assert command("audit", "toy.yaml", *_HERE)[0] == 1
+    assert command("verify", "toy.yaml", "--repeat", *_HERE)[0] == 1
     path = Path("toys.py")
     path.write_text(path.read_text().replace("float(os.getpid())", "x"))
-    status, out, _ = command("audit", "toy.yaml", *_HERE)
+    status, out, _ = command("verify", "toy.yaml", "--repeat", *_HERE)
     assert status == 0, out
     assert "an audit found" not in out
 
 
 def test_a_node_that_dies_ends_nothing_else(command: Command) -> None:
     add("  odd: {use: odd.dies, in: a}\n")
-    status, out, _ = command("audit", "toy.yaml", *_STORE)
+    status, out, _ = command("verify", "toy.yaml", "--repeat", *_STORE)
     assert status == 1
     assert rows(out)[-1][:3] == ["odd", "odd.dies", "failed"]
     assert "ended with exit status 7" in out
@@ -99,6 +105,6 @@ def test_a_node_that_dies_ends_nothing_else(command: Command) -> None:
 
 def test_an_invalid_graph_is_an_error_before_anything_runs(command: Command) -> None:
     Path("toy.yaml").write_text("nodegraph: 1\nnodes: {a: {use: toy.nothing}}\n")
-    status, _, err = command("audit", "toy.yaml", *_STORE)
+    status, _, err = command("verify", "toy.yaml", "--repeat", *_STORE)
     assert status == 2
     assert "toy.yaml:2:" in err
