@@ -58,7 +58,11 @@ def threads(x: np.ndarray) -> float:
 
 @node("bad.forks_in_c")
 def forks_in_c(x: np.ndarray) -> float:
+    # which takes Python's lock meanwhile: the new process, which has no such thread, waits for it
+    busy = threading.Thread(target=sum, args=(range(10**7),))
+    busy.start()
     ctypes.CDLL(None).fork()
+    busy.join()
     return 1.0
 
 @node("bad.forgets")

@@ -6,13 +6,16 @@ command is not valid; nothing has run. 130: interrupted.
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
+import signal
 import sys
 import threading
 import warnings
 from argparse import SUPPRESS, Action, ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
 from io import TextIOWrapper
 from itertools import islice
@@ -49,14 +52,37 @@ def program() -> int:
     """Run the command that the process was started with."""
     # most commands end before collecting garbage would pay
     gc.set_threshold(200_000, 20, 20)
+    atexit.register(_end_forks)  # before others, and so it is called after them
     status = main()
     gc.freeze()
     gc.disable()
     if threading.active_count() > 1:  # one that a node has left could keep the program alive
-        end = threading.Timer(_SECONDS_TO_END, os._exit, [status])
+        end = threading.Timer(_SECONDS_TO_END, _end, [status])
         end.daemon = True
         end.start()
     return status
+
+
+def _end(status: int) -> None:
+    _end_forks()
+    os._exit(status)
+
+
+def _end_forks() -> None:
+    """End the processes that C code in nodes has forked from this one, as far as /proc tells.
+
+    Such a process cannot end by itself if another thread held Python's interpreter lock when it
+    was forked: it waits for that thread, which it does not have. Whoever reads the output of this
+    program to its end would wait for it.
+    """
+    with suppress(OSError):
+        words = Path("/proc/self/cmdline").read_bytes()
+        for children in Path("/proc/self/task").glob("*/children"):
+            for child in map(int, children.read_text().split()):
+                with suppress(OSError):
+                    # one that has started another program has other words
+                    if Path(f"/proc/{child}/cmdline").read_bytes() == words:
+                        os.kill(child, signal.SIGKILL)
 
 
 def main(words: Sequence[str] | None = None) -> int:

@@ -89,6 +89,8 @@ def watched() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(before)
         _watcher = -1
+        # it would also end with its input, which a process that a node has forked may keep open
+        watcher.kill()
+        watcher.wait()
         with suppress(OSError):
             watcher.stdin.close()
-        watcher.wait()
