@@ -16,7 +16,7 @@ from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
 from nodegraph_mocap import Trajectories
-from nodegraph_score.distance import UNITS, distance
+from nodegraph_score.distance import distance
 from nodegraph_score.roughness import roughness
 from nodegraph_tables import info_of
 
@@ -94,15 +94,6 @@ def test_every_number_is_the_documented_formula(
         assert row["farthest"] == max(apart, key=lambda name: apart[name])
 
 
-def test_markers_are_matched_by_name() -> None:
-    estimate, reference = recording(), recording(seed=1)
-    shuffled = reference.keep("dbac")
-    np.testing.assert_array_equal(
-        distance(estimate, shuffled)[NUMBERS], distance(estimate, reference)[NUMBERS]
-    )
-    assert (distance(estimate, estimate.keep("cdab"))["sum of squares"] == 0).all()
-
-
 def test_markers_of_one_side_only_are_named() -> None:
     estimate, reference = recording().keep("abc"), recording(seed=1).keep("bcd")
     with pytest.warns(UserWarning, match="are left out") as caught:
@@ -133,20 +124,6 @@ def test_missing_samples_are_counted() -> None:
 def test_other_frame_counts_are_refused(frames: int, others: int) -> None:
     with pytest.raises(ValueError, match=f"{frames} frames, the reference {others}: it must have"):
         distance(recording(frames), recording(others))
-
-
-def test_no_marker_in_common_is_refused() -> None:
-    estimate = recording().keep("ab")
-    other = replace(estimate, markers=("x", "y"))
-    with pytest.raises(ValueError, match="no marker is in both: estimate has a, b, reference x, y"):
-        distance(estimate, other)
-
-
-def test_the_table_says_what_its_columns_are() -> None:
-    table = distance(recording(), recording(seed=1))
-    assert list(table.columns) == [*UNITS, "farthest"]
-    assert info_of(table).units == UNITS
-    assert (info_of(table).title, info_of(table).notes) == ("Distances", ())
 
 
 def test_a_distance_beyond_all_numbers_is_refused() -> None:

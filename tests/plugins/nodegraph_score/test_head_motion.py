@@ -39,21 +39,6 @@ def test_each_error_is_reported_in_its_unit() -> None:
     assert info_of(table).units["rotation"] == "degrees"
 
 
-def test_the_truth_has_no_error() -> None:
-    table = head_motion(motion(), motion())
-    assert np.abs(table[["rotation", "translation", "scale"]].to_numpy()).max() < 1e-9
-
-
-def test_other_frame_counts_are_reported() -> None:
-    with pytest.raises(ValueError, match="estimate has 9 frames, the truth has 10"):
-        head_motion(motion(9), motion())
-
-
-def test_one_frame_and_none() -> None:
-    assert len(head_motion(motion(1), motion(1))) == 1
-    assert len(head_motion(motion(0), motion(0))) == 0
-
-
 def test_a_mirror_image_is_refused() -> None:
     mirrored = replace(motion(), rotations=motion().rotations @ np.diag([1.0, 1.0, -1.0]))
     with pytest.raises(ValueError, match="estimate, frame 0"):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_mocap import Mask, Origin, Trajectories
-from nodegraph_score.impulses import UNITS, impulses
+from nodegraph_score.impulses import impulses
 from nodegraph_tables import info_of
 from tests.plugins.recordings import quietly
 
@@ -109,29 +109,6 @@ def hits(*samples: tuple[int, int], frames: int = 10) -> Mask:
     return Mask(hidden=hidden, markers=NAMES)
 
 
-def test_a_worked_example() -> None:
-    truth = clean()
-    estimate = repaired(truth, [(3, 0), (7, 1), (8, 1)], 2.0)
-    row = impulses(estimate, truth, hits((3, 0), (5, 0))).iloc[0]
-    assert row[["samples", "hits", "found", "false positives"]].tolist() == [30, 2, 1, 2]
-    assert row["error"] == pytest.approx(1.0)
-    assert row["missed"] == row["recall"] == 0.5
-    assert row["false positive rate"] == pytest.approx(2 / 28)
-    assert row["change"] == pytest.approx(2.0)
-    assert row["precision"] == pytest.approx(1 / 3)
-    assert row["rmse"] == pytest.approx((12 / 30) ** 0.5)
-
-
-def test_markers_are_matched_by_name() -> None:
-    estimate, truth, mask = spiked(3, 40)
-    order = ("chin", "brow", "cheek")
-    columns = [NAMES.index(name) for name in order]
-    turned = Mask(hidden=mask.hidden[:, columns], markers=order)
-    expected = quietly(impulses, estimate, truth, mask, per="marker")
-    actual = quietly(impulses, estimate.keep(order), truth, turned, per="marker")
-    assert actual.equals(expected)
-
-
 def test_what_no_impulse_has_hit_is_reported() -> None:
     truth = clean()
     with pytest.warns(UserWarning, match="2 of 3 markers have no impulse"):
@@ -160,33 +137,6 @@ def test_what_is_not_judged_is_reported() -> None:
     ]
     assert table["samples"].tolist() == [28]
     assert table["hits"].tolist() == [1]
-
-
-def test_every_number_has_its_unit() -> None:
-    truth = clean()
-    table = impulses(truth, truth, hits((3, 0)))
-    assert info_of(table).units == UNITS
-    assert list(table.columns) == ["marker", *UNITS]
-    first = next(name for name in table.columns if table[name].dtype.kind == "f")
-    assert first == "rmse"
-
-
-@pytest.mark.parametrize(
-    ("estimate", "mask", "text"),
-    [
-        (clean(9), hits((3, 0)), "estimate has 9 frames, the truth has 10"),
-        (clean(), hits((3, 0), frames=9), "impulses has 9 frames, the truth has 10"),
-        (clean().keep(["brow"]), hits((3, 0)), "estimate lacks cheek, chin"),
-        (
-            clean(),
-            Mask(hidden=np.zeros((10, 1), dtype=bool), markers=("ear",)),
-            "impulses lacks brow, cheek, chin; has besides ear",
-        ),
-    ],
-)
-def test_what_does_not_fit(estimate: Trajectories, mask: Mask, text: str) -> None:
-    with pytest.raises(ValueError, match=text):
-        impulses(estimate, clean(), mask)
 
 
 def test_a_row_that_there_is_not() -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_mocap import HeadMotion
-from nodegraph_score.pose import carried, check_proper, degrees_apart, frames_of, left_over, pose
+from nodegraph_score.pose import carried, check_proper, degrees_apart, left_over, pose
 
 
 def motion(vectors: NDArray[np.float64], *, scale: float = 1.0, seed: int = 0) -> HeadMotion:
@@ -95,26 +95,11 @@ def test_what_is_left_over_leads_from_the_aligned_face_to_what_was_made() -> Non
     np.testing.assert_allclose(nothing.translations, 0.0, atol=1e-12)
 
 
-def test_a_still_face_is_carried_to_where_it_is() -> None:
-    where = some(scale=1.1)
-    face = np.random.default_rng(3).normal(0.0, 40.0, (6, 3))
-    positions = placed(np.tile(face, (20, 1, 1)), where)
-    np.testing.assert_allclose(carried(positions, where), positions, atol=1e-9)
-
-
 def test_the_face_that_is_carried_is_its_mean() -> None:
     where = some(scale=1.1)
     faces = np.random.default_rng(3).normal(0.0, 40.0, (20, 6, 3))
     mean = np.tile(faces.mean(axis=0), (20, 1, 1))
     np.testing.assert_allclose(carried(placed(faces, where), where), placed(mean, where), atol=1e-9)
-
-
-def test_some_frames_are_those() -> None:
-    every = some()
-    chosen = np.arange(20) % 3 == 1
-    kept = frames_of(every, chosen)
-    np.testing.assert_array_equal(kept.rotations, every.rotations[1::3])
-    np.testing.assert_array_equal(kept.translations, every.translations[1::3])
 
 
 def test_a_mirror_image_is_refused_by_its_frame() -> None:
@@ -125,10 +110,3 @@ def test_a_mirror_image_is_refused_by_its_frame() -> None:
         check_proper("truth", mirrored)
     with pytest.raises(ValueError, match="mirror image"):
         pose(mirrored)
-
-
-def test_no_frame_has_no_numbers() -> None:
-    none = HeadMotion(
-        rotations=np.empty((0, 3, 3)), translations=np.empty((0, 3)), scales=np.ones(0)
-    )
-    assert pose(none).shape == (0, 6)

@@ -70,12 +70,6 @@ def test_under_two_steps_are_counted() -> None:
     assert list(info_of(table).notes) == [f"{message}."]
 
 
-def test_one_frame_has_no_steps() -> None:
-    with pytest.warns(UserWarning, match="1 of 1 markers"):
-        table = roughness(recording(np.zeros((1, 1, 3))))
-    assert table["vectors"].tolist() == [0]
-
-
 def test_a_step_beyond_all_numbers_is_refused() -> None:
     with pytest.raises(ValueError, match="too large"):
         roughness(recording(np.random.default_rng(0).normal(0, 1e200, (5, 2, 3))))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -106,13 +105,6 @@ def test_only_what_is_slower_than_6_hz_counts_as_movement(hertz: float, counts: 
     assert rows(estimate, truth)[0]["kept"] == pytest.approx(5.0 if counts else 1.0)
 
 
-def test_halving_the_movement_keeps_a_quarter_of_its_power() -> None:
-    truth = moving()
-    truth[200:210, 0] = np.nan
-    for row in rows(0.5 * truth, truth):
-        assert row["kept"] == pytest.approx(0.25)
-
-
 def still(truth: Positions) -> Positions:
     return np.ones_like(truth)
 
@@ -153,21 +145,3 @@ def test_short_takes(frames: int) -> None:
     table = smoothness(recording(moving(frames=frames)), recording(moving(frames=frames)))
     assert table["samples"].tolist() == [frames, frames]
     assert table["rmse"].isna().all() if frames == 0 else (table["rmse"] == 0).all()
-
-
-def test_markers_are_matched_by_name() -> None:
-    truth = recording(moving())
-    noise = np.random.default_rng(1).normal(0, [[1.0], [3.0]], truth.positions.shape)
-    estimate = replace(truth, positions=truth.positions + noise)
-    expected = smoothness(estimate, truth)
-    assert smoothness(estimate.keep(["m1", "m0"]), truth).equals(expected)
-
-
-def test_other_frames_rates_and_markers_are_errors() -> None:
-    truth = recording(moving())
-    with pytest.raises(ValueError, match="estimate has 9 frames, the truth has 600"):
-        smoothness(recording(moving(frames=9)), truth)
-    with pytest.raises(ValueError, match="estimate has 30 Hz, the truth has 60 Hz"):
-        smoothness(replace(truth, rate=30.0), truth)
-    with pytest.raises(ValueError, match="differ in their markers: estimate lacks m1; has besi"):
-        smoothness(replace(truth, markers=("m0", "x")), truth)

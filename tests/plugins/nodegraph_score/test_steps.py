@@ -158,13 +158,6 @@ def test_nothing_but_missing_samples_says_nothing() -> None:
     assert info_of(table).answer[0].startswith("captured has no sample")
 
 
-def test_one_frame_has_steps() -> None:
-    short = take(truth().positions[:1])
-    actual = rows(chain(captured=take(truth().positions[:1] + 1.0), smooth=short), short)
-    assert actual[1]["changed"] == 4
-    assert actual[1]["before"] == pytest.approx(math.sqrt(3))
-
-
 @pytest.mark.parametrize("count", [0, 1])
 def test_fewer_than_two_stages_are_no_step(count: int) -> None:
     stages = Across.of({"captured": truth()} if count else {}, axis="stages")
@@ -178,14 +171,3 @@ def test_stages_lie_along_one_axis() -> None:
     entries = tuple(({"stages": value, "trial": 0}, truth()) for value in ("captured", "fill"))
     with pytest.raises(ValueError, match="not along stages, trial: say `over` which one"):
         steps(Across(("stages", "trial"), entries), truth())
-
-
-def test_recordings_of_something_else_are_reported() -> None:
-    short = take(truth().positions[:5])
-    with pytest.raises(ValueError, match="fill has 5 frames, the truth has 30"):
-        steps(chain(captured=truth(), fill=short), truth())
-    with pytest.raises(ValueError, match="fill has 50 Hz, the truth has 60 Hz"):
-        steps(chain(captured=truth(), fill=replace(truth(), rate=50.0)), truth())
-    other = take(truth().positions, ("w", "x", "y", "z"))
-    with pytest.raises(ValueError, match="captured has no marker of the truth: it has w, x, y, z"):
-        steps(chain(captured=other, fill=truth()), truth())

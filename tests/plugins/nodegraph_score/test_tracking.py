@@ -55,15 +55,6 @@ def test_values_of_a_case_counted_by_hand() -> None:
         assert {name: row[name] for name in UNITS} == pytest.approx(values)
 
 
-def test_the_truth_itself_is_right_throughout() -> None:
-    truth = recording(a=[1, 1, NO, 1], b=[2, 3, 4, 5])
-    table = tracking(truth, truth)
-    assert (table["right"] == 1).all()
-    assert (table["wrong"] == 0).all()
-    assert (table["tracked"] == 1).all()
-    assert table[["switches", "fragments"]].to_numpy().sum() == 0
-
-
 def test_a_marker_never_tracked_has_no_share() -> None:
     table = tracking(recording(p=[NO, NO]), recording(a=[1, 1], b=[NO, NO]))
     assert table["tracked"].tolist()[0] == 0
@@ -75,8 +66,3 @@ def test_ghosts_in_tracks_are_reported() -> None:
     with pytest.warns(UserWarning, match="1 of 2 samples in tracks are not samples of the truth"):
         table = tracking(recording(p=[1, 9]), recording(a=[1, 1]))
     assert len(info_of(table).notes) == 1
-
-
-def test_other_frame_counts_are_refused() -> None:
-    with pytest.raises(ValueError, match="estimate has 1 frames, the truth has 2"):
-        tracking(recording(p=[1]), recording(a=[1, 1]))
