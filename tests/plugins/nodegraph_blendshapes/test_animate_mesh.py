@@ -24,12 +24,6 @@ def test_weights_drive_the_morph_targets_of_their_names() -> None:
     assert mesh(WEIGHTS, HEAD).head_motion is None
 
 
-def test_weights_of_one_face_drive_another_by_name() -> None:
-    other = replace(HEAD, names=("mouthSmile_R", "JawOpen", "mouthSmile_L"))
-    animation = mesh(WEIGHTS, other)
-    np.testing.assert_array_equal(animation.morph_weights, WEIGHTS.values[:, [2, 0, 1]])
-
-
 @pytest.mark.filterwarnings("ignore:1 (weights|shapes) without sides")
 @pytest.mark.parametrize("split", [False, True])
 def test_sides_are_split_and_joined(*, split: bool) -> None:
@@ -41,19 +35,6 @@ def test_sides_are_split_and_joined(*, split: bool) -> None:
     assert animation.weights.names == head.names
     smiles = WEIGHTS.values[:, [1, 1]] if split else WEIGHTS.values[:, 1:].mean(axis=1)[:, None]
     np.testing.assert_array_equal(animation.morph_weights[:, 1:], smiles)
-
-
-def test_what_has_no_counterpart_is_left_out_and_named() -> None:
-    weights = replace(WEIGHTS, names=("TongueOut", "jawOpen", "browInnerUp"))
-    with pytest.warns(UserWarning) as caught:  # noqa: PT030  (two of them, both below)
-        animation = mesh(weights, HEAD)
-    assert [str(warning.message) for warning in caught] == [
-        "2 of 3 weights have no shape on the head, and are left out: TongueOut, browInnerUp",
-        "2 of the head's 3 shapes have no weight, and stay at 0: mouthSmileLeft, mouthSmileRight",
-    ]
-    assert animation.weights.names == ("jawOpen",)
-    np.testing.assert_array_equal(animation.morph_weights[:, 0], WEIGHTS.values[:, 1])
-    assert not animation.morph_weights[:, 1:].any()
 
 
 @pytest.mark.parametrize(
@@ -68,16 +49,6 @@ def test_nothing_in_common_is_an_error(head: Head) -> None:
     message = "have no shape in common: the weights have jawOpen, mouthSmileLeft, mouthSmileRight,"
     with pytest.raises(ValueError, match=message):
         mesh(WEIGHTS, head)
-
-
-def test_head_motion_of_another_length_is_an_error() -> None:
-    short = HeadMotion(
-        rotations=MOTION.rotations[:-1],
-        translations=MOTION.translations[:-1],
-        scales=MOTION.scales[:-1],
-    )
-    with pytest.raises(ValueError, match="the weights have 40 frames, the head motion 39"):
-        mesh(WEIGHTS, HEAD, short)
 
 
 def test_a_missing_weight_stays_missing_until_a_file_is_written() -> None:

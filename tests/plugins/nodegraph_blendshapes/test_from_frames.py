@@ -34,12 +34,6 @@ def test_a_shape_is_the_offset_of_its_frame_from_the_neutral() -> None:
     np.testing.assert_array_equal(neutral.positions[0], model.neutral)
 
 
-def test_another_frame_may_be_the_one_at_rest() -> None:
-    model = from_frames(FACE, frames=CHOSEN, neutral_frame=7).model
-    np.testing.assert_array_equal(model.neutral, FACE.positions[7])
-    np.testing.assert_array_equal(model.shapes[1], FACE.positions[30] - FACE.positions[7])
-
-
 def test_the_neutral_may_come_from_another_recording_whatever_its_order() -> None:
     rest = replace(FACE, positions=FACE.positions + 2.0).keep(FACE.markers[::-1])
     model = from_frames(FACE, rest, frames=CHOSEN, neutral_frame=3).model

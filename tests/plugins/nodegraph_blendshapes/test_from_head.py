@@ -15,7 +15,6 @@ from tests.studies import DATA, needs_recordings
 FACECAP = DATA / "facecap"
 MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
 HEAD: Head = specimens()[Head]()["complete"]
-SET: MarkerSet = specimens()[MarkerSet]()["complete"]
 
 
 def test_the_specimens_head_and_model_are_one_face() -> None:

@@ -5,16 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 import nodegraph as ng
-from nodegraph.node.decorator import node_of
-from nodegraph_blendshapes import nodegraph_nodes
-from nodegraph_blendshapes.from_head import from_head
-from nodegraph_blendshapes.pose import pose
 from nodegraph_files import head_bytes
-from nodegraph_mocap import Animation, Head, Trajectories, Weights
-from nodegraph_mocap.specimens import heads, weights
+from nodegraph_mocap import Animation, Trajectories
+from nodegraph_mocap.specimens import heads
 
 GRAPH = """\
 nodegraph: 1
@@ -43,22 +38,6 @@ Timecode,BlendShapeCount,JawOpen,MouthSmileLeft,MouthSmileRight
 """
 
 
-def test_nodes_that_build_from_a_recording_are_alternatives_of_one_another() -> None:
-    ports = {}
-    for function in nodegraph_nodes():
-        definition = node_of(function)
-        assert definition is not None
-        ports[definition.name] = (
-            [port.name for port in definition.inputs if not port.optional],
-            [port.name for port in definition.outputs],
-        )
-    assert ports["blendshapes.from_frames"] == (["recording"], ["model", "neutral"])
-    assert ports["blendshapes.from_pca"] == (["recording"], ["model", "neutral", "components"])
-    assert ports["blendshapes.from_head"] == (["head"], ["model", "neutral"])
-    assert ports["blendshapes.pose"][0] == ["weights", "model"]
-    assert ports["animate.mesh"][0] == ["weights", "head"]
-
-
 def test_a_graph_poses_builds_and_animates(tmp_path: Path) -> None:
     head = heads()["complete"]
     (tmp_path / "head.glb").write_bytes(head_bytes(head))
@@ -79,15 +58,3 @@ def test_a_graph_poses_builds_and_animates(tmp_path: Path) -> None:
         at_markers[:, head.marker_vertices], posed.positions, rtol=0, atol=1e-9
     )
     assert list(run["files"].value.content) == ["animation.glb"]
-
-
-@pytest.mark.parametrize("name", ["complete", "one frame"])
-def test_the_head_s_markers_move_as_the_posed_model_s(name: str) -> None:
-    head: Head = heads()["complete"]
-    driving: Weights = weights()[name]
-    posed = pose(driving, from_head(head).model)
-    for frame, values in zip(posed.positions, driving.values, strict=True):
-        vertices = head.vertices + sum(
-            weight * morph for weight, morph in zip(values, head.morphs, strict=True)
-        )
-        np.testing.assert_allclose(frame, vertices[head.marker_vertices], rtol=0, atol=1e-12)

@@ -4,14 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from nodegraph_blendshapes.pose import pose
-from nodegraph_files import read_live_link, read_model_npz
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Weights
 from nodegraph_mocap.specimens import specimens
-from tests.studies import DATA, needs_recordings
 
 MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
 SET: MarkerSet = specimens()[MarkerSet]()["complete"]
@@ -76,13 +72,6 @@ def test_nothing_in_common_is_an_error() -> None:
         pose(weights, MODEL)
 
 
-def test_a_weight_that_could_mean_two_shapes_is_an_error() -> None:
-    model = replace(MODEL, names=("jawOpen", "smile_L", "smileLeft"))
-    weights = replace(WEIGHTS, names=("JawOpen", "Smile-L", "c"))
-    with pytest.raises(ValueError, match="'Smile-L' may be 'smile_L' or 'smileLeft'"):
-        pose(weights, model)
-
-
 def test_a_frame_that_lacks_a_weight_is_missing() -> None:
     values = WEIGHTS.values.copy()
     values[3, 1] = values[3, 2] = values[9] = np.nan
@@ -106,34 +95,3 @@ def test_a_missing_weight_that_the_model_does_not_know_does_no_harm() -> None:
 def test_a_marker_set_of_another_face_is_an_error() -> None:
     with pytest.raises(ValueError, match="the marker set names chin, which the model lacks"):
         pose(WEIGHTS, MODEL, MarkerSet(markers=("chin",)))
-
-
-def test_no_frames_make_a_recording_without_frames() -> None:
-    assert pose(replace(WEIGHTS, values=np.zeros((0, 3))), MODEL).frames == 0
-
-
-@given(seed=st.integers(0, 2**32 - 1))
-def test_least_squares_finds_the_weights_again(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    model = BlendshapeModel(
-        neutral=random.normal(0, 60, (8, 3)),
-        shapes=random.normal(0, 5, (6, 8, 3)),
-        names=tuple("abcdef"),
-        markers=tuple("stuvwxyz"),
-    )
-    values = random.uniform(-1, 2, (12, 6))
-    posed = pose(Weights(values=values, names=model.names, rate=60.0), model)
-    offsets = (posed.positions - model.neutral).reshape(12, -1)
-    actual = np.linalg.lstsq(model.shapes.reshape(6, -1).T, offsets.T, rcond=None)[0].T
-    np.testing.assert_allclose(actual, values, rtol=0, atol=1e-9)
-
-
-@needs_recordings
-def test_a_recorded_performance_poses_a_published_model() -> None:
-    model = read_model_npz(DATA / "facecap" / "model_60_markers.npz")
-    weights = read_live_link(DATA / "livelink" / "actor_a_60fps.csv")
-    posed = pose(weights, model)
-    assert posed.positions.shape == (328, 60, 3)
-    assert posed.present.all()
-    way = np.linalg.norm(posed.positions - model.neutral, axis=2)
-    assert 5 < way.max() < 60

@@ -109,27 +109,6 @@ def test_ties_have_the_least_norm(
 
 
 @pytest.mark.parametrize(("low", "high"), BOUNDS)
-def test_identical_columns_share(low: float, high: float) -> None:
-    columns, targets = problem(1, 10, 40, targets=50)
-    columns = np.vstack([columns, columns[:3]])
-    solution = least_squares(columns, targets, low, high)
-    np.testing.assert_allclose(solution.weights[:, :3], solution.weights[:, 10:], rtol=0, atol=1e-9)
-    assert not solution.unshared.any()
-    if np.isinf(high):  # two that may be any number are as one
-        alone = least_squares(columns[:10], targets, low, high).weights
-        np.testing.assert_allclose(2 * solution.weights[:, :3], alone[:, :3], rtol=0, atol=1e-9)
-
-
-def test_fewer_coordinates_than_columns() -> None:
-    columns, targets = problem(2, 40, 15, targets=60)
-    for low, high in BOUNDS:
-        solution = least_squares(columns, targets, low, high)
-        assert not solution.unsolved.any()
-        assert not solution.unshared.any()
-        assert left(columns, targets, solution.weights, low, high) <= 1e-10
-
-
-@pytest.mark.parametrize(("low", "high"), BOUNDS)
 def test_a_face_at_rest_has_no_weights(low: float, high: float) -> None:
     columns, targets = problem(0, 9, 4)
     targets[1:3] = 0.0
@@ -194,22 +173,6 @@ def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert solution.unsolved.tolist() == [frame != 7 for frame in range(20)]
     np.testing.assert_array_equal(np.isnan(solution.weights).all(axis=1), solution.unsolved)
     np.testing.assert_array_equal(solution.weights[7], 0.0)
-
-
-def test_shares_that_cannot_be_determined_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    columns, targets = problem(6, 6, 12, targets=10)
-    columns = near(columns, 0.0)
-    message = least_squares(columns, targets, 0.0, 1.0)
-
-    def never(projector: Matrix, weights: Matrix, *bounds: Matrix) -> tuple[Matrix, Matrix]:
-        return np.zeros_like(weights), np.zeros(len(weights), dtype=bool)
-
-    monkeypatch.setattr(bounded, "_least", never)
-    solution = least_squares(columns, targets, 0.0, 1.0)
-    assert solution.unshared.any()
-    assert left(columns, targets, solution.weights, 0.0, 1.0) <= 1e-10
-    same = ~solution.unshared
-    np.testing.assert_array_equal(solution.weights[same], message.weights[same])
 
 
 @given(seed=st.integers(0, 10**6), high=st.sampled_from([1.0, INF]))

@@ -46,9 +46,7 @@ nodes:
 """
 
 
-@pytest.mark.parametrize(
-    "bounds", ["[1, 0]", "[0, 0]", "[0.2, 1]", "[-1, -0.5]", "[.nan, 1]", "[0, .inf]"]
-)
+@pytest.mark.parametrize("bounds", ["[1, 0]", "[.nan, 1]"])
 def test_a_graph_with_nonsense_is_not_loaded_and_says_the_same(bounds: str, tmp_path: Path) -> None:
     graph = tmp_path / "graph.yaml"
     graph.write_text(GRAPH.replace("BOUNDS", bounds))
@@ -62,7 +60,7 @@ def test_a_graph_with_nonsense_is_not_loaded_and_says_the_same(bounds: str, tmp_
     )
 
 
-@pytest.mark.parametrize("bounds", ["[0, 1]", "[-1, 2]", "[-0.5, 0]", "nonnegative", "none"])
+@pytest.mark.parametrize("bounds", ["[-1, 2]", "nonnegative", "none"])
 def test_a_graph_with_bounds_is_loaded(bounds: str, tmp_path: Path) -> None:
     graph = tmp_path / "graph.yaml"
     graph.write_text(GRAPH.replace("BOUNDS", bounds))

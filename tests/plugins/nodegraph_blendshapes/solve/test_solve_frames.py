@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_blendshapes.solve.frames import patterns, solve_frames
+from nodegraph_blendshapes.solve.frames import solve_frames
 from nodegraph_blendshapes.solve.problem import Problem
 from tests.plugins.nodegraph_blendshapes.solve.statements import at, by_scipy, face, left, posed
 
@@ -20,26 +20,6 @@ def gappy() -> tuple[Problem, np.ndarray]:
     for number, gone in enumerate(([], [0], [1, 2], list(range(8)), [7], [1, 2, 3, 4])):
         positions[number::6, gone] = np.nan
     return Problem.of(at(recording, positions), model), positions
-
-
-def test_patterns_are_the_frames_by_their_markers() -> None:
-    problem, positions = gappy()
-    actual = list(patterns(problem, 0.0))
-    assert [piece.frames[0] for piece in actual] == [0, 1, 2, 4, 5]
-    for first in actual:
-        assert first.frames.tolist() == list(range(first.frames[0], 30, 6))
-        there = np.isfinite(positions[first.frames[0], :, 0])
-        assert first.columns.shape == (5, 3 * there.sum())
-        np.testing.assert_array_equal(
-            first.targets, problem.offsets[first.frames][:, there].reshape(len(first.frames), -1)
-        )
-
-
-def test_a_ridge_is_so_many_coordinates_more() -> None:
-    problem, _ = gappy()
-    for first in patterns(problem, 4.0):
-        np.testing.assert_array_equal(first.columns[:, -5:], 2.0 * np.eye(5))
-        np.testing.assert_array_equal(first.targets[:, -5:], 0.0)
 
 
 @pytest.mark.parametrize("ridge", [0.0, 1e-6, 3.0])

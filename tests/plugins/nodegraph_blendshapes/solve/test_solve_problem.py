@@ -29,16 +29,6 @@ def test_markers_are_matched_by_name_in_the_model_s_order() -> None:
     )
 
 
-def test_a_marker_that_only_the_recording_has_is_reported() -> None:
-    model, recording, _ = face(VALUES)
-    few = replace(
-        model, markers=model.markers[1:], neutral=model.neutral[1:], shapes=model.shapes[:, 1:]
-    )
-    assert Problem.of(recording, few).notes == (
-        "1 of 8 markers of the recording are left out, as only the recording has them: m0",
-    )
-
-
 def test_half_a_millimetre_is_seen_and_less_is_not() -> None:
     shapes = np.zeros((3, 4, 3))
     shapes[0, 2] = [0.3, 0.0, 0.4]
@@ -46,21 +36,6 @@ def test_half_a_millimetre_is_seen_and_less_is_not() -> None:
     assert SEEN == 0.5
     assert moves(shapes).tolist() == [True, False, False]
     assert moves(shapes[:, :0]).tolist() == [False] * 3
-
-
-def test_a_shape_whose_markers_are_never_present_is_not_seen() -> None:
-    model, recording, _ = face(VALUES)
-    shapes = model.shapes.copy()
-    shapes[1, 1:] = 0.1
-    positions = recording.positions.copy()
-    positions[:, 0] = np.nan
-    gone = at(recording, positions)
-    problem = Problem.of(gone, replace(model, shapes=shapes))
-    assert problem.seen.tolist() == [True, False, True]
-    assert problem.notes == (
-        "1 of 3 shapes move no marker of the recording by 0.5 mm and cannot be seen; their weight "
-        "is 0: s1",
-    )
 
 
 def test_what_cannot_be_matched_is_named() -> None:

@@ -61,19 +61,6 @@ def weights_of(recording: Trajectories, model: BlendshapeModel, **settings: obje
     return quietly(solve_weights, recording, model, **settings).weights.values
 
 
-def test_clean_markers_give_the_stored_weights() -> None:
-    weights, rotations, translations = stored()
-    model = stored_model()
-    captured = posed(model, weights).positions @ rotations.transpose(0, 2, 1)
-    captured += translations[:, None]
-    with pytest.warns(UserWarning, match="3 of 52 shapes move no marker .*: " + ", ".join(UNSEEN)):
-        solution = solve_weights(at(posed(model, weights), still(captured)), model)
-    apart = np.abs(solution.weights.values - weights)[:, seen()]
-    assert apart.max() <= 1e-6
-    np.testing.assert_array_equal(solution.weights.values[:, ~seen()], 0.0)
-    assert solution.residuals["rms"].max() < 1e-9
-
-
 def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
     """Its samples are float32, off by up to 1e-5 mm; the model tells 0.0375 mm per weight apart."""
     weights, _, _ = stored()
@@ -88,8 +75,7 @@ def test_the_recording_gives_them_but_for_its_own_rounding() -> None:
     assert np.abs(solution - weights)[:, seen()].max() < 2e-4
 
 
-@pytest.mark.parametrize("bounds", [(0.0, 1.0), "nonnegative", "none"])
-@pytest.mark.parametrize("ridge", [0.0, 0.01])
+@pytest.mark.parametrize(("bounds", "ridge"), [((0.0, 1.0), 0.0), ("none", 0.01)])
 def test_noisy_markers_are_solved_as_by_scipy(bounds: object, ridge: float) -> None:
     model = stored_model()
     recording = posed(model, stored()[0], noise=0.05)
@@ -120,19 +106,6 @@ def test_smoothness_meets_its_conditions() -> None:
         held = (solution == 0.0) & (gradient > 0) | (solution == 1.0) & (gradient < 0)
         limit = 1e-10 * np.abs(targets @ columns.T).max()
         assert np.abs(np.where(held, 0.0, gradient)).max() <= limit
-
-
-def test_the_noise_floor() -> None:
-    """Between the weights of two draws of 0.05 mm in each coordinate, over all 52 shapes."""
-    weights, _, _ = stored()
-    model = stored_model()
-    clean = posed(model, weights)
-    draws = []
-    for seed in (0, 1):
-        noise = np.random.default_rng(seed).normal(0, 0.05, clean.positions.shape)
-        draws.append(weights_of(at(clean, clean.positions + noise), model))
-    assert np.square(draws[0] - draws[1]).mean() == pytest.approx(0.016, abs=0.002)
-    assert np.square(draws[0] - weights).mean() == pytest.approx(0.0123, abs=0.001)
 
 
 @pytest.mark.parametrize(

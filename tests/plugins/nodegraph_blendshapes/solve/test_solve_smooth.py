@@ -117,19 +117,6 @@ def test_a_hidden_shape_follows_from_the_frames_around() -> None:
     assert solution.residuals["unseen"].tolist() == [0] * 4 + [1] * 2 + [0] * 6
 
 
-def test_identical_shapes_share() -> None:
-    model, _, _ = face(VALUES)
-    recording = posed(model, VALUES, noise=0.5)
-    twin = replace(
-        model,
-        shapes=np.concatenate([model.shapes, model.shapes[:1]]),
-        names=(*model.names, "twin"),
-    )
-    for bounds in ((0.0, 1.0), "nonnegative", "none"):
-        solution = solved(recording, twin, bounds=bounds, smoothness=2.0)
-        np.testing.assert_allclose(solution[:, 0], solution[:, -1], rtol=0, atol=1e-6)
-
-
 @pytest.mark.parametrize("shapes", [24, 36])
 def test_more_shapes_than_coordinates(shapes: int) -> None:
     """Weights on their bounds, clean and tied: where exchanging alone goes round in circles."""
