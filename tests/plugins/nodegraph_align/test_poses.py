@@ -12,7 +12,7 @@ import pytest
 from nodegraph import Refusal
 from nodegraph_align import poses as module
 from nodegraph_align import rigid_kernel
-from nodegraph_align.poses import FEW, FITTED, LINE, MIRRORED, Poses, fitted, warn
+from nodegraph_align.poses import FEW, FITTED, LINE, MIRRORED, fitted, warn
 from nodegraph_align.reference import reference_of
 from nodegraph_mocap import Origin
 from tests.plugins.nodegraph_align.heads import make_head, make_recording, run_moved
@@ -64,20 +64,6 @@ def test_frames_that_are_not_fitted_stay_bit_for_bit() -> None:
     assert np.abs(aligned.positions[0] - rest.positions[0]).max() < 1e-10
 
 
-def test_some_and_put_are_inverse() -> None:
-    rest, motion = make_head(frames=6)
-    take = run_moved(rest, motion)
-    poses = fitted(take, reference_of(take, rest, None)[0], "none")
-    which = np.array([4, 1])
-    chosen = poses.some(which)
-    np.testing.assert_array_equal(chosen.goals, poses.goals[which])
-    parts: Any = (np.zeros_like(part) for part in poses)
-    blank = Poses(*parts)
-    blank.put(which, chosen)
-    np.testing.assert_array_equal(blank.rotations[which], poses.rotations[which])
-    assert not blank.rotations[[0, 2, 3, 5]].any()
-
-
 def test_doubts_are_counted() -> None:
     rest, motion = make_head(frames=6)
     positions = run_moved(rest, motion).positions.copy()
@@ -95,13 +81,6 @@ def test_doubts_are_counted() -> None:
         "frames (first 5) fit badly where a mirror image would fit well: have left and right "
         "changed places?"
     ]
-
-
-def test_nothing_doubtful_says_nothing() -> None:
-    rest, motion = make_head()
-    take = run_moved(rest, motion)
-    reference, _ = reference_of(take, rest, None)
-    assert not warned(fitted(take, reference, "none"), take, reference, [])
 
 
 def test_no_frame_fitted_is_refused() -> None:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from nodegraph import Refusal, run
+from nodegraph import Refusal
 from nodegraph_align.poses import Scale
 from nodegraph_align.procrustes import STEPS, Step, procrustes
 from nodegraph_mocap import HeadMotion, Trajectories
@@ -52,38 +51,12 @@ def test_worked_example_turns_half_round_and_halves() -> None:
         assert motion.scales[0] == pytest.approx(2.0, abs=1e-14)
 
 
-def test_worked_example_as_a_graph(tmp_path: Path) -> None:
-    stages = ", ".join(f"{len(prefix)}: {{steps: [{', '.join(prefix)}]}}" for prefix in PREFIXES)
-    graph = tmp_path / "example.yaml"
-    graph.write_text(
-        f"""
-nodegraph: 1
-axes:
-  stage: {{{stages}}}
-nodes:
-  x: {{use: points.literal, with: {{points: {{a: [1, 1], b: [1, 2], c: [3, 2]}}}}}}
-  y: {{use: points.literal, with: {{points: {{a: [-3, -2], b: [-3, -4], c: [-7, -4]}}}}}}
-  align:
-    use: align.procrustes
-    in: {{recording: y, reference: x}}
-    with: {{landmarks: [a, b, c], steps: $stage.steps, scale: rms, restore: false}}
-  difference: {{use: score.distance, in: {{estimate: align.aligned, reference: align.reference}}}}
-""".lstrip(),
-        encoding="utf-8",
-    )
-    done = run(graph, executor="serial", cache=False)
-    squared = {
-        labels["stage"]: float(table["sum of squares"].sum())
-        for labels, table in done["difference"]
-    }
-    assert squared == pytest.approx({0: 213.0, 1: 30.0, 2: 12.0, 3: 0.0}, abs=1e-12)
-
-
-@pytest.mark.parametrize("steps", PREFIXES)
-@pytest.mark.parametrize("scale", SCALES)
-@pytest.mark.parametrize("restore", [True, False])
-@settings(max_examples=8)
-@given(seed=st.integers(0, 2**32 - 1))
+@given(
+    steps=st.sampled_from(PREFIXES),
+    scale=st.sampled_from(SCALES),
+    restore=st.booleans(),
+    seed=st.integers(0, 2**32 - 1),
+)
 def test_captured_is_what_head_motion_makes_of_aligned(
     steps: tuple[Step, ...], scale: Scale, restore: bool, seed: int
 ) -> None:
@@ -169,17 +142,6 @@ def test_reference_goes_through_the_same(
     np.testing.assert_allclose(aligned.positions, expected, atol=1e-12)
     assert aligned.sigma is not None
     np.testing.assert_allclose(aligned.sigma, 0.5 if unit is None else 0.5 / size)
-
-
-def test_without_a_reference_the_first_frame_with_all_landmarks_stays() -> None:
-    rest, motion = make_head(frames=5)
-    positions = run_moved(rest, motion).positions.copy()
-    positions[0, 2] = positions[1, 3] = np.nan
-    take = make_recording(positions)
-    aligned = quietly(procrustes, take)
-    np.testing.assert_array_equal(aligned.reference.positions, positions[2:3])
-    expected = np.where(np.isnan(positions), np.nan, positions[2])
-    np.testing.assert_allclose(aligned.aligned.positions, expected, atol=1e-9)
 
 
 def test_markers_are_matched_by_name() -> None:

@@ -30,13 +30,6 @@ def test_first_frame_with_all_landmarks_whatever_else_it_lacks() -> None:
         assert not notes
 
 
-def test_mean_and_size_of_the_landmarks() -> None:
-    shape = [[1.0, 1.0, 0.0], [1.0, 2.0, 0.0], [3.0, 2.0, 0.0], [90.0, 9.0, 9.0]]
-    actual, _ = reference_of(make_recording([shape], stable=3), None, None)
-    np.testing.assert_allclose(actual.centre, [5 / 3, 5 / 3, 0])
-    assert actual.size == pytest.approx(np.sqrt(10 / 9))
-
-
 def test_names_are_matched_not_columns() -> None:
     take = make_recording(scattered())
     actual, _ = reference_of(take, take.keep(take.markers[::-1]), ["m4", "m0", "m2"])

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from nodegraph_align import rigid_kernel
 from nodegraph_align.rigid_kernel import (
     AS_IT_IS,
     FEW,
@@ -200,9 +199,3 @@ def test_every_point_is_moved_and_the_identity_changes_no_bit() -> None:
     expected = np.einsum("tij,tmj->tmi", matrices, positions) + offsets[:, None]
     np.testing.assert_allclose(rotations, expected, rtol=0, atol=1e-11)
     np.testing.assert_array_equal(rotations[2], positions[2])
-
-
-def test_no_frame_no_pose() -> None:
-    shape = np.eye(3)
-    assert [len(part) for part in fitted(np.empty((0, 3, 3)), shape)] == [0] * 5
-    assert rigid_kernel.SWEEPS >= 6

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph_align.procrustes import procrustes
-from nodegraph_align.trimmed import _triple, trimmed
+from nodegraph_align.trimmed import trimmed
 from nodegraph_mocap import HeadMotion, Trajectories
 from tests.plugins.nodegraph_align.heads import make_head, make_recording, plain_fit, run_moved
 
@@ -100,13 +100,6 @@ def test_the_nearest_on_a_line_leave_the_pose_before() -> None:
     assert aligned.aligned.present.all()
     assert np.abs(aligned.aligned.positions[0] - shape).max() < 15.0
     assert np.abs(aligned.head_motion.rotations[0] - np.eye(3)).max() < 0.3
-
-
-def test_triples_come_in_order_and_each_once() -> None:
-    every = [tuple(sorted(_triple(rank))) for rank in range(20)]
-    assert every[0] == (0, 1, 2)
-    assert set(every) == set(combinations(range(6), 3))
-    assert len(set(_triple(166_167_000 - 1))) == 3
 
 
 def test_a_quarter_of_sixty_that_moves_together_does_nothing() -> None:
