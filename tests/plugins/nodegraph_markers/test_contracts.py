@@ -14,8 +14,6 @@ from nodegraph import node
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
-from nodegraph_markers.infer import infer
-from nodegraph_markers.label import label
 from nodegraph_mocap import Origin, Trajectories
 
 REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("markers", nodegraph_markers)])
@@ -73,8 +71,3 @@ def test_a_node_with_other_ports() -> None:
 
     with pytest.raises(AssertionError, match="name the recording `recording`"):
         check_node(broken, registry=REGISTRY)
-
-
-@pytest.mark.parametrize("good", [label, infer])
-def test_good_ones_pass(good: Callable[..., object]) -> None:
-    check_node(good, registry=REGISTRY)

@@ -26,11 +26,6 @@ def test_both_ends_are_kept() -> None:
     )
 
 
-def test_by_default_it_reaches_from_the_first_to_the_last_frame() -> None:
-    assert crop(FACE).frames == FACE.frames
-    assert crop(FACE, first=FACE.frames - 1).frames == 1
-
-
 @pytest.mark.parametrize(
     ("first", "last", "what"),
     [

@@ -26,11 +26,3 @@ def test_a_hollow_of_the_outline_is_not_spanned() -> None:
     edges = edges_of(ring)
     assert max(np.linalg.norm(ring[first] - ring[second]) for first, second in edges) < 2.5
     assert {end for edge in edges for end in edge} == set(range(38))
-
-
-def test_thin_triangles_of_the_outline_are_left_out() -> None:
-    across, up = np.meshgrid(np.arange(5.0), np.arange(4.0))
-    plane = np.stack([across.ravel(), up.ravel() + 0.01 * (across.ravel() - 2) ** 2], axis=1)
-    assert all(
-        np.linalg.norm(plane[first] - plane[second]) < 1.6 for first, second in edges_of(plane)
-    )

@@ -15,10 +15,6 @@ def test_a_sixth_that_moves_least() -> None:
     assert still_landmarks(SHAPE, motion, ALONE) == [20, 21, 22, 23]
 
 
-def test_three_at_least() -> None:
-    assert still_landmarks(SHAPE[:7], np.arange(7.0), ALONE[:7]) == [0, 1, 2]
-
-
 def test_a_pair_counts_with_its_livelier_half_and_comes_as_a_whole() -> None:
     motion, partner = np.arange(24.0), ALONE.copy()
     partner[[0, 23]] = 23, 0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nodegraph_markers.naming import assign, names, track_distances
+from nodegraph_markers.naming import assign, names
 from nodegraph_markers.rigid import spacing
-from nodegraph_markers.tracks import UNNAMED, Tracks
+from nodegraph_markers.tracks import Tracks
 from nodegraph_mocap import Trajectories
 from tests.plugins.nodegraph_markers.takes import face
 
@@ -17,14 +17,6 @@ GATE = 10.0
 def of(positions: NDArray[np.float64], reference: Trajectories) -> Tracks:
     shape = reference.positions[0]
     return Tracks(positions, ~np.isnan(positions[..., 0]), shape, spacing(shape))
-
-
-def test_every_track_of_a_take_that_moves() -> None:
-    synthetic = face(seed=5, seconds=4.0)
-    order = np.random.default_rng(0).permutation(60)
-    tracks = of(synthetic.captured.positions[:, order], synthetic.neutral)
-    assert np.array_equal(names(tracks), order)
-    assert track_distances(tracks, order)[np.arange(60), order].max() < 0.5 * tracks.gate
 
 
 def test_fragments_are_reached_from_frame_to_frame() -> None:
@@ -50,13 +42,6 @@ def test_a_take_in_which_nothing_is_seen_for_a_while_is_begun_again() -> None:
     assert np.array_equal(given_names, np.tile(np.arange(60), 2))
 
 
-def test_frames_of_too_few_points_are_no_start() -> None:
-    synthetic = face(seed=7, seconds=1.0)
-    positions = np.full_like(synthetic.captured.positions, np.nan)
-    positions[:, :14] = synthetic.truth.positions[:, :14]
-    assert (names(of(positions, synthetic.neutral)) == UNNAMED).all()
-
-
 def spans(*ends: tuple[int, int]) -> NDArray[np.bool_]:
     frame = np.arange(100)[:, None]
     first, stop = np.transpose(ends)
@@ -71,12 +56,6 @@ def test_the_sum_counts_and_not_the_nearest() -> None:
 def test_long_tracks_count_more() -> None:
     distances = np.array([[5.0], [1.0]])
     assert assign(distances, spans((0, 100), (20, 30)), GATE).tolist() == [0, -1]
-
-
-def test_tracks_without_a_common_frame_are_one_marker_one_after_the_other() -> None:
-    distances = np.array([[2.0, 30], [3.0, 9.0], [1.0, 30], [40.0, 40.0]])
-    present = spans((0, 40), (45, 80), (80, 100), (0, 100))
-    assert assign(distances, present, GATE).tolist() == [0, 0, 0, -1]
 
 
 def test_a_track_may_share_less_than_half_of_its_frames() -> None:

@@ -33,18 +33,6 @@ def test_markers_swap_their_names() -> None:
     assert np.array_equal(swapped, FACE.keep(["nose", "forehead"]).positions, equal_nan=True)
 
 
-def test_renaming_back_gives_the_recording_again() -> None:
-    names = {"nose": "a", "lip_left": "b"}
-    result = rename(rename(FACE, names=names), names={new: old for old, new in names.items()})
-    assert result.markers == FACE.markers
-    assert result.marker_set == FACE.marker_set
-
-
-def test_a_recording_without_a_marker_set_keeps_none() -> None:
-    result = rename(replace(FACE, marker_set=None), names={"nose": "a"})
-    assert result.marker_set is None
-
-
 @pytest.mark.parametrize(
     ("names", "what"),
     [

@@ -66,13 +66,6 @@ def test_source_frames_are_handed_on_bit_for_bit() -> None:
     assert np.array_equal(again.sigma[::3], given.sigma, equal_nan=True)
 
 
-def test_there_and_back_is_the_same() -> None:
-    given = SPECIMENS["gaps"]
-    with pytest.warns(UserWarning, match="without a filter"):
-        again = resample(resample(given, rate=2 * given.rate), rate=given.rate)
-    assert np.array_equal(again.positions, given.positions, equal_nan=True)
-
-
 def test_a_sample_beside_a_missing_one_is_missing() -> None:
     again = resample(recording_of(12, missing=((4, 0), (6, 0))), rate=2 * RATE)
     missing = np.flatnonzero(~again.present[:, 0])

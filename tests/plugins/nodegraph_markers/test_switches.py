@@ -27,13 +27,6 @@ def still() -> NDArray[np.float64]:
     return np.tile(SHAPE, (FRAMES, 1, 1))
 
 
-def test_tracks_that_stay_are_whole(still: NDArray[np.float64]) -> None:
-    still[5:9, 3] = np.nan
-    pieces, owner = cut(of(still), NAMED)
-    assert owner.tolist() == NAMED.tolist()
-    assert np.array_equal(pieces.positions, still, equal_nan=True)
-
-
 def test_two_that_exchange_their_markers_are_cut_there(still: NDArray[np.float64]) -> None:
     still[25:, [6, 7]] = still[25:, [7, 6]]
     pieces, owner = cut(of(still), NAMED)
