@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from nodegraph.draw.box_frames import frames_of, last_part, outline, short_name
-from nodegraph.draw.box_shape import clean, escaped
+from nodegraph.draw.boxes import clean, escaped
+from nodegraph.draw.frames import frames_of, label_of, outline
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
 
 
@@ -29,19 +29,19 @@ def dot(picture: Picture) -> str:
 
 
 def _nested(boxes: Mapping[str, Box], numbers: Mapping[str, int]) -> Iterator[str]:
-    paths = frames_of(boxes)
+    frames = frames_of(boxes)
     opened = 0
-    for kind, name, depth in outline(paths):
+    for kind, name, depth in outline(frames):
         indent = "  " * (depth + 1)
         if kind == "open":
-            label = f"label={_quoted(last_part(name))}, labelloc=t, labeljust=l"
+            label = f"label={_quoted(name)}, labelloc=t, labeljust=l"
             yield f"{indent}subgraph cluster_{opened} {{"
             yield f"{indent}  graph [{label}, style=rounded, color=gray60];"
             opened += 1
         elif kind == "close":
             yield f"{indent}}}"
         else:
-            table = _table(boxes[name], short_name(name, paths[name]))
+            table = _table(boxes[name], label_of(name, frames[name]))
             yield f"{indent}n{numbers[name]} [label=<{table}>];"
 
 

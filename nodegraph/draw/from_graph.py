@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from nodegraph.draw.box_shape import shortened
+from nodegraph.draw.boxes import shortened
 from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of

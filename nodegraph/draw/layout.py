@@ -1,154 +1,323 @@
-"""Layout of a picture: positions of boxes and frames, and the points of every arrow.
+"""Layered layout from left to right: boxes in columns, frames around boxes, points of arrows.
 
-The contents of a frame are laid out separately; outside, the frame is a single cell, and arrows
-cross its edge at the same places as inside.
+After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2), 109-125: a cell
+stands in a column after its sources, the barycentres of its neighbours order each column, and a
+wire over several columns takes a place in each of them. The contents of a frame are laid out by
+themselves; outside, the frame is one cell, whose edge wires cross at the same heights.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right, insort
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise, takewhile
+from math import inf
+from typing import NamedTuple
 
 import networkx as nx
 
-from nodegraph.draw.box_frames import (
-    Frame,
-    Member,
-    Path,
-    frames_of,
-    last_part,
-    member,
-    short_name,
-    without_cycles,
-)
-from nodegraph.draw.box_shape import Shape, shape, shortened, width
-from nodegraph.draw.layered import PIN, Cell, Point, Wire, arrange
-from nodegraph.draw.picture import Arrow, Box, Picture
+from nodegraph.draw.boxes import Shape, shape, shortened, width
+from nodegraph.draw.frames import Frame, frames_of, label_of
+from nodegraph.draw.picture import Arrow, Picture
+
+Point = tuple[float, float]
+Cell = tuple[str, Hashable]
+"""A cell of a frame: ``("box", name)``, ``("frame", its names)``, or the bend of a wire."""
+End = tuple[Cell, Hashable]
+"""A cell, and one of its ports."""
+Wire = tuple[End, End]
 
 LABEL_SIZE = 13.0
 LABEL_HEIGHT = 26.0
 PADDING = 16.0
-
-_Slot = tuple[str, Hashable]
-_End = tuple[_Slot, Hashable]
+_HEAD = LABEL_HEIGHT + PADDING / 2
+_BETWEEN_CELLS = 22.0
+_BETWEEN_COLUMNS = 44.0
+_SWEEPS = 16
+_STRAIGHTENINGS = 3
+_NEARLY_LEVEL = 36.0
+_DIRECT = 4.0
+"""Weight of a wire between neighbouring boxes: chains of boxes become straight first."""
 
 
 @dataclass(frozen=True, slots=True)
-class Passing:
-    """The part of an arrow within one frame; an end that lies outside is None."""
+class Size:
+    """Size of a cell, and how far from its top the wires of each port end or begin."""
 
-    number: int
-    arrow: Arrow
-    source: Member | None
-    target: Member | None
+    width: float
+    height: float
+    inputs: Mapping[Hashable, float]
+    outputs: Mapping[Hashable, float]
 
-    @property
-    def key(self) -> tuple[str, str]:
-        """Equal for arrows that share a line: they leave one port."""
-        return self.arrow.source, self.arrow.source_port
 
-    @property
-    def begin(self) -> _End:
-        """Where within the frame the arrow begins, and at which port there."""
-        if self.source is None:
-            return ("entry", self.key), ""
-        return self.source, self.key if self.source[0] == "frame" else self.arrow.source_port
-
-    @property
-    def end(self) -> _End:
-        """Where within the frame the arrow ends, and at which port there."""
-        if self.target is None:
-            return ("exit", self.key), ""
-        return self.target, self.key if self.target[0] == "frame" else self.arrow.target_port
+_BEND = Size(0.0, 12.0, {"": 6.0}, {"": 6.0})
 
 
 @dataclass(slots=True)
-class Level:
-    """A frame's members, and the parts of arrows between them."""
-
-    frame: Frame
-    members: dict[Member, None] = field(default_factory=dict)
-    arrows: list[Passing] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class FrameLayout:
-    """The layout of one frame, measured from its upper left corner.
+class Area:
+    """The inside of a frame, or the whole drawing.
 
     Attributes
     ----------
-    cell : Cell
-        The frame as a cell of the frame around it.
-    corners : mapping of member to point
-    routes : mapping of arrow number to points
+    sizes : dict of cell to Size
+        Cells called ``entry`` and ``exit`` stand left and right of all others.
+    wires : dict of wire to (list of point)
+        They form no cycle. `arrange` fills in the points between which a wire runs.
+    corners : dict of cell to point
+        Upper left corners, from `arrange`.
     """
 
-    cell: Cell
-    corners: Mapping[Member, Point]
-    routes: Mapping[int, Sequence[Point]]
+    sizes: dict[Cell, Size] = field(default_factory=dict)
+    wires: dict[Wire, list[Point]] = field(default_factory=dict)
+    corners: dict[Cell, Point] = field(default_factory=dict)
+    width: float = 0.0
+    height: float = 0.0
+
+    def arrange(self) -> None:
+        """Find a place for every cell and a way for every wire."""
+        depths = _depths(self.sizes, self.wires)
+        columns: list[list[Cell]] = [[] for _ in range(max(depths.values(), default=-1) + 1)]
+        for cell, depth in depths.items():
+            columns[depth].append(cell)
+        sizes = dict(self.sizes)
+        ways: dict[Wire, list[End]] = {}
+        for wire in self.wires:
+            (source, port), (target, _) = wire
+            ways[wire] = [wire[0]]
+            for depth in range(depths[source] + 1, depths[target]):
+                bend = ("bend", (source, port, depth))  # shared by all wires of the port
+                if bend not in sizes:
+                    columns[depth].insert(len(columns[depth]) // 2, bend)
+                    sizes[bend] = _BEND
+                ways[wire].append((bend, ""))
+            ways[wire].append(wire[1])
+        pieces = [
+            _Piece(*begin, sizes[begin[0]].outputs[begin[1]], *end, sizes[end[0]].inputs[end[1]])
+            for begin, end in dict.fromkeys(
+                piece for way in ways.values() for piece in pairwise(way)
+            )
+        ]
+        tops = _settled(_ordered(columns, sizes, pieces), sizes, pieces)
+        self.height = max((tops[cell] + sizes[cell].height for cell in tops), default=0.0)
+        edges: dict[Cell, tuple[float, float]] = {}
+        x = 0.0
+        for column in filter(None, columns):
+            self.width = x + max(sizes[cell].width for cell in column)
+            edges |= dict.fromkeys(column, (x, self.width))
+            x = self.width + _BETWEEN_COLUMNS
+        self.corners = {cell: (edges[cell][0], tops[cell]) for cell in self.sizes}
+        for wire, [(source, port), *bends, (target, target_port)] in ways.items():
+            left, right = edges[source]
+            y = tops[source] + sizes[source].outputs[port]
+            points = [(left + sizes[source].width, y), (right, y)]
+            points += [(x, tops[bend] + _BEND.height / 2) for bend, _ in bends for x in edges[bend]]
+            y = tops[target] + sizes[target].inputs[target_port]
+            self.wires[wire] = [*points, (edges[target][0], y)]
 
 
-def lay_out(level: Level, cells: Mapping[Member, Cell]) -> FrameLayout:
-    """Return the layout of a frame, given the cells of its members."""
-    entries = _pins(passing.begin for passing in level.arrows if not passing.source)
-    exits = _pins(passing.end for passing in level.arrows if not passing.target)
-    slots: list[_Slot] = [*entries, *level.members, *exits]
-    place = {slot: number for number, slot in enumerate(slots)}
-    shapes = [cells[slot] if slot in level.members else PIN for slot in slots]
-    wires: dict[Wire, int] = {}
-    wire_of = {
-        passing.number: wires.setdefault(_wire(passing, place), len(wires))
-        for passing in level.arrows
+def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
+    """Return the column of each cell: after its sources, and no earlier than its readers need."""
+    network: nx.DiGraph[Cell] = nx.DiGraph()
+    cells = tuple(cells)
+    inner = [cell for cell in cells if cell[0] not in ("entry", "exit")]
+    network.add_nodes_from(inner)
+    links = ((source, target) for (source, _), (target, _) in wires)
+    network.add_edges_from(link for link in links if link[0] in network and link[1] in network)
+    depths = {
+        cell: depth
+        for depth, generation in enumerate(nx.topological_generations(network), 1)
+        for cell in generation
     }
-    arrangement = arrange(shapes, list(wires), len(entries), len(exits))
-    padding = PADDING if level.frame else 0.0
-    right, down = padding, LABEL_HEIGHT + padding / 2 if level.frame else 0.0
-    label = width(shortened(last_part(level.frame)), LABEL_SIZE, bold=True)
-    wide = max(arrangement.width, label) + 2 * padding
-    levels = {slot: arrangement.corners[place[slot]][1] + PIN.height / 2 + down for slot in slots}
-    routes: dict[int, list[Point]] = {}
-    for passing in level.arrows:
-        points = arrangement.routes[wire_of[passing.number]]
-        routes[passing.number] = [(x + right, y + down) for x, y in points]
-        if not passing.source:
-            routes[passing.number].insert(0, (0.0, levels[passing.begin[0]]))
-        if not passing.target:
-            routes[passing.number].append((wide, levels[passing.end[0]]))
-    return FrameLayout(
-        Cell(
-            wide,
-            arrangement.height + down + padding,
-            {key: levels["entry", key] for _, key in entries},
-            {key: levels["exit", key] for _, key in exits},
-        ),
-        {
-            member: (x + right, y + down)
-            for member in level.members
-            for x, y in [arrangement.corners[place[member]]]
-        },
-        routes,
+    last = max(depths.values(), default=0) + 1
+    for cell in reversed(depths):
+        # with fewer readers than sources, a later cell would make more wires longer than shorter
+        if network.out_degree(cell) >= max(1, network.in_degree(cell)):
+            depths[cell] = min(depths[reader] for reader in network.succ[cell]) - 1
+    return {cell: {"entry": 0, "exit": last}.get(cell[0], depths.get(cell, 0)) for cell in cells}
+
+
+class _Piece(NamedTuple):
+    """A piece of a wire between neighbouring columns, with the heights of its ends in the cells."""
+
+    left: Cell
+    left_port: Hashable
+    left_offset: float
+    right: Cell
+    right_port: Hashable
+    right_offset: float
+
+    def drop(self, tops: Mapping[Cell, float]) -> float:
+        """Return how far the right end is below the left one."""
+        return tops[self.right] + self.right_offset - tops[self.left] - self.left_offset
+
+
+def _stack(column: Sequence[Cell], sizes: Mapping[Cell, Size], tops: dict[Cell, float]) -> None:
+    y = 0.0
+    for cell in column:
+        tops[cell] = y
+        y += sizes[cell].height + _BETWEEN_CELLS
+
+
+def _ordered(
+    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Iterable[_Piece]
+) -> list[list[Cell]]:
+    """Sort each column by the barycentres of its neighbours, and keep the order that crosses least.
+
+    Sweeps go to the right and to the left in turn.
+    """
+    depths = {cell: depth for depth, column in enumerate(columns) for cell in column}
+    gaps: list[list[_Piece]] = [[] for _ in columns]
+    sides: tuple[dict[Cell, list[tuple[Cell, float]]], ...] = ({}, {})
+    for piece in pieces:
+        gaps[depths[piece.left]].append(piece)
+        sides[0].setdefault(piece.right, []).append((piece.left, piece.left_offset))
+        sides[1].setdefault(piece.left, []).append((piece.right, piece.right_offset))
+    tops: dict[Cell, float] = {}
+    for column in columns:
+        _stack(column, sizes, tops)
+    best, fewest = [list(column) for column in columns], _crossings(gaps, tops)
+    for sweep in range(_SWEEPS):
+        near = sides[sweep % 2]
+        for column in reversed(columns) if sweep % 2 else columns:
+            means = {
+                cell: sum(tops[other] + offset for other, offset in near[cell]) / len(near[cell])
+                for cell in column
+                if cell in near
+            }
+            ranked = iter(sorted(means, key=means.__getitem__))
+            column[:] = [next(ranked) if cell in means else cell for cell in column]
+            _stack(column, sizes, tops)
+        count = _crossings(gaps, tops)
+        if count < fewest or sweep == 0 == count:
+            best, fewest = [list(column) for column in columns], count
+        if not fewest and sweep:
+            break
+    return best
+
+
+def _crossings(gaps: Iterable[Iterable[_Piece]], tops: Mapping[Cell, float]) -> int:
+    count = 0
+    for gap in gaps:
+        seen: list[float] = []
+        for _, right in sorted(
+            (tops[piece.left] + piece.left_offset, tops[piece.right] + piece.right_offset)
+            for piece in gap
+        ):
+            count += len(seen) - bisect_right(seen, right)
+            insort(seen, right)
+    return count
+
+
+def _settled(
+    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Iterable[_Piece]
+) -> dict[Cell, float]:
+    """Return the tops of all cells, so that wires are as level as they can be."""
+    tops: dict[Cell, float] = {}
+    for column in columns:
+        _stack(column, sizes, tops)
+    sides: tuple[dict[Cell, list[tuple[float, float, Cell]]], ...] = (
+        {cell: [] for cell in tops},
+        {cell: [] for cell in tops},
     )
+    for piece in pieces:
+        weight = 1.0 if "bend" in (piece.left[0], piece.right[0]) else _DIRECT
+        level = piece.left_offset - piece.right_offset
+        sides[0][piece.right].append((weight, level, piece.left))
+        sides[1][piece.left].append((weight, -level, piece.right))
+    for sweep in range(4 * _SWEEPS):
+        for column in reversed(columns) if sweep % 2 else columns:
+            wanted = []
+            for cell in column:
+                near = sides[sweep % 2][cell] or sides[1 - sweep % 2][cell]
+                if sweep > 3:
+                    near = sides[0][cell] + sides[1][cell]
+                weight = sum(weight for weight, _, _ in near)
+                mean = sum(weight * (tops[other] + level) for weight, level, other in near)
+                wanted.append((weight, mean / weight) if near else (0.01, tops[cell]))
+            tops.update(zip(column, _apart(column, sizes, wanted), strict=True))
+    _straighten(columns, sizes, pieces, tops)
+    least = min(tops.values(), default=0.0)
+    return {cell: top - least for cell, top in tops.items()}
 
 
-def _pins(ends: Iterable[_End]) -> list[_Slot]:
-    return list(dict.fromkeys(slot for slot, _ in ends))
+def _straighten(
+    columns: Sequence[Sequence[Cell]],
+    sizes: Mapping[Cell, Size],
+    pieces: Iterable[_Piece],
+    tops: dict[Cell, float],
+) -> None:
+    """Make wires level where the cells above and below leave room for it."""
+    into: dict[Cell, list[_Piece]] = {}
+    for piece in pieces:
+        into.setdefault(piece.right, []).append(piece)
+    room: dict[Cell, tuple[Cell | None, Cell | None]] = {}
+    rows: dict[Cell, list[tuple[Cell, float]]] = {}  # by the last cell; each with its offset
+    done = []
+    for column in columns:
+        room |= zip(column, zip([None, *column], [*column[1:], None], strict=False), strict=False)
+        for cell in sorted(column, key=lambda cell: cell[0] != "bend"):
+            near = [
+                piece
+                for piece in into.get(cell, ())
+                if piece.left in rows
+                and (abs(piece.drop(tops)) < _NEARLY_LEVEL or piece.left[0] == cell[0] == "bend")
+            ]
+            row, offset = [], 0.0
+            if near:
+                piece = min(near, key=lambda piece: abs(piece.drop(tops)))
+                row = rows.pop(piece.left)
+                offset = row[-1][1] + piece.left_offset - piece.right_offset
+            else:
+                done.append(row)
+            row.append((cell, offset))
+            rows[cell] = row
+
+    def settle(run: Sequence[tuple[Cell, float]], least: float, most: float) -> None:
+        mean = sum(tops[cell] - offset for cell, offset in run) / len(run)
+        level = min(max(mean, least), most)
+        tops.update({cell: level + offset for cell, offset in run})
+
+    for _ in range(_STRAIGHTENINGS):
+        for row in done:
+            run: list[tuple[Cell, float]] = []
+            least, most = -inf, inf
+            for cell, offset in row:
+                above, below = room[cell]
+                low = tops[above] + _step(above, cell, sizes) - offset if above else -inf
+                high = tops[below] - _step(cell, below, sizes) - offset if below else inf
+                if run and max(least, low) > min(most, high):
+                    settle(run, least, most)
+                    run, least, most = [], -inf, inf
+                run.append((cell, offset))
+                least, most = max(least, low), min(most, high)
+            settle(run, least, most)
 
 
-def _wire(passing: Passing, place: Mapping[_Slot, int]) -> Wire:
-    (source, source_port), (target, target_port) = passing.begin, passing.end
-    return Wire(place[source], source_port, place[target], target_port)
+def _step(upper: Cell, lower: Cell, sizes: Mapping[Cell, Size]) -> float:
+    return sizes[upper].height + (0.0 if upper[0] == lower[0] == "bend" else _BETWEEN_CELLS)
 
 
-@dataclass(frozen=True, slots=True)
-class FrameBox:
-    """A frame with its label, position and size."""
+def _apart(
+    column: Sequence[Cell], sizes: Mapping[Cell, Size], wanted: Iterable[tuple[float, float]]
+) -> list[float]:
+    """Return the tops closest to those wanted, in least squares, of cells that stand apart.
 
-    name: Frame
-    label: str
-    x: float
-    y: float
-    width: float
-    height: float
+    Cells that would overlap form a block at their common mean (pool adjacent violators).
+    """
+    offsets = [0.0]
+    for upper, lower in pairwise(column):
+        offsets.append(offsets[-1] + _step(upper, lower, sizes))
+    blocks: list[tuple[float, float, int]] = []
+    for offset, (weight, top) in zip(offsets, wanted, strict=False):
+        mean, count = top - offset, 1
+        while blocks and blocks[-1][1] >= mean:
+            other, before, members = blocks.pop()
+            mean = (other * before + weight * mean) / (other + weight)
+            weight, count = other + weight, count + members
+        blocks.append((weight, mean, count))
+    means = [mean for _, mean, count in blocks for _ in range(count)]
+    return [mean + offset for mean, offset in zip(means, offsets, strict=False)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,15 +328,16 @@ class Layout:
     ----------
     boxes : tuple of (Shape, point)
         Each box and its upper left corner, in the picture's order.
-    frames : tuple of FrameBox
+    frames : tuple of (Frame, point, (width, height))
         Outer frames first.
-    routes : tuple of (tuple of point)
-        For each arrow the points between which it runs; see `nodegraph.draw.svg.line`.
+    routes : tuple of (sequence of point)
+        For each arrow the points between which it runs: straight between points of one height,
+        else in a curve that begins and ends level.
     """
 
     boxes: tuple[tuple[Shape, Point], ...]
-    frames: tuple[FrameBox, ...]
-    routes: tuple[tuple[Point, ...], ...]
+    frames: tuple[tuple[Frame, Point, Point], ...]
+    routes: tuple[Sequence[Point], ...]
     width: float
     height: float
 
@@ -180,92 +350,124 @@ def layout(picture: Picture) -> Layout:
     ValueError
         If arrows form a cycle.
     """
-    _check_acyclic(picture)
-    links = [(arrow.source, arrow.target) for arrow in picture.arrows]
-    paths = without_cycles(frames_of(box.name for box in picture.boxes), links)
-    shapes = _shapes(picture, paths)
-    cells: dict[Member, Cell] = {
-        ("box", shape.box.name): Cell(shape.width, shape.height, shape.inputs, shape.outputs)
-        for shape in shapes
+    frames = _drawable_frames(picture)
+    shapes = _shapes(picture, frames)
+    around = {frame[:depth] for frame in frames.values() for depth in range(1, len(frame) + 1)}
+    areas = {
+        frame: Area() for frame in [(), *sorted(around, key=lambda frame: (len(frame), frame))]
     }
-    levels = _levels(picture, paths)
-    frames: dict[Frame, FrameLayout] = {}
-    for frame in reversed(levels):  # inner frames first
-        frames[frame] = lay_out(levels[frame], cells)
-        cells["frame", frame] = frames[frame].cell
-    return _put_together(shapes, levels, frames, len(picture.arrows))
-
-
-def _put_together(
-    shapes: Sequence[Shape],
-    levels: Mapping[Frame, Level],
-    frames: Mapping[Frame, FrameLayout],
-    arrows: int,
-) -> Layout:
-    corners: dict[Member, Point] = {("frame", ""): (0.0, 0.0)}
-    for frame in levels:
-        x, y = corners["frame", frame]
-        corners |= {member: (x + a, y + b) for member, (a, b) in frames[frame].corners.items()}
-    routes: list[list[Point]] = [[] for _ in range(arrows)]
-    for frame, passing in _along(levels):
-        x, y = corners["frame", frame]
-        points = [(x + a, y + b) for a, b in frames[frame].routes[passing.number]]
-        routes[passing.number] += points[1:] if routes[passing.number] else points
-    root = frames[""].cell
-    return Layout(
-        tuple((shape, corners["box", shape.box.name]) for shape in shapes),
-        tuple(_frame_box(frame, corners, frames[frame].cell) for frame in levels if frame),
-        tuple(tuple(points) for points in routes),
-        root.width,
-        root.height,
+    for each in shapes:
+        inputs: Mapping[Hashable, float] = dict(each.inputs.items())
+        size = Size(each.width, each.height, inputs, dict(each.outputs.items()))
+        areas[frames[each.box.name]].sizes["box", each.box.name] = size
+    ways = [_way(arrow, frames) for arrow in picture.arrows]
+    for frame, wire in (part for way in ways for part in way):
+        areas[frame].wires[wire] = []
+        pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}
+        areas[frame].sizes.update(pins)
+    for frame in reversed(areas):  # inner frames first
+        areas[frame].arrange()
+        if frame:
+            areas[frame[:-1]].sizes["frame", frame] = _size_of_frame(frame, areas[frame])
+    origins: dict[Frame, Point] = {(): (0.0, 0.0)}
+    drawn: list[tuple[Frame, Point, Point]] = []
+    for frame in list(areas)[1:]:
+        outer = areas[frame[:-1]]
+        x, y = _moved(outer.corners["frame", frame], origins[frame[:-1]])
+        size = outer.sizes["frame", frame]
+        drawn.append((frame, (x, y), (size.width, size.height)))
+        origins[frame] = x + PADDING, y + _HEAD
+    boxes = []
+    for each in shapes:
+        frame = frames[each.box.name]
+        boxes.append((each, _moved(areas[frame].corners["box", each.box.name], origins[frame])))
+    routes = tuple(
+        [_moved(point, origins[frame]) for frame, wire in way for point in areas[frame].wires[wire]]
+        for way in ways
     )
+    return Layout(tuple(boxes), tuple(drawn), routes, areas[()].width, areas[()].height)
 
 
-def _along(levels: Mapping[Frame, Level]) -> list[tuple[Frame, Passing]]:
-    """Return the parts of all arrows, those of each from its source to its target."""
-    passing = [(frame, arrow) for frame, level in levels.items() for arrow in level.arrows]
-    leaving = [pair for pair in reversed(passing) if pair[1].target is None]
-    return [*leaving, *(pair for pair in passing if pair[1].target is not None)]
-
-
-def _frame_box(frame: Frame, corners: Mapping[Member, Point], cell: Cell) -> FrameBox:
-    x, y = corners["frame", frame]
-    return FrameBox(frame, last_part(frame), x, y, cell.width, cell.height)
-
-
-def _levels(picture: Picture, paths: Mapping[str, Path]) -> dict[Frame, Level]:
-    """Return every frame with its direct contents, outer frames first."""
-    frames = {frame: place for path in paths.values() for place, frame in enumerate(path)}
-    ordered = ["", *sorted(frames, key=frames.__getitem__)]
-    levels = {frame: Level(frame) for frame in ordered}
-    for name, path in paths.items():
-        for frame in ("", *path):
-            if inner := member(frame, name, path):
-                levels[frame].members[inner] = None
-    for number, arrow in enumerate(picture.arrows):
-        source, target = paths[arrow.source], paths[arrow.target]
-        for frame in dict.fromkeys(("", *source, *target)):
-            begin, end = member(frame, arrow.source, source), member(frame, arrow.target, target)
-            if begin != end:
-                levels[frame].arrows.append(Passing(number, arrow, begin, end))
-    return levels
-
-
-def _shapes(picture: Picture, paths: Mapping[str, Path]) -> list[Shape]:
-    wired: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
+def _shapes(picture: Picture, frames: Mapping[str, Frame]) -> list[Shape]:
+    notes: dict[tuple[str, str], list[str]] = {}
     for arrow in picture.arrows:
-        wired[arrow.source].setdefault(arrow.source_port, [])
-        notes = wired[arrow.target].setdefault(arrow.target_port, [])
-        notes += [f"at {arrow.fixed}"] if arrow.fixed else []
-    return [_shape(box, wired[box.name], paths[box.name]) for box in picture.boxes]
+        if arrow.fixed:
+            notes.setdefault((arrow.target, arrow.target_port), []).append(f"at {arrow.fixed}")
+    return [
+        shape(
+            box,
+            label_of(box.name, frames[box.name]),
+            {socket.name: notes.get((box.name, socket.name), ()) for socket in box.inputs},
+        )
+        for box in picture.boxes
+    ]
 
 
-def _shape(box: Box, ports: Mapping[str, Sequence[str]], path: Path) -> Shape:
-    return shape(box, frozenset(ports), ports, short_name(box.name, path))
+def _way(arrow: Arrow, frames: Mapping[str, Frame]) -> list[tuple[Frame, Wire]]:
+    """Return the wires of an arrow: out of the source's frames, and into those of the target."""
+    source, target = frames[arrow.source], frames[arrow.target]
+    same = (a == b for a, b in zip(source, target, strict=False))
+    common = sum(takewhile(bool, same))
+    line = (arrow.source, arrow.source_port)  # which all arrows that leave this port share
+
+    def begin(depth: int) -> End:
+        if depth == len(source):
+            return ("box", arrow.source), arrow.source_port
+        return ("frame", source[: depth + 1]), line
+
+    def end(depth: int) -> End:
+        if depth == len(target):
+            return ("box", arrow.target), arrow.target_port
+        return ("frame", target[: depth + 1]), line
+
+    outwards = range(len(source), common, -1)
+    inwards = range(common + 1, len(target) + 1)
+    return [
+        *((source[:depth], (begin(depth), (("exit", line), ""))) for depth in outwards),
+        (source[:common], (begin(common), end(common))),
+        *((target[:depth], ((("entry", line), ""), end(depth))) for depth in inwards),
+    ]
 
 
-def _check_acyclic(picture: Picture) -> None:
-    network = nx.DiGraph([(arrow.source, arrow.target) for arrow in picture.arrows])
-    if not nx.is_directed_acyclic_graph(network):
-        cycle = [source for source, _ in nx.find_cycle(network)]
+def _size_of_frame(frame: Frame, area: Area) -> Size:
+    crossed: dict[str, dict[Hashable, float]] = {"entry": {}, "exit": {}}
+    for (kind, line), (_, top) in area.corners.items():
+        if kind in crossed:
+            crossed[kind][line] = top + _HEAD + _BEND.height / 2
+    label = width(shortened(frame[-1]), LABEL_SIZE, bold=True)
+    wide = max(area.width, label) + 2 * PADDING
+    return Size(wide, area.height + _HEAD + PADDING, crossed["entry"], crossed["exit"])
+
+
+def _moved(point: Point, by: Point) -> Point:
+    return point[0] + by[0], point[1] + by[1]
+
+
+def _drawable_frames(picture: Picture) -> dict[str, Frame]:
+    """Return the frames around boxes, without those that arrows leave and enter again.
+
+    Such a frame could stand neither left nor right of what the arrows pass on the way.
+    """
+    links = nx.DiGraph([(arrow.source, arrow.target) for arrow in picture.arrows])
+    if not nx.is_directed_acyclic_graph(links):
+        cycle = [source for source, _ in nx.find_cycle(links)]
         raise ValueError(f"arrows form a cycle: {' -> '.join([*cycle, cycle[0]])}")
+    frames = frames_of(box.name for box in picture.boxes)
+    while True:
+        cells: dict[Frame, nx.DiGraph[Cell]] = {}
+        for arrow in picture.arrows:
+            for frame, ((source, _), (target, _)) in _way(arrow, frames):
+                cells.setdefault(frame, nx.DiGraph()).add_edge(source, target)
+        cyclic: set[Cell] = {
+            cell
+            for network in cells.values()
+            for component in nx.strongly_connected_components(network)
+            if len(component) > 1
+            for cell in component
+        }
+        if not cyclic:
+            return frames
+        for name, path in frames.items():
+            around = (path[:depth] for depth in range(1, len(path) + 1))
+            left = next((frame for frame in around if ("frame", frame) in cyclic), None)
+            frames[name] = left[:-1] if left else path

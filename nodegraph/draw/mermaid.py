@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 
-from nodegraph.draw.box_frames import frames_of, last_part, outline, short_name
-from nodegraph.draw.box_shape import clean
+from nodegraph.draw.boxes import clean
+from nodegraph.draw.frames import frames_of, label_of, outline
 from nodegraph.draw.picture import Arrow, Box, Picture
 
 _PLAIN = frozenset(" _.,:-=")
@@ -33,17 +33,17 @@ def mermaid(picture: Picture) -> str:
 
 def _nested(picture: Picture, ids: Mapping[str, str]) -> Iterator[str]:
     boxes = {box.name: box for box in picture.boxes}
-    paths = frames_of(boxes)
+    frames = frames_of(boxes)
     opened = 0
-    for kind, name, depth in outline(paths):
+    for kind, name, depth in outline(frames):
         indent = "  " * (depth + 1)
         if kind == "open":
-            yield f'{indent}subgraph frame{opened}["{_text(last_part(name))}"]'
+            yield f'{indent}subgraph frame{opened}["{_text(name)}"]'
             opened += 1
         elif kind == "close":
             yield f"{indent}end"
         else:
-            yield f"{indent}{ids[name]}{_box(boxes[name], short_name(name, paths[name]))}"
+            yield f"{indent}{ids[name]}{_box(boxes[name], label_of(name, frames[name]))}"
 
 
 def _text(text: str) -> str:

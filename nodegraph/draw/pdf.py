@@ -7,7 +7,7 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
-from nodegraph.draw.box_shape import clean
+from nodegraph.draw.boxes import clean
 from nodegraph.draw.picture import Picture
 from nodegraph.draw.svg import svg
 
@@ -22,7 +22,7 @@ _POINTS = 0.75
 """Points of a pixel."""
 
 _PLACE = re.compile(r"translate\(([-\d.]+) ([-\d.]+)\)")
-_COMMAND = re.compile(r"([MLQCZ])([^MLQCZ]*)")
+_COMMAND = re.compile(r"([MLCZ])([^MLCZ]*)")
 _INHERITED = ("fill", "font-family")
 
 
@@ -131,7 +131,7 @@ class _Drawing:
 def _path(text: str, x: float, y: float) -> MplPath:
     from matplotlib.path import Path
 
-    codes = {"M": Path.MOVETO, "L": Path.LINETO, "Q": Path.CURVE3, "C": Path.CURVE4}
+    codes = {"M": Path.MOVETO, "L": Path.LINETO, "C": Path.CURVE4}
     points: list[tuple[float, float]] = []
     kinds: list[np.uint8] = []
     for command, numbers in _COMMAND.findall(text):

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.resources import files
+from itertools import pairwise
 
-from nodegraph.draw.box_shape import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
-from nodegraph.draw.layered import Point
-from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, FrameBox, layout
+from nodegraph.draw.boxes import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
+from nodegraph.draw.frames import Frame
+from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Picture
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
 _WIDE_HALF = 6.0
-_CORNER = 7.0
 
 
 _LOOK = {
@@ -32,15 +32,12 @@ _LOOK = {
     "name": 'font-size="15" font-weight="650"',
     "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
     "port": 'font-size="11"',
-    "more": 'font-size="9.5" fill="#5b6675"',
     "note": 'font-size="10" fill="#0b63c4"',
     "label": 'font-size="13" font-weight="650" fill="#5b6675"',
     "chip alternative": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="0.8"',
     "chip axis": 'fill="#e8f1fc"',
-    "chip more": 'fill="none"',
     "chip text": 'font-size="11"',
     "chip axis text": 'font-size="11" font-weight="600" fill="#0b63c4"',
-    "chip more text": 'font-size="11" fill="#5b6675"',
     "legend": 'font-size="11" fill="#5b6675"',
 }
 """For programs that do not read the style sheet: `picture.css` in its light colours."""
@@ -57,55 +54,19 @@ def tag(name: str, text: str) -> str:
 
 
 def line(points: Sequence[Point]) -> str:
-    """Return the path of an arrow through its points.
+    """Return the path of an arrow; the last point is the tip, the line ends where the head begins.
 
-    Between points below or beside each other it is straight, with round corners, else a curve
-    that begins and ends level. The last point is the tip; the line ends where the head begins.
+    It is straight between points of one height, else a curve that begins and ends level.
     """
-    (tip_x, tip_y), rest = points[-1], points[:-1]
-    return _path([*rest, (tip_x - HEAD_LENGTH + 1.0, tip_y)])
-
-
-def _path(points: Sequence[Point]) -> str:
-    points = _without_stops(points)
-    path = [f"M{_pair(points[0])}"]
-    for before, point, after in zip(points, points[1:], [*points[2:], None], strict=False):
-        if before[0] != point[0] and before[1] != point[1]:
-            half = (point[0] - before[0]) / 2
-            bends = ((before[0] + half, before[1]), (point[0] - half, point[1]), point)
-            path.append("C" + " ".join(_pair(bend) for bend in bends))
-        elif after is None or not _is_corner(before, point, after):
-            path.append(f"L{_pair(point)}")
+    *before, (tip_x, tip_y) = points
+    path = f"M{_pair(points[0])}"
+    for (x, y), (to_x, to_y) in pairwise([*before, (tip_x - HEAD_LENGTH + 1.0, tip_y)]):
+        if y == to_y:
+            path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
         else:
-            begin, end = _towards(point, before), _towards(point, after)
-            path.append(f"L{_pair(begin)}Q{_pair(point)} {_pair(end)}")
-    return "".join(path)
-
-
-def _without_stops(points: Sequence[Point]) -> list[Point]:
-    """Return the points without those that a straight line passes anyway."""
-    corners = [points[0]]
-    for point, after in zip(points[1:], [*points[2:], None], strict=True):
-        before = corners[-1]
-        passes = after is not None and (
-            before[0] == point[0] == after[0] or before[1] == point[1] == after[1]
-        )
-        if point != before and not passes:
-            corners.append(point)
-    return corners
-
-
-def _is_corner(before: Point, point: Point, after: Point) -> bool:
-    return (before[0] == point[0] and point[1] == after[1]) or (
-        before[1] == point[1] and point[0] == after[0]
-    )
-
-
-def _towards(point: Point, other: Point) -> Point:
-    """Return the place on the way to another point where a corner's rounding begins."""
-    x, y = other[0] - point[0], other[1] - point[1]
-    share = min(_CORNER / (abs(x) + abs(y)), 0.5)
-    return point[0] + x * share, point[1] + y * share
+            middle = (x + to_x) / 2
+            path += f"C{_pair((middle, y))} {_pair((middle, to_y))} {_pair((to_x, to_y))}"
+    return path
 
 
 def _pair(point: Point) -> str:
@@ -122,59 +83,42 @@ def head(x: float, y: float, *, truth: bool, gathers: bool) -> str:
     )
 
 
-_SAMPLE = 30.0
-_HEIGHT = 20.0
-_SIZE = 11.0
-
-
-def legend(picture: Picture, left: float, top: float) -> tuple[str, float, float]:
+def legend(picture: Picture, top: float) -> tuple[str, float, float]:
     """Return the legend, how far to the right it reaches, and how far down."""
-    entries = _entries(picture)
+    entries = []
+    for kind in ("truth", "gathers"):
+        if any(getattr(arrow, kind) for arrow in picture.arrows):
+            look = _LOOK[f"wire {kind}"]
+            path = f'<path class="wire" {look} d="M0 0L30 0"/>'
+            entries.append((f'<g class="{kind}">{path}</g>', kind))
+    for style, shown, radius in (("alternative", "alternatives", 5), ("axis", "axes", 7)):
+        if any(getattr(box, shown) for box in picture.boxes):
+            look = _LOOK[f"chip {style}"]
+            rect = f'<rect {look} x="2" y="-7" width="26" height="14" rx="{radius}"/>'
+            entries.append((f'<g class="chip {style}">{rect}</g>', shown))
     if not entries:
-        return "", left, top - 18.0
-    x, y = left, top + 12.0
+        return "", 0.0, top - 18.0
+    x, y = 0.0, top + 12.0
     parts = ['<g class="legend">']
     for sample, text in entries:
         parts.append(f'<g transform="translate({number(x)} {number(y)})">{sample}</g>')
-        parts.append(
-            f'<text {_LOOK["legend"]} x="{number(x + _SAMPLE + 7)}" y="{number(y + 4)}">'
-            f"{escaped(text)}</text>"
-        )
-        x += _SAMPLE + 7 + width(text, _SIZE) + 18.0
-    return "".join([*parts, "</g>"]), x - 18.0, top + _HEIGHT
-
-
-def _entries(picture: Picture) -> list[tuple[str, str]]:
-    entries = []
-    if any(arrow.truth for arrow in picture.arrows):
-        entries.append((_sample("truth"), "truth"))
-    if any(arrow.gathers for arrow in picture.arrows):
-        entries.append((_sample("gathers"), "gathers"))
-    for style, radius, text in (("alternative", 5, "alternatives"), ("axis", 7, "axes")):
-        if any(box.alternatives if style == "alternative" else box.axes for box in picture.boxes):
-            look = _LOOK[f"chip {style}"]
-            rect = f'<rect {look} x="2" y="-7" width="26" height="14" rx="{radius}"/>'
-            entries.append((f'<g class="chip {style}">{rect}</g>', text))
-    return entries
-
-
-def _sample(kind: str) -> str:
-    look = _LOOK[f"wire {kind}"]
-    return f'<g class="{kind}"><path class="wire" {look} d="M0 0L30 0"/></g>'
+        place = f'x="{number(x + 37)}" y="{number(y + 4)}"'
+        parts.append(f"<text {_LOOK['legend']} {place}>{text}</text>")
+        x += 55.0 + width(text, 11.0)
+    return "".join([*parts, "</g>"]), x - 18.0, top + 20.0
 
 
 _MARGIN = 16.0
-_SMALLEST_SCALE = 0.6
+_SMALLEST_SCALE = 0.8
 
 
 def svg(picture: Picture) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
-    Boxes stand in columns, so that arrows run to the right; a wide picture is broken into bands,
-    as a text is into lines, and an arrow to another band runs around. None runs through a box.
-    Boxes whose dotted names have a common prefix stand in a frame. Truth is dashed, a gathering
-    arrow is wide. Types of ports show on hover. Colours follow the reader's
-    light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
+    Boxes stand in columns, so that arrows run to the right, and none runs through a box. Boxes
+    whose dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is
+    wide. Types of ports show on hover. Colours follow the reader's light or dark scheme; a page
+    sets ``--picture-paper`` and ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
 
     Raises
@@ -186,9 +130,9 @@ def svg(picture: Picture) -> str:
     arrows = [
         _arrow(arrow, points) for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
     ]
-    frames = [_frame(frame) for frame in drawing.frames]
+    frames = [_frame(*frame) for frame in drawing.frames]
     boxes = [_box(shape, x, y) for shape, (x, y) in drawing.boxes]
-    explained, wide, high = legend(picture, 0.0, drawing.height + 18.0)
+    explained, wide, high = legend(picture, drawing.height + 18.0)
     return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 
 
@@ -218,14 +162,15 @@ def _description(picture: Picture) -> str:
     return f"Nodes: {boxes}. Arrows: {arrows or 'none'}."
 
 
-def _frame(frame: FrameBox) -> str:
-    size = f'width="{number(frame.width)}" height="{number(frame.height)}" rx="12"'
+def _frame(frame: Frame, corner: Point, extent: Point) -> str:
+    name = ".".join(frame)
+    size = f'width="{number(extent[0])}" height="{number(extent[1])}" rx="12"'
     return (
-        f'<g class="around" data-frame="{escaped(frame.name)}"'
-        f' transform="translate({number(frame.x)} {number(frame.y)})">{tag("title", frame.name)}'
+        f'<g class="around" data-frame="{escaped(name)}"'
+        f' transform="translate({_pair(corner)})">{tag("title", name)}'
         f'<rect {_LOOK["around"]} {size}/><text class="label" {_LOOK["label"]}'
         f' x="{number(PADDING)}" y="{number(LABEL_HEIGHT - 7)}">'
-        f"{escaped(shortened(frame.label))}</text></g>"
+        f"{escaped(shortened(frame[-1]))}</text></g>"
     )
 
 

@@ -17,7 +17,7 @@ from playwright.sync_api import Page
 
 import nodegraph as ng
 from nodegraph.draw import Arrow, Box, Picture, Socket, dot, mermaid
-from nodegraph.draw.box_shape import clean
+from nodegraph.draw.boxes import clean
 from nodegraph.draw.from_graph import picture_of
 from tests.browser import load
 from tests.studies import ROOT

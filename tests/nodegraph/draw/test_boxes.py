@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph.draw.box_shape import clean, rows, shortened, width
+from nodegraph.draw.boxes import clean, shortened, width
 
 
 def test_texts_that_xml_cannot_hold_are_marked() -> None:
@@ -19,8 +19,3 @@ def test_widths_grow_with_text_and_type() -> None:
     assert width("abc", 10, bold=True) > width("abc", 10)
     assert width("日本", 10) == pytest.approx(21)
     assert width("il", 10, monospace=True) == pytest.approx(12.2)
-
-
-def test_pieces_flow_into_rows() -> None:
-    assert rows([40, 40, 40, 200, 10], limit=100, gap=5) == [[0, 1], [2], [3], [4]]
-    assert rows([], limit=100, gap=5) == []

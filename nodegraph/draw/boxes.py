@@ -1,0 +1,179 @@
+"""Size of a box, and the positions of its texts, chips and ports."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from nodegraph.draw.picture import Box, Socket
+
+_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+# Advance widths in em of DejaVu Sans, the widest of the usual system fonts, rounded up: a box
+# measured with them holds its text in any of the others.
+_WIDTHS = {
+    **dict.fromkeys("ijlIJ|!'.,:; ", 0.34),
+    **dict.fromkeys('frt()[]{}-/\\"', 0.42),
+    **dict.fromkeys("mwMW@%&+=<>~\u00d7#", 0.92),
+    **dict.fromkeys("ABCDEFGHKLNOPQRSTUVXYZ", 0.74),
+}
+_MONOSPACE = 0.61
+_BOLD = 1.1
+
+
+def clean(text: str) -> str:
+    """Return the text on one line, without the characters that XML cannot hold."""
+    return " ".join(_NOT_XML.sub("\ufffd", text).split())
+
+
+def escaped(text: str) -> str:
+    """Return the text as XML, for content and for quoted attributes."""
+    return escape(clean(text), quote=True)
+
+
+def shortened(text: str, longest: int = 42) -> str:
+    """Return the text, cut with an ellipsis if it is longer than some characters."""
+    text = clean(text)
+    return text if len(text) <= longest else text[: longest - 1].rstrip() + "…"
+
+
+def width(text: str, size: float, *, bold: bool = False, monospace: bool = False) -> float:
+    """Return about how wide a text is, in the unit of its font size."""
+    narrow = _MONOSPACE if monospace else 0.64
+    widths = {} if monospace else _WIDTHS
+    ems = sum(
+        1.05 if unicodedata.east_asian_width(character) in "WF" else widths.get(character, narrow)
+        for character in text
+    )
+    return ems * size * (_BOLD if bold else 1.0)
+
+
+CHIP_HEIGHT = 19.0
+_PADDING = 12.0
+_CHIP_INSET = 8.0
+_CHIP_GAP = 5.0
+_WIDEST_ROW = 196.0
+_NARROWEST = 84.0
+_BETWEEN_SIDES = 18.0
+_SIZES = {"port": 11.0, "note": 10.0, "name": 15.0, "line": 11.5, "chip": 11.0}
+_LEADING = {"port": 15.0, "note": 12.5, "name": 19.0, "line": 16.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """One line of text: its place is the start, or the end, of its baseline."""
+
+    style: str
+    text: str
+    x: float
+    y: float
+    hint: str = ""
+    at_end: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Chip:
+    """A small label with a frame; its place is the upper left corner."""
+
+    style: str
+    text: str
+    x: float
+    y: float
+    width: float
+    hint: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A box with everything in it, measured from its upper left corner.
+
+    Attributes
+    ----------
+    rule : float
+        Height of the line between the heading and the ports.
+    inputs, outputs : mapping of port to float
+        How far from the top the port's arrows end or begin.
+    """
+
+    box: Box
+    width: float
+    height: float
+    texts: tuple[Text, ...]
+    chips: tuple[Chip, ...]
+    rule: float
+    inputs: Mapping[str, float]
+    outputs: Mapping[str, float]
+
+
+def shape(box: Box, label: str, notes: Mapping[str, Sequence[str]]) -> Shape:
+    """Return the box laid out.
+
+    Parameters
+    ----------
+    box : Box
+    label : str
+        Shown as its name.
+    notes : mapping of input port to texts
+        Which labels the arrows into each port fix.
+    """
+    heading = [("name", label), *(("line", line) for line in box.lines)]
+    inputs = [_lines(socket, notes.get(socket.name, ())) for socket in box.inputs]
+    outputs = [_lines(socket, ()) for socket in box.outputs]
+    sides = [_widest(line for lines in side for line in lines) for side in (inputs, outputs)]
+    inner = max(_NARROWEST, _widest(heading), sum(sides) + _BETWEEN_SIDES * all(sides))
+    texts: list[Text] = []
+    y = 4.0
+    for style, text in heading:
+        y += _LEADING[style]
+        hint = clean(text) if shortened(text) != clean(text) else ""
+        texts.append(Text(style, shortened(text), _PADDING, y - 3.0, hint))
+    chips: list[Chip] = []
+    limit = max(inner, _WIDEST_ROW)
+    for style, labels in (("alternative", box.alternatives), ("axis", box.axes)):
+        x, top = limit + 1.0, y - CHIP_HEIGHT
+        for text in labels:
+            short = shortened(text, 24 if style == "alternative" else 42)
+            wide = width(short, _SIZES["chip"], bold=style == "axis") + 2 * _CHIP_INSET
+            if x + wide > limit:
+                x, top = 0.0, top + CHIP_HEIGHT + _CHIP_GAP
+            chips.append(Chip(style, short, _PADDING + x, top, wide, text))
+            x += wide + _CHIP_GAP
+            y = top + CHIP_HEIGHT
+    inner = max([inner, *(chip.x + chip.width - _PADDING for chip in chips)])
+    rule = y + 7.0
+    lows = [rule]
+    places: list[dict[str, float]] = []
+    for x, sockets, side in (
+        (_PADDING, box.inputs, inputs),
+        (_PADDING + inner, box.outputs, outputs),
+    ):
+        y = rule
+        places.append({})
+        for socket, lines in zip(sockets, side, strict=True):
+            y += 3.0
+            places[-1][socket.name] = y + _LEADING["port"] / 2
+            hint = "; ".join([str(socket), *(text for _, text in lines[1:])])
+            for style, text in lines:
+                y += _LEADING[style]
+                texts.append(Text(style, text, x, y - 3.5, hint, at_end=side is outputs))
+        lows.append(y)
+    wide, high = inner + 2 * _PADDING, max(lows) + 6.0
+    return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
+
+
+def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the style and text of each line at a port."""
+    texts = dict.fromkeys([socket.gathers, *notes] if socket.gathers else notes)
+    return [("port", shortened(socket.name, 24)), *(("note", shortened(it, 26)) for it in texts)]
+
+
+def _widest(lines: Iterable[tuple[str, str]]) -> float:
+    return max(
+        (
+            width(shortened(text), _SIZES[style], bold=style == "name", monospace=style == "line")
+            for style, text in lines
+        ),
+        default=0.0,
+    )
