@@ -43,12 +43,12 @@ def picture_of(graph: Graph) -> Picture:
 
 
 def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
-    """Return the labels of an axis if they are short, else their number, the first and the last."""
+    """Return the labels of an axis if they are short, else the first, the last and their number."""
     short = [shortened(str(label), _LONGEST_LABEL) for label in labels]
     text = ", ".join(short)
     if len(text) <= longest or len(short) < 3:
         return text
-    return f"{len(short)} labels: {short[0]} … {short[-1]}"
+    return f"{short[0]} … {short[-1]} ({len(short)})"
 
 
 def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:

@@ -15,7 +15,6 @@ HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
 _WIDE_HALF = 6.0
 
-
 _LOOK = {
     "paper": 'fill="#ffffff"',
     "shade": 'fill="#17202c" fill-opacity="0.12"',
@@ -26,6 +25,7 @@ _LOOK = {
     "around": 'fill="#7f8fa4" fill-opacity="0.08" stroke="#aeb8c5" stroke-dasharray="2 3"',
     "wire": 'fill="none" stroke="#6c7889" stroke-width="1.6" stroke-linecap="round"',
     "wire truth": 'fill="none" stroke="#a04a00" stroke-width="1.6" stroke-dasharray="6 4.5"',
+    "wire truth gathers": 'fill="none" stroke="#a04a00" stroke-width="3.4" stroke-dasharray="6 5"',
     "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="3.4" stroke-linecap="round"',
     "head": 'fill="#6c7889"',
     "head truth": 'fill="#a04a00"',
@@ -40,7 +40,7 @@ _LOOK = {
     "chip axis text": 'font-size="11" font-weight="600" fill="#0b63c4"',
     "legend": 'font-size="11" fill="#5b6675"',
 }
-"""For programs that do not read the style sheet: `picture.css` in its light colours."""
+"""Sizes, and light colours for programs that do not read `picture.css`."""
 
 
 def number(value: float) -> str:
@@ -175,11 +175,11 @@ def _frame(frame: Frame, corner: Point, extent: Point) -> str:
 
 
 def _arrow(arrow: Arrow, points: Sequence[Point]) -> str:
-    styles = "arrow" + " truth" * arrow.truth + " gathers" * arrow.gathers
-    look = _LOOK["wire truth" if arrow.truth else "wire gathers" if arrow.gathers else "wire"]
+    styles = " truth" * arrow.truth + " gathers" * arrow.gathers
+    look = _LOOK[f"wire{styles}"]
     tip = head(*points[-1], truth=arrow.truth, gathers=arrow.gathers)
     return (
-        f'<g class="{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
+        f'<g class="arrow{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
         f'<path class="wire" {look} d="{line(points)}"/>{tip}</g>'
     )
 

@@ -74,7 +74,7 @@ def test_a_graph_shows_its_title_axes_and_drawing(graph_of: Callable[..., Graph]
     assert "script" not in read.tags
     assert read.tags.count("svg") == 1
     assert "-1, 2" in read.texts
-    assert "30 labels: 0 … 29" in read.texts
+    assert "0 … 29 (30)" in read.texts
     assert "hold, positive, fails" in read.texts
 
 

@@ -15,9 +15,9 @@ from nodegraph.node.ports import Label
     ("labels", "text"),
     [
         ((5, 15, 45), "5, 15, 45"),
-        (tuple(range(20)), "20 labels: 0 … 19"),
+        (tuple(range(20)), "0 … 19 (20)"),
         (("a" * 30, "b"), "aaaaaaaaaaaaaaa…, b"),
-        (("a" * 30, "b" * 30, "c"), "3 labels: aaaaaaaaaaaaaaa… … c"),
+        (("a" * 30, "b" * 30, "c"), "aaaaaaaaaaaaaaa… … c (3)"),
     ],
 )
 def test_many_labels_are_counted(labels: tuple[Label, ...], text: str) -> None:
@@ -36,7 +36,7 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     report: [table]
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
-    assert boxes["gaps"].axes == ("length: 5, 15", "trial: 20 labels: 0 … 19")
+    assert boxes["gaps"].axes == ("length: 5, 15", "trial: 0 … 19 (20)")
     assert boxes["fill"].axes == ()
     assert boxes["fill"].alternatives == ("hold", "scale")
     kinds = {name: box.kind for name, box in boxes.items()}
