@@ -216,29 +216,27 @@ def _settled(
     tops: dict[Cell, float] = {}
     for column in columns:
         _stack(column, sizes, tops)
-    sides: tuple[dict[Cell, list[tuple[float, float, Cell]]], ...] = (
-        {cell: [] for cell in tops},
-        {cell: [] for cell in tops},
-    )
+    near: dict[Cell, list[tuple[float, float, Cell]]] = {cell: [] for cell in tops}
     for piece in pieces:
         weight = 1.0 if "bend" in (piece.left[0], piece.right[0]) else _DIRECT
         level = piece.left_offset - piece.right_offset
-        sides[0][piece.right].append((weight, level, piece.left))
-        sides[1][piece.left].append((weight, -level, piece.right))
+        near[piece.right].append((weight, level, piece.left))
+        near[piece.left].append((weight, -level, piece.right))
     for sweep in range(4 * _SWEEPS):
         for column in reversed(columns) if sweep % 2 else columns:
             wanted = []
             for cell in column:
-                near = sides[sweep % 2][cell] or sides[1 - sweep % 2][cell]
-                if sweep > 3:
-                    near = sides[0][cell] + sides[1][cell]
-                weight = sum(weight for weight, _, _ in near)
-                mean = sum(weight * (tops[other] + level) for weight, level, other in near)
-                wanted.append((weight, mean / weight) if near else (0.01, tops[cell]))
+                weight = sum(weight for weight, _, _ in near[cell])
+                mean = sum(weight * (tops[other] + level) for weight, level, other in near[cell])
+                wanted.append((weight, mean / weight) if weight else (0.01, tops[cell]))
             tops.update(zip(column, _apart(column, sizes, wanted), strict=True))
     _straighten(columns, sizes, pieces, tops)
     least = min(tops.values(), default=0.0)
     return {cell: top - least for cell, top in tops.items()}
+
+
+_Row = list[tuple[Cell, float]]
+"""Cells that would stand level, each with how far its top is below that of the first."""
 
 
 def _straighten(
@@ -248,39 +246,19 @@ def _straighten(
     tops: dict[Cell, float],
 ) -> None:
     """Make wires level where the cells above and below leave room for it."""
-    into: dict[Cell, list[_Piece]] = {}
-    for piece in pieces:
-        into.setdefault(piece.right, []).append(piece)
     room: dict[Cell, tuple[Cell | None, Cell | None]] = {}
-    rows: dict[Cell, list[tuple[Cell, float]]] = {}  # by the last cell; each with its offset
-    done = []
     for column in columns:
         room |= zip(column, zip([None, *column], [*column[1:], None], strict=False), strict=False)
-        for cell in sorted(column, key=lambda cell: cell[0] != "bend"):
-            near = [
-                piece
-                for piece in into.get(cell, ())
-                if piece.left in rows
-                and (abs(piece.drop(tops)) < _NEARLY_LEVEL or piece.left[0] == cell[0] == "bend")
-            ]
-            row, offset = [], 0.0
-            if near:
-                piece = min(near, key=lambda piece: abs(piece.drop(tops)))
-                row = rows.pop(piece.left)
-                offset = row[-1][1] + piece.left_offset - piece.right_offset
-            else:
-                done.append(row)
-            row.append((cell, offset))
-            rows[cell] = row
 
-    def settle(run: Sequence[tuple[Cell, float]], least: float, most: float) -> None:
+    def settle(run: _Row, least: float, most: float) -> None:
         mean = sum(tops[cell] - offset for cell, offset in run) / len(run)
         level = min(max(mean, least), most)
         tops.update({cell: level + offset for cell, offset in run})
 
-    for _ in range(_STRAIGHTENINGS):
-        for row in done:
-            run: list[tuple[Cell, float]] = []
+    rows = _rows(columns, pieces, tops)
+    for _ in range(_STRAIGHTENINGS):  # a row that moved may leave room for another
+        for row in rows:
+            run: _Row = []
             least, most = -inf, inf
             for cell, offset in row:
                 above, below = room[cell]
@@ -292,6 +270,36 @@ def _straighten(
                 run.append((cell, offset))
                 least, most = max(least, low), min(most, high)
             settle(run, least, most)
+
+
+def _rows(
+    columns: Iterable[Sequence[Cell]], pieces: Iterable[_Piece], tops: Mapping[Cell, float]
+) -> list[_Row]:
+    """Return all cells in rows: bends of one wire, and what is nearly level with a neighbour."""
+    into: dict[Cell, list[_Piece]] = {}
+    for piece in pieces:
+        into.setdefault(piece.right, []).append(piece)
+    rows: list[_Row] = []
+    by_end: dict[Cell, _Row] = {}
+    for column in columns:
+        # a wire goes on in its own row rather than to the box of another
+        for cell in sorted(column, key=lambda cell: cell[0] != "bend"):
+            near = [
+                piece
+                for piece in into.get(cell, ())
+                if piece.left in by_end
+                and (abs(piece.drop(tops)) < _NEARLY_LEVEL or piece.left[0] == cell[0] == "bend")
+            ]
+            if near:
+                piece = min(near, key=lambda piece: abs(piece.drop(tops)))
+                row = by_end.pop(piece.left)
+                offset = row[-1][1] + piece.left_offset - piece.right_offset
+            else:
+                row, offset = [], 0.0
+                rows.append(row)
+            row.append((cell, offset))
+            by_end[cell] = row
+    return rows
 
 
 def _step(upper: Cell, lower: Cell, sizes: Mapping[Cell, Size]) -> float:

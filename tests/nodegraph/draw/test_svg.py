@@ -211,6 +211,16 @@ def test_what_need_not_cross_does_not(readers: list[int]) -> None:
     assert [below for _, below in ends] == sorted(below for _, below in ends)
 
 
+def test_a_long_wire_runs_level_past_the_boxes_between() -> None:
+    names = ["a", "b", "c", "d"]
+    root = check(plain(names, [*pairwise(names), ("a", "d")]))
+    boxes = rectangles(root)
+    (drawn,) = (lines(group) for group in arrows_of(root) if group.get("data-arrow") == "a.x d.x")
+    ((*points,),) = drawn
+    assert len({y for x, y in points if boxes["b"][0] <= x <= boxes["c"][2]}) == 1
+    assert len({box[1] for box in boxes.values()}) == 1
+
+
 def test_a_source_that_is_needed_late_stands_before_its_reader() -> None:
     names = ["a", "b", "c", "late"]
     boxes = rectangles(check(plain(names, [("a", "b"), ("b", "c"), ("late", "c")])))
