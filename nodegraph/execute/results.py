@@ -135,10 +135,10 @@ class Run:
         ]
 
     def tidy(self) -> None:
-        """Pack the small results that were stored, and keep the bound on the size of the store.
+        """Keep the bound on the size of the store.
 
-        It may take seconds, so that a command shows the answer first. Ctrl-C ends it early; what is
-        left is done after a later run.
+        It may take seconds, so that a command shows the answer first. Ctrl-C ends it early; a later
+        run continues.
         """
         store = self.cache.store if self.cache is not None else None
         with suppress(KeyboardInterrupt):
@@ -177,8 +177,11 @@ class Run:
         return in_memory or (entry is not None and all(entry.faithful))
 
     def shown_of(self, index: int) -> tuple[object, ...]:
-        """Return a step's values, or the stand-ins that are stored of them to be shown."""
-        stand_ins = None if index in self.in_memory else self._stored(index, stand_ins=True)
+        """Return a step's values, or the stand-ins that are stored of them to be shown.
+
+        A figure differs each time it is drawn: a report shows the drawing that later runs find.
+        """
+        stand_ins = self._stored(index, stand_ins=True)
         return self.values_of(index) if stand_ins is None else stand_ins
 
     def compute(self, indices: Iterable[int]) -> Iterator[Advance]:
@@ -217,7 +220,7 @@ class Run:
                 raise NodegraphError(f"{name} cannot be computed again: {outcome.reason}")
             if outcome.key != self.outcomes[index].key:
                 raise NodegraphError(
-                    f"{name} cannot be computed again: what it depends on has changed"
+                    f"{name} cannot be computed again: a file or code that it needs has changed"
                 )
             if index in schedule.values:
                 self._computed[index] = schedule.values[index]
