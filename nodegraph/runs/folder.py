@@ -184,7 +184,7 @@ class RunFolder:
         *inner, last = name.split("/")
         # a folder of several users may hold a link by now
         with files.Folder(os.path.realpath(self._place), *inner, make=True) as folder:
-            folder.write(last, (content,))
+            folder.write(last, content)
 
     def replace_same(self) -> None:
         """Remove the earlier run if this one, which is written by now, is the same.

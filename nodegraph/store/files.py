@@ -17,31 +17,18 @@ import os
 import re
 import secrets
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterator
 from contextlib import suppress
 from io import IOBase
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from nodegraph.store.codec import Unreadable
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-
-FORMAT = "format-1"
-ENTRIES, BLOBS, PACKS = "entries", "blobs", "packs"
-BLOB = re.compile("[0-9a-f]{62}")
-ENTRY = re.compile(r"[0-9a-f]{62}\.json")
 UNFINISHED = re.compile(r"[0-9a-f]{8}-\d+-\d+\.part")
 """The name of a file that is not yet whole."""
-_FIRST = re.compile("[0-9a-f]{2}")
-_PIECE = 2**20
 _OPENS_FOLDERS = os.open in os.supports_dir_fd
 _DATES_LINKS = os.utime in os.supports_follow_symlinks
 _NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 # without waiting: a pipe in place of a file is empty
-_READ = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
+READ = os.O_RDONLY | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
 _LONGEST = 2**28
 _WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 _own = secrets.token_hex(4)
@@ -56,7 +43,7 @@ def read(path: str) -> tuple[bytes, float]:
     OSError
         If it cannot be read, or is far from small.
     """
-    opened = os.open(path, _READ)
+    opened = os.open(path, READ)
     try:
         status = os.fstat(opened)
         if status.st_size > _LONGEST:
@@ -78,7 +65,7 @@ def write(folder: str, name: str, content: object) -> None:
         If that is not possible; nothing of it is left then.
     """
     with Folder(os.path.realpath(folder), make=True) as opened:
-        opened.write(name, (content,))
+        opened.write(name, content)
 
 
 class Folder:
@@ -148,14 +135,8 @@ class Folder:
         flags |= _NO_LINK | getattr(os, "O_BINARY", 0)
         return os.open(f"{self._before}{name}", flags, 0o666, dir_fd=self._number)
 
-    def write(self, name: str, parts: Iterable[object], *, durable: bool = False) -> None:
-        """Write a file, part after part, whole or not at all, over any that is there.
-
-        Parameters
-        ----------
-        name, parts
-        durable
-            Whether to return only when it would outlast a loss of power.
+    def write(self, name: str, content: Any) -> None:
+        """Write a file whole or not at all, over any that is there.
 
         Raises
         ------
@@ -166,10 +147,9 @@ class Folder:
         try:
             opened = self.open(unfinished, _WRITE)
             try:
-                for part in parts:
-                    _write_all(opened, part)
-                if durable:
-                    os.fsync(opened)
+                left = memoryview(content)
+                while left:
+                    left = left[os.write(opened, left) :]
             finally:
                 os.close(opened)
             os.replace(
@@ -178,9 +158,6 @@ class Folder:
                 src_dir_fd=self._number,
                 dst_dir_fd=self._number,
             )
-            if durable and self._number is not None:
-                with suppress(OSError):  # not every disk writes folders
-                    os.fsync(self._number)
         except BaseException:
             with suppress(OSError):
                 self.remove(unfinished)
@@ -189,13 +166,6 @@ class Folder:
     def status(self, name: str) -> os.stat_result:
         """Return the status of a file."""
         return os.stat(f"{self._before}{name}", dir_fd=self._number, follow_symlinks=False)
-
-    def size(self, name: str) -> int:
-        """Return the bytes of a file; 0 for one that is gone."""
-        try:
-            return self.status(name).st_size
-        except FileNotFoundError:
-            return 0
 
     def touch(self, name: str) -> None:
         """Note that a file is used now."""
@@ -206,25 +176,15 @@ class Folder:
         """Remove a file, or a link itself."""
         os.unlink(f"{self._before}{name}", dir_fd=self._number)
 
-    def names(self, form: re.Pattern[str]) -> list[str]:
-        """Return the names, of a form, of files in it."""
-        return [
-            item.name
-            for item in self._items()
-            if form.fullmatch(item.name) and item.is_file(follow_symlinks=False)
-        ]
-
-    def folders(self) -> list[str]:
-        """Return the names of the folders in it that are the first digits of keys or digests."""
-        return [
-            item.name
-            for item in self._items()
-            if _FIRST.fullmatch(item.name) and item.is_dir(follow_symlinks=False)
-        ]
-
-    def _items(self) -> list[os.DirEntry[str]]:
+    def files(self, form: re.Pattern[str]) -> Iterator[tuple[str, os.stat_result]]:
+        """Yield name and status of each file in it whose name has a form; links are left out."""
         with os.scandir(self.path if self._number is None else self._number) as items:
-            return list(items)
+            names = [item.name for item in items if form.fullmatch(item.name)]
+        for name in names:
+            with suppress(FileNotFoundError):  # another program was quicker
+                status = self.status(name)
+                if stat.S_ISREG(status.st_mode):
+                    yield name, status
 
 
 def _open_folder(name: str, above: int | None, path: str) -> int | None:
@@ -233,36 +193,6 @@ def _open_folder(name: str, above: int | None, path: str) -> int | None:
     if os.path.islink(path) or not os.path.isdir(path):
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), path)
     return None
-
-
-def read_checked(path: str, size: int, wanted: str) -> NDArray[np.uint8] | None:
-    """Return the content of a file as memory that nobody can write to, or None.
-
-    None says that it is not of that size, or its SHA-256 is another.
-    """
-    import numpy as np
-
-    summed = hashlib.sha256()
-    with open(os.open(path, _READ), "rb", buffering=0) as opened:
-        if os.fstat(opened.fileno()).st_size != size:
-            return None
-        memory = np.empty(size, np.uint8)
-        pieces = memory.data
-        filled = 0
-        while got := opened.readinto(pieces[filled : filled + _PIECE]):
-            # what has just been read is still close to the processor
-            summed.update(pieces[filled : filled + got])
-            filled += got
-    memory.flags.writeable = False
-    return memory if filled == size and summed.hexdigest() == wanted else None
-
-
-def is_whole(path: str, name: str) -> bool:
-    """Return whether the SHA-256 of a file's content is its name; a device or a pipe is not."""
-    with open(os.open(path, _READ), "rb") as opened:
-        if not stat.S_ISREG(os.fstat(opened.fileno()).st_mode):
-            return False
-        return hashlib.file_digest(opened, "sha256").hexdigest() == name
 
 
 def seal(text: str) -> bytes:
@@ -278,88 +208,14 @@ def unseal(content: bytes) -> bytes | None:
     return rest if whole and content[64:65] == b"\n" else None
 
 
-def locked(file: IOBase, *, wait: bool = False) -> bool:
-    """Lock a file for as long as it is open; return False if another program holds it.
-
-    Parameters
-    ----------
-    file
-    wait
-        Whether to wait until no other program holds it.
-    """
+def locked(file: IOBase) -> bool:
+    """Lock a file for as long as it is open; return False if another program holds it."""
     try:
         import fcntl
 
-        fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     except (ImportError, OSError):
         pass  # this system or this disk has no locks
-    return True
-
-
-def _write_all(opened: int, content: Any) -> None:
-    left = memoryview(content)
-    while left:
-        left = left[os.write(opened, left) :]
-
-
-class Blobs:
-    """Bytes in files that are named after their SHA-256.
-
-    Parameters
-    ----------
-    root
-        The folder of the store's format.
-    """
-
-    def __init__(self, root: str) -> None:
-        self._root = root
-
-    def put(self, name: str, content: memoryview | bytes) -> None:
-        """Keep bytes under their SHA-256.
-
-        Raises
-        ------
-        OSError
-            If that is not possible.
-        """
-        with Folder(self._root, BLOBS, name[:2], make=True) as folder:
-            if not _is_there(folder, name[2:], len(content)):
-                folder.write(name[2:], (content,))
-
-    def get(self, name: str, size: int) -> NDArray[np.uint8]:
-        """Return the bytes in memory that nobody can write to.
-
-        Raises
-        ------
-        Unreadable
-            If they are not there, or not what they were, for which they are removed; or if there
-            are more or fewer.
-        """
-        path = f"{self._root}/{BLOBS}/{name[:2]}/{name[2:]}"
-        try:
-            content = read_checked(path, size, name)
-        except OSError as error:
-            raise Unreadable(f"{path}: {error.strerror}") from error
-        if content is None:
-            with suppress(OSError):
-                # what is whole, and of another size than an entry says, is of use to others
-                if not is_whole(path, name):
-                    with Folder(self._root, BLOBS, name[:2]) as folder:
-                        folder.remove(name[2:])
-            raise Unreadable(f"{path} is not what was written")
-        return content
-
-
-def _is_there(folder: Folder, name: str, size: int) -> bool:
-    try:
-        if folder.status(name).st_size != size:
-            return False
-        # so that nobody takes it for one that no entry needs, before the entry is written
-        folder.touch(name)
-    except FileNotFoundError:
-        return False
-    except PermissionError:
-        return True
     return True

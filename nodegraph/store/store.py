@@ -1,8 +1,7 @@
 """Results on disk, found by the keys of the steps that made them.
 
-Each result is one small file, or lies in a pack with many others, beside files of the arrays'
-bytes. Several programs may use a folder at once: every file is written under another name first, so
-that nobody ever sees half of one.
+Each result is one small file, beside files of the arrays' bytes. Several programs may use a folder
+at once: every file is written under another name first, so that nobody ever sees half of one.
 """
 
 from __future__ import annotations
@@ -26,6 +25,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.formatting import printable
 from nodegraph.state import State
 from nodegraph.store import files
+from nodegraph.store.blobs import Blobs
 from nodegraph.store.codec import (
     Packed,
     Packer,
@@ -34,13 +34,13 @@ from nodegraph.store.codec import (
     Unstorable,
     digest_of,
 )
-from nodegraph.store.files import Blobs
-from nodegraph.store.packs import Packs
 
 if TYPE_CHECKING:
     from nodegraph.store.codec import Buffer
 
 
+FORMAT = "format-2"
+ENTRIES = "entries"
 _INLINE = 2048
 """Bytes up to which an array lies in the entry itself."""
 
@@ -121,6 +121,11 @@ class Entry(BaseModel):
         if self.outputs and self.state != State.DONE:
             raise ValueError("what was refused has no output")
         return self
+
+    @property
+    def length(self) -> int:
+        """Bytes of its own file."""
+        return self._length
 
     @property
     def size(self) -> int:
@@ -285,8 +290,7 @@ class Store:
         self.say = say
         self._lock = threading.Lock()
         self._reported: set[str] = set()
-        self._root = str(self.folder / files.FORMAT)
-        self._packs = Packs(self._root)
+        self._root = str(self.folder / FORMAT)
         self._blobs = Blobs(self._root)
         self._make()
 
@@ -301,16 +305,9 @@ class Store:
         outputs
             How many the node has; an entry with another number of values is damaged.
         """
-        path, packed = self._path(key), None
         try:
-            try:
-                content, changed = files.read(path)
-            except FileNotFoundError:
-                packed = self._packs.find(key)
-                if packed is None:
-                    return None
-                content, changed = packed.content(), packed.used
-        except NotADirectoryError:
+            content, changed = files.read(self._path(key))
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except OSError as error:
             self._tell(f"stored results cannot be read: {self.folder}: {error.strerror or error}")
@@ -320,12 +317,8 @@ class Store:
             self._remove_damaged(key, "a stored result is damaged")
         elif time.time() - changed > _HOUR:
             # the time of its last use, by which pruning chooses; to the hour is enough
-            with suppress(OSError):
-                if packed is not None:
-                    packed.touch()
-                else:
-                    with self._folder(key) as folder:
-                        folder.touch(_name(key))
+            with suppress(OSError), self._folder() as folder:
+                folder.touch(_name(key))
         return entry
 
     def load(self, entry: Entry, types: Iterable[type] = ()) -> tuple[Any, ...]:
@@ -376,8 +369,8 @@ class Store:
             packed = [self.packer.pack(value) for value in values]
             entry, content = entry_of(key, about, packed, self._blobs)
             # last: whoever finds the entry finds all blobs that it names
-            with self._folder(key, make=True) as folder:
-                folder.write(_name(key), (content,))
+            with self._folder(make=True) as folder:
+                folder.write(_name(key), content)
         except Unstorable as error:
             with self._lock:
                 self.unstorable[error.kind] += 1
@@ -394,7 +387,7 @@ class Store:
         if self.writable:
             try:
                 with files.Folder(self._root, make=True) as folder:
-                    folder.write(f"{name}.json", (files.seal(json.dumps(data)),))
+                    folder.write(f"{name}.json", files.seal(json.dumps(data)))
             except OSError as error:
                 self._give_up(error)
 
@@ -417,9 +410,15 @@ class Store:
             return
         try:
             with files.Folder(self._root, make=True) as folder:
-                folder.write("README", (_README.encode(),))
+                folder.write("README", _README.encode())
         except OSError as error:
             self._give_up(error)
+            return
+        if others := other_formats(self.folder):
+            self.say(
+                f"results that another version of nodegraph has stored are not used, and stay: "
+                f"{', '.join(f'{self.folder / name}' for name in others)}"
+            )
 
     def _give_up(self, error: OSError) -> None:
         with self._lock:
@@ -429,22 +428,15 @@ class Store:
         self.say(f"results are no longer kept: {self.folder}: {error.strerror or error}")
 
     def _path(self, key: str) -> str:
-        return f"{self._root}/{files.ENTRIES}/{key[:2]}/{_name(key)}"
+        return f"{self._root}/{ENTRIES}/{_name(key)}"
 
-    def _folder(self, key: str, *, make: bool = False) -> files.Folder:
-        return files.Folder(self._root, files.ENTRIES, key[:2], make=make)
+    def _folder(self, *, make: bool = False) -> files.Folder:
+        return files.Folder(self._root, ENTRIES, make=make)
 
     def _remove_damaged(self, key: str, text: str) -> None:
-        path = self._path(key)
-        with suppress(OSError):
-            try:
-                with self._folder(key) as folder:
-                    folder.remove(_name(key))
-            except FileNotFoundError:
-                if (packed := self._packs.find(key)) is not None:
-                    packed.remove()
-                    path = packed.pack.path
-        self._tell(f"{text}, and is computed again when it is needed: {path}")
+        with suppress(OSError), self._folder() as folder:
+            folder.remove(_name(key))
+        self._tell(f"{text}, and is computed again when it is needed: {self._path(key)}")
 
     def _tell(self, text: str) -> None:
         with self._lock:
@@ -456,7 +448,12 @@ class Store:
 
 def _name(key: str) -> str:
     """Return the name of an entry's file."""
-    return f"{key[2:]}.json"
+    return f"{key}.json"
+
+
+def other_formats(folder: Path) -> list[str]:
+    """Return names of folders of other versions of this program, which are left alone."""
+    return sorted(path.name for path in folder.glob("format-*") if path.name != FORMAT)
 
 
 VARIABLE = "NODEGRAPH_STORE"

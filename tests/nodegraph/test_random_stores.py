@@ -25,7 +25,7 @@ from nodegraph.plugin.hook_types import Storage
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
-from nodegraph.store import Entry, Upkeep, upkeep
+from nodegraph.store import Entry, Upkeep
 
 AXES = {"i": (1, 2), "j": (3, 4, 5)}
 WAYS = [HowToRun("serial"), HowToRun("threads", 3)]
@@ -272,9 +272,7 @@ def there(run: Run, keys: set[str]) -> set[int]:
 
 
 @pytest.fixture(params=SEEDS)
-def study(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Study:
-    # every other store has its entries in packs
-    monkeypatch.setattr(upkeep, "_FEW", 2 if request.param % 2 else 4096)
+def study(request: pytest.FixtureRequest, tmp_path: Path) -> Study:
     return Study(request.param, tmp_path)
 
 
@@ -308,14 +306,14 @@ def test_damage_is_reported_and_repaired(study: Study, how: HowToRun) -> None:
     alone = study.alone()
     study.run(how)
     damaged = damage(study)
-    keys = keys_in(study.folder) - {path.parent.name + path.stem for path in damaged}
+    keys = keys_in(study.folder) - {path.stem for path in damaged}
     messages: list[str] = []
     run, called = study.run(how, messages.append)
     same(run, alone, unneeded=True)
     for path, content in damaged.items():
         if "entries" in path.parts and content is not None and read(path) != content:
             assert any(str(path) in line for line in messages)
-    blobs = {path.parent.name + path.name for path in damaged if "blobs" in path.parts}
+    blobs = {path.name for path in damaged if "blobs" in path.parts}
     harmed = {entry.key for entry in entries(study) if blobs & entry.blobs().keys()}
     assert set(called) <= Needed(alone, there(run, keys - harmed), study.kept).called
     faithful = [index for index in called if not is_sketch(alone, index)]
@@ -372,7 +370,7 @@ def read(path: Path) -> bytes | None:
 
 def damage(study: Study) -> dict[Path, bytes | None]:
     """Damage some files of the store; return what they hold now, None where they are gone."""
-    parts = ("entries/*/*", "blobs/*/*", "packs/*.pack")
+    parts = ("entries/*", "blobs/*")
     files = [path for part in parts for path in sorted(study.folder.glob(f"*/{part}"))]
     before = {path: path.read_bytes() for path in files}
     damaged = study.chance.sample(files, min(len(files), study.chance.randint(1, 6)))

@@ -25,7 +25,7 @@ def store(tmp_path: Path, messages: list[str]) -> Store:
 @pytest.fixture
 def files(tmp_path: Path) -> Callable[..., list[Path]]:
     """List the files of a part of the store."""
-    root = tmp_path / "store" / "format-1"
+    root = tmp_path / "store" / "format-2"
     return lambda part="": sorted(value for value in (root / part).rglob("*") if value.is_file())
 
 

@@ -6,9 +6,6 @@ import base64
 import copy
 import hashlib
 import json
-import os
-import struct
-import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from random import Random
@@ -47,7 +44,7 @@ def deep(levels: int, word: str = "list") -> object:
 
 def entry_files(store: Path) -> list[Path]:
     """Return the files of all entries."""
-    return sorted(store.glob("format-*/entries/*/*.json"))
+    return sorted(store.glob("format-*/entries/*.json"))
 
 
 def payload(path: Path) -> dict[str, Any]:
@@ -66,30 +63,6 @@ def forge(path: Path, change: Change) -> None:
     data = payload(path)
     change(data)
     seal(path, json.dumps(data).encode())
-
-
-def write_pack(path: Path, entries: dict[bytes, bytes], chance: Random) -> None:
-    """Write a pack of entries by their keys, most often with numbers that no program writes."""
-    hour = int(time.time() / 3600)
-    offset = 24 + len(entries) * 52
-    header: list[Any] = [b"nodegraph pack 1", len(entries)]
-    records: list[list[int]] = []
-    for content in (entries[key] for key in sorted(entries)):
-        records.append([offset, len(content), hour, content.count(b"blob")])
-        offset += len(content)
-    for _ in range(chance.choice([0, 1, 1, 2, 9])):
-        if chance.random() < 0.1:
-            header[1] = chance.choice([0, 1, 2**20, 2**32, 2**62, 2**64 - 1])
-        else:
-            record, at = chance.choice(records), chance.randrange(4)
-            most = 2**64 if at == 0 else 2**32
-            others = [0, 1, 2**31, 2**40, most - 1, record[at] + 1, offset, offset // 2]
-            record[at] = chance.choice(others) % most
-    parts = [struct.pack("<16sQ", *header), *sorted(entries)]
-    parts += [struct.pack("<QIII", *record) for record in records]
-    path.write_bytes(b"".join([*parts, *(entries[key] for key in sorted(entries))]))
-    if chance.random() < 0.1:
-        os.truncate(path, chance.choice([0, 24, offset // 2, 2**43]))
 
 
 def output(head: object, *buffers: bytes | Sequence[object] | None, at: int = 0) -> Change:

@@ -78,11 +78,11 @@ class Fuzz:
             key = f"{number:064x}"
             entry = self.store.save(key, ABOUT, (value, 1.5))
             assert entry is not None, name
-            path = folder / "format-1" / "entries" / key[:2] / f"{key[2:]}.json"
+            path = folder / "format-2" / "entries" / f"{key}.json"
             stored = self.store.load(entry)[0]
             digest = self.store.packer.digest(stored)
             self.kept.append((key, path, path.read_bytes(), type(stored), digest))
-        self.blobs = {path: path.read_bytes() for path in folder.glob("format-1/blobs/*/*")}
+        self.blobs = {path: path.read_bytes() for path in folder.glob("format-2/blobs/*")}
 
     def once(self) -> None:
         """Forge an entry, and read it."""
@@ -91,10 +91,7 @@ class Fuzz:
         for blob, whole in self.blobs.items():
             if not blob.exists():
                 blob.write_bytes(whole)
-        way = self.chance.choice(["bytes", "anything", "output", "output", "output", "pack"])
-        if way == "pack":
-            self.once_packed(key, path, content, kind, digest)
-            return
+        way = self.chance.choice(["bytes", "anything", "output", "output", "output"])
         if way == "bytes":
             forged.any_bytes(path, self.chance)
         elif way == "anything":
@@ -111,40 +108,6 @@ class Fuzz:
         assert path.exists() == stays, self.messages
         assert all(blob.exists() for blob in self.blobs)
         self.counts[f"{way}: {became}"] += 1
-
-    def once_packed(self, key: str, path: Path, content: bytes, kind: type, digest: str) -> None:
-        """Forge a pack, around an entry that is forged itself or whole, and read and prune it."""
-        is_whole = self.chance.random() < 0.5
-        if not is_whole:
-            forged.forge(path, forged.any_other_output(self.chance))
-        entries = {bytes.fromhex(key): path.read_bytes()}
-        entries |= {
-            self.chance.randbytes(32): content for _ in range(self.chance.choice([0, 3, 9]))
-        }
-        path.unlink()
-        pack = path.parents[2] / "packs" / "forged.pack"
-        pack.parent.mkdir(exist_ok=True)
-        forged.write_pack(pack, entries, self.chance)
-        loose = sum(each.stat().st_size for _, each, *_ in self.kept if each.exists())
-        self.store = Store(self.store.folder, self.store.packer, self.messages.append)
-        became = self.read(key, kind, digest if is_whole else None)
-        if self.chance.random() < 0.1:  # it waits for the disk
-            self.prune_packs(loose + pack.stat().st_blocks * 512)
-        else:
-            pack.unlink()
-        self.counts[f"pack: {became}"] += 1
-
-    def prune_packs(self, size: int) -> None:
-        """Prune the store, which must not make it larger, and put back what that has removed."""
-        Upkeep(self.store.folder).prune(older_than=self.chance.choice([0.0, 86400.0, 1e12]))
-        left = list(self.store.folder.glob("format-1/packs/*.pack"))
-        assert sum(each.stat().st_blocks * 512 for each in left) <= 2 * size + 2**16
-        for each in left:
-            each.unlink()
-        for _, path, whole, _, _ in self.kept:
-            path.write_bytes(whole)
-        for blob, whole in self.blobs.items():
-            blob.write_bytes(whole)
 
     def read(self, key: str, kind: type, digest: str | None) -> str:
         """Read an entry; its first value must be of a type, and of a digest if there is one."""

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from nodegraph import Across, Storage
-from nodegraph.store import About, Packer, Store, Upkeep, store_folder, upkeep
+from nodegraph.store import About, Packer, Store, Upkeep, store_folder
 
 from .forged import seal
 
@@ -58,7 +58,7 @@ def test_another_store_in_the_same_folder_finds_it(tmp_path: Path) -> None:
     entry = other.find(KEY)
     assert entry is not None
     assert other.load(entry) == (1,)
-    assert (folder / "format-1" / "README").is_file()
+    assert (folder / "format-2" / "README").is_file()
 
 
 def test_what_is_not_there_is_not_found(store: Store, messages: list[str]) -> None:
@@ -177,7 +177,7 @@ def test_something_small_is_remembered(store: Store, messages: list[str], files:
     store.remember("code", {"c": 0.1})
     assert store.recall("code") == {"c": 0.1}
     assert store.recall("files") == {"b": {}}
-    seal(store.folder / "format-1" / "files.json", b"[" * 100_000)
+    seal(store.folder / "format-2" / "files.json", b"[" * 100_000)
     assert store.recall("files") == {}
     code = next(file for file in files() if file.name == "code.json")
     code.write_bytes(code.read_bytes().replace(b"0.1", b"0.2"))
@@ -234,9 +234,8 @@ RACE = """
 import sys
 import numpy as np
 from pathlib import Path
-from nodegraph.store import About, DamagedEntry, Packer, Store, Upkeep, upkeep
+from nodegraph.store import About, Packer, Store, Upkeep
 
-upkeep._FEW = 5
 folder, first = Path(sys.argv[1]), int(sys.argv[2])
 store = Store(folder, Packer(), lambda text: sys.exit(text))
 for number in range(120):
@@ -250,15 +249,11 @@ for number in range(120):
     store.remember("code", {str(first): number})
     if number % 40 == first:
         Upkeep(folder).prune(older_than=3600)
-    if number % 10 == first:
-        Upkeep(folder).tidy()
 assert len(store.recall("code")) == 1
 """
 
 
-def test_many_programs_share_a_folder(
-    store: Store, files: Files, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_programs_share_a_folder(store: Store, files: Files) -> None:
     path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     racing = [
         subprocess.Popen(
@@ -272,10 +267,7 @@ def test_many_programs_share_a_folder(
     for process in racing:
         _, message = process.communicate()
         assert process.returncode == 0, message
-    monkeypatch.setattr(upkeep, "_FEW", 5)
-    Upkeep(store.folder).tidy()
-    assert len(files("entries")) < 5
-    assert list(store.folder.glob("format-1/packs/*.pack"))
+    assert len(files("entries")) == 30
     assert {listed.entry.key for listed in Upkeep(store.folder).entries()} == {
         key_of(index) for index in range(30)
     }

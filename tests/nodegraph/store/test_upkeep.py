@@ -63,7 +63,7 @@ def test_how_much_there_is(filled: Store, upkeep: Upkeep, files: Files) -> None:
     assert upkeep.size() == Amount(4, 3, entries + 3 * 8000)
     listed = sorted(upkeep.entries(), key=lambda listed: listed.used)
     assert [each.entry.step for each in listed] == ["s0", "s1", "s2", "s3"]
-    assert all(each.entry.size == 8000 + each.length for each in listed)
+    assert all(each.entry.size == 8000 + each.entry.length for each in listed)
 
 
 def test_an_entry_in_the_place_of_another_is_not_listed(
@@ -130,7 +130,7 @@ def test_an_array_that_another_entry_needs_frees_nothing(filled: Store, upkeep: 
     everything = upkeep.size().size
     assert upkeep.prune(keep=everything) == Amount()
     first = min(upkeep.entries(), key=lambda listed: listed.used)
-    assert upkeep.prune(keep=everything - 1) == Amount(1, 0, first.length)
+    assert upkeep.prune(keep=everything - 1) == Amount(1, 0, first.entry.length)
     assert left(filled) == [1, 2, 3]
 
 
@@ -154,7 +154,7 @@ def test_an_array_that_was_written_just_now_stays(
 def test_what_a_killed_program_left_half_written_goes_after_an_hour(
     filled: Store, upkeep: Upkeep, files: Files, age: Age
 ) -> None:
-    places = [files("entries")[0], files("blobs")[0], filled.folder / "format-1" / "README"]
+    places = [files("entries")[0], files("blobs")[0], filled.folder / "format-2" / "README"]
     half = [part.with_name(f"{number:08x}-{number}-0.part") for number, part in enumerate(places)]
     for part in half:
         part.write_bytes(b"half")
