@@ -53,6 +53,20 @@ def test_the_console_stays_empty(tab: Page, tmp_path: Path) -> None:
     assert "needs a neutral pose" in tab.content()
 
 
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_boxes_of_the_graph_are_as_bright_as_the_page(
+    tab: Page, tmp_path: Path, theme: str
+) -> None:
+    show(tab, tmp_path, graph_svg=svg(Picture("drawn", (Box("capture"),))))
+    face, paper = tab.evaluate(
+        "(theme) => { document.documentElement.dataset.theme = theme;"
+        " return [getComputedStyle(document.querySelector('.box .frame')).fill,"
+        " getComputedStyle(document.body).backgroundColor]; }",
+        theme,
+    )
+    assert face == paper
+
+
 @pytest.mark.parametrize(
     ("clicks", "order", "state"),
     [
