@@ -18,7 +18,7 @@ from nodegraph.import_time import LOADED, STARTED
 from nodegraph.plugin.hook_types import Format
 
 _PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
-_FORM = f"1 {_PYTHON}"
+_FORM = f"2 {_PYTHON}"
 """Of what is remembered of sources; to be changed with the reading of sources."""
 _FORMATS = "nodegraph.plugin.formats"
 _PLAIN = (NoneType, bool, int, float, complex, str, range, type(...))

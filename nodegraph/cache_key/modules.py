@@ -51,8 +51,6 @@ class Source(NamedTuple):
     bound : mapping of name to references
         Names at its top, also those for type checkers, with what they are imported from; an empty
         reference stands for the module itself.
-    modules : sequence of str
-        References to whole modules that it imports at its top.
     acts : bool
         Whether an import of it does more than to bind names.
     """
@@ -60,8 +58,11 @@ class Source(NamedTuple):
     digest: str
     uses: Sequence[str] = ()
     bound: Mapping[str, Sequence[str]] = MappingProxyType({})
-    modules: Sequence[str] = ()
     acts: bool = False
+
+    def modules(self) -> Iterator[str]:
+        """Yield references to whole modules that it imports at its top."""
+        return (each for taken in self.bound.values() for each in taken if each.endswith(":"))
 
 
 def digest_of(content: str | bytes) -> str:
@@ -96,12 +97,6 @@ def read_source(file: str) -> Source:
         _tree_digest(tree) or digest_of(content),
         _uses([node for node in nodes if id(node) not in for_types]),
         bound,
-        [
-            reference
-            for statement in tree.body
-            if isinstance(statement, ast.Import)
-            for _, reference in _imports(statement)
-        ],
         acts,
     )
 
@@ -306,7 +301,7 @@ class Modules:
         if place.folders and name != "" and not source.acts:
             passed = list(self._passed(module, name, source)) if name else []
             if passed or name is None:
-                yield from _absolute(package, source.modules)
+                yield from _absolute(package, source.modules())
                 yield from passed
                 return
         if place.file:
