@@ -93,8 +93,8 @@ class Area:
                 ways[wire].append((bend, ""))
             ways[wire].append(wire[1])
         pieces = [
-            _Piece(*begin, sizes[begin[0]].outputs[begin[1]], *end, sizes[end[0]].inputs[end[1]])
-            for begin, end in dict.fromkeys(
+            _Piece(left, sizes[left].outputs[port], right, sizes[right].inputs[right_port])
+            for (left, port), (right, right_port) in dict.fromkeys(
                 piece for way in ways.values() for piece in pairwise(way)
             )
         ]
@@ -141,10 +141,8 @@ class _Piece(NamedTuple):
     """A piece of a wire between neighbouring columns, with the heights of its ends in the cells."""
 
     left: Cell
-    left_port: Hashable
     left_offset: float
     right: Cell
-    right_port: Hashable
     right_offset: float
 
     def drop(self, tops: Mapping[Cell, float]) -> float:
@@ -189,10 +187,8 @@ def _ordered(
             column[:] = [next(ranked) if cell in means else cell for cell in column]
             _stack(column, sizes, tops)
         count = _crossings(gaps, tops)
-        if count < fewest or sweep == 0 == count:
+        if count < fewest:
             best, fewest = [list(column) for column in columns], count
-        if not fewest and sweep:
-            break
     return best
 
 
