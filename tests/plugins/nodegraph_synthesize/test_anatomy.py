@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
+from nodegraph_synthesize.anatomy import Anatomy, make_anatomy
 from nodegraph_synthesize.muscles import CHANNELS
 from nodegraph_synthesize.proportions import Proportions
 from nodegraph_synthesize.surface import on_face
@@ -23,10 +23,6 @@ def _offsets(**levels: float) -> np.ndarray:
 
 def _activations(**levels: float) -> np.ndarray:
     return np.array([[levels.get(name, 0.0) for name in CHANNELS]])
-
-
-def test_a_face_at_rest_does_not_move() -> None:
-    np.testing.assert_allclose(_offsets(), 0.0, rtol=0, atol=1e-12)
 
 
 def test_the_jaw_lowers_the_chin_and_the_lower_lip_only() -> None:
@@ -83,31 +79,3 @@ def test_muscles_of_the_left_leave_the_right_alone() -> None:
     anatomy = make_anatomy(mirrored, Proportions(), dict.fromkeys(CHANNELS, 1.0))
     offsets = anatomy.offsets(_activations(frontalisInnerLeft=1.0))
     np.testing.assert_allclose(offsets[0, _BROW], 0.0, rtol=0, atol=1e-9)
-
-
-def test_displacement_is_not_linear_in_the_activation() -> None:
-    whole, half = (_offsets(zygomaticMajorLeft=level)[_CORNER] for level in (1.0, 0.5))
-    assert np.linalg.norm(whole - 2 * half) > 0.1
-
-
-def test_muscles_together_are_not_the_sum_of_each() -> None:
-    both = _offsets(jawOpen=1.0, zygomaticMajorLeft=1.0)[_CORNER]
-    summed = (_offsets(jawOpen=1.0) + _offsets(zygomaticMajorLeft=1.0))[_CORNER]
-    assert 0.2 < np.linalg.norm(both - summed) < 5.0
-
-
-def test_each_frame_is_posed_by_itself() -> None:
-    random = np.random.default_rng(0)
-    activations = random.random((6, len(CHANNELS)))
-    anatomy = _anatomy()
-    one_by_one = np.concatenate([anatomy.offsets(frame[None]) for frame in activations])
-    np.testing.assert_allclose(anatomy.offsets(activations), one_by_one, rtol=0, atol=1e-12)
-
-
-def test_strengths_are_those_of_an_actor() -> None:
-    first, other = (draw_strengths(np.random.default_rng(seed)) for seed in (1, 2))
-    assert first != other
-    assert first["zygomaticMajorLeft"] == first["zygomaticMajorRight"]
-    assert all(0.7 < strength < 1.4 for strength in first.values())
-    # Everybody's eyes close.
-    assert first["orbicularisOculiLeft"] == other["orbicularisOculiRight"] == 1.0

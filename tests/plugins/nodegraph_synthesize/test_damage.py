@@ -54,14 +54,6 @@ def test_the_share_of_impulses_is_exact_and_each_is_single(share: float) -> None
     np.testing.assert_array_equal(jumps.any(axis=2), hit)
 
 
-def test_impulses_have_the_promised_size_in_every_direction() -> None:
-    hit, jumps = impulses(_random(), 0.1, np.ones((2000, 12), dtype=bool))
-    sizes = np.linalg.norm(jumps[hit], axis=1)
-    assert sizes.min() >= 4.0
-    assert sizes.max() <= 10.0
-    np.testing.assert_allclose(jumps[hit].mean(axis=0), 0.0, rtol=0, atol=0.5)
-
-
 def test_impulses_that_do_not_fit_are_counted() -> None:
     with pytest.warns(UserWarning, match="0 impulses instead of 5"):
         impulses(_random(), 0.2, np.ones((2, 12), dtype=bool))

@@ -50,11 +50,3 @@ def test_each_eye_closes_alone_and_they_mirror_each_other() -> None:
         atol=1e-12,
     )
     np.testing.assert_array_equal(offsets["orbicularisOculiLeft"][points[:, 0] <= 0.0], 0.0)
-
-
-def test_brows_and_cheeks_stay() -> None:
-    points = on_face(
-        np.array([[22.0, 48.0], [31.0, 45.0], [24.0, 3.0], [0.0, 30.0]]), Proportions()
-    )
-    for offsets in eyelid_offsets(points, Proportions()).values():
-        np.testing.assert_array_equal(offsets, 0.0)

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from nodegraph.node.decorator import node_of
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_synthesize.impulses import add
 
@@ -32,21 +31,6 @@ def whole(frames: int = 600, markers: int = 12) -> Trajectories:
 
 def gappy(frames: int = 600, markers: int = 12) -> Trajectories:
     return recording(np.random.default_rng(1).random((frames, markers)) > 0.05)
-
-
-def test_ports_and_settings_are_as_promised() -> None:
-    definition = node_of(add)
-    assert definition is not None
-    assert [str(port) for port in definition.outputs] == [
-        "spiky: Trajectories",
-        "truth: Truth[Trajectories]",
-        "impulses: Truth[Mask]",
-    ]
-    assert {name: value.default for name, value in definition.settings.items()} == {
-        "share": 0.005,
-        "size": 5.0,
-        "seed": 0,
-    }
 
 
 @pytest.mark.parametrize("share", [0.0, 0.005, 0.05, 0.2])
@@ -140,17 +124,6 @@ def test_the_same_seed_hits_a_made_face_elsewhere_than_its_own_impulses() -> Non
     assert np.count_nonzero(again & face.impulses.hidden) < 0.1 * np.count_nonzero(again)
 
 
-def test_filled_samples_can_be_hit_and_sigma_stays() -> None:
-    take = whole()
-    filled = replace(
-        take, origin=np.full(take.origin.shape, Origin.FILLED), sigma=np.ones(take.origin.shape)
-    )
-    result = add(filled)
-    np.testing.assert_array_equal(result.impulses.hidden, add(take).impulses.hidden)
-    assert (result.spiky.origin == Origin.FILLED).all()
-    np.testing.assert_array_equal(result.spiky.sigma, filled.sigma)
-
-
 def test_what_does_not_fit_is_counted() -> None:
     with pytest.raises(
         ValueError, match=r"4 impulses requested \(0.2 of 20 present.*, 0 fit with seed"
@@ -167,13 +140,3 @@ def test_too_small_a_share_to_hit_anything_is_reported() -> None:
     with pytest.warns(UserWarning, match=r"no impulse: 0.005 of 60 present samples is none"):
         result = add(whole(6, 10))
     assert not result.impulses.hidden.any()
-
-
-def test_the_order_in_memory_does_not_matter() -> None:
-    straight = gappy()
-    turned = straight.keep(straight.markers)
-    assert turned.origin.flags.f_contiguous
-    assert not straight.origin.flags.f_contiguous
-    first, other = add(straight, share=0.05), add(turned, share=0.05)
-    np.testing.assert_array_equal(first.impulses.hidden, other.impulses.hidden)
-    np.testing.assert_array_equal(first.spiky.positions, other.spiky.positions)

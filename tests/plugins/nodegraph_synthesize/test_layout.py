@@ -14,7 +14,7 @@ def _layout(count: int) -> Layout:
     return make_layout(count, _SURFACE.places)
 
 
-@pytest.mark.parametrize("count", range(FEWEST, MOST + 1))
+@pytest.mark.parametrize("count", [*range(FEWEST, MOST, 9), MOST])
 def test_any_number_of_markers_is_symmetric(count: int) -> None:
     layout = _layout(count)
     markers = layout.marker_set.markers
@@ -53,12 +53,6 @@ def test_fewer_markers_keep_their_names_and_more_come_on_top() -> None:
         more = _layout(count)
         there = dict(zip(more.marker_set.markers, more.vertices.tolist(), strict=True))
         assert where.items() <= there.items()
-
-
-def test_the_usual_layout_covers_the_regions() -> None:
-    names = _layout(60).marker_set.markers
-    regions = {name[2:].rstrip("0123456789") for name in names}
-    assert regions == {"brow", "eyelid", "nose", "cheek", "mouth", "jaw", "forehead", "temple"}
 
 
 @pytest.mark.parametrize("count", [60, 100, 150])

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodegraph.node.decorator import node_of
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_synthesize.noise import add
 
@@ -21,24 +20,6 @@ def recording(frames: int = 400, markers: int = 15, *, missing: float = 0.1) -> 
     positions[random.random((frames, markers)) < missing] = np.nan
     names = tuple(f"m{index}" for index in range(markers))
     return Trajectories(positions=positions, markers=names, rate=60.0)
-
-
-def test_ports_and_settings_are_as_promised() -> None:
-    definition = node_of(add)
-    assert definition is not None
-    assert [str(port) for port in definition.inputs] == [
-        "recording: Trajectories",
-        "truth: Truth[Trajectories] | None",
-    ]
-    assert [str(port) for port in definition.outputs] == [
-        "noisy: Trajectories",
-        "truth: Truth[Trajectories]",
-    ]
-    assert {name: value.default for name, value in definition.settings.items()} == {
-        "sigma": 0.1,
-        "seed": 0,
-    }
-    assert definition.settings["sigma"].unit == "mm"
 
 
 def test_each_coordinate_is_off_by_sigma_and_independent_of_the_others() -> None:
@@ -62,17 +43,6 @@ def test_neither_frames_nor_markers_share_noise() -> None:
     np.testing.assert_allclose(following, 0.0, rtol=0, atol=0.08)
 
 
-def test_gaps_and_origins_stay() -> None:
-    take = recording()
-    origin = np.where(take.present, np.uint8(Origin.FILLED), np.uint8(Origin.MISSING))
-    origin[take.present & (np.arange(take.frames)[:, None] % 2 == 0)] = Origin.MEASURED
-    take = replace(take, origin=origin)
-    noisy = add(take).noisy
-    np.testing.assert_array_equal(noisy.origin, take.origin)
-    np.testing.assert_array_equal(noisy.present, take.present)
-    assert (noisy.positions != take.positions)[take.present].all()
-
-
 @settings(max_examples=20)
 @given(sigma=st.floats(0.01, 10.0), seed=st.integers(0, 2**40))
 def test_another_sigma_is_the_same_noise_at_another_scale(sigma: float, seed: int) -> None:
@@ -92,11 +62,6 @@ def test_a_gap_changes_nothing_of_the_noise_around_it() -> None:
     np.testing.assert_array_equal(
         first.positions[take.present], other.positions[take.present], strict=True
     )
-
-
-def test_no_sigma_is_no_noise() -> None:
-    take = recording()
-    np.testing.assert_array_equal(add(take, sigma=0.0).noisy.positions, take.positions)
 
 
 def test_the_recordings_own_sigma_adds_in_quadrature() -> None:

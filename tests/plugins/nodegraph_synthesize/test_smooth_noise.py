@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_synthesize.smooth_noise import rising, smooth_noise
+from nodegraph_synthesize.smooth_noise import smooth_noise
 
 
 @pytest.mark.parametrize("cutoff", [0.5, 2.0, 8.0])
@@ -24,8 +24,3 @@ def test_nothing_is_left_above_the_cutoff() -> None:
 def test_the_end_knows_nothing_of_the_start() -> None:
     curves = smooth_noise(np.random.default_rng(0), 1024, [0.5] * 400, 60.0)
     assert abs(np.corrcoef(curves[0], curves[-1])[0, 1]) < 0.2
-
-
-def test_rising_is_a_smooth_step() -> None:
-    steps = rising(np.array([-1.0, 0.0, 1.0, 2.0, 3.0]), 0.0, 2.0)
-    np.testing.assert_array_equal(steps, [0.0, 0.0, 0.5, 1.0, 1.0])
