@@ -129,12 +129,6 @@ def test_each_recording_is_compared_with_the_truth_of_its_labels() -> None:
         error_map(across(one=truth), truths)
 
 
-def test_markers_are_matched_by_name() -> None:
-    turned = smoothed(5.0).keep(made_face.MARKERS[::-1])
-    (axis, _) = error_map(across(one=turned), alone(made_face.truth())).axes
-    assert errors_of(axis)[::-1] == pytest.approx(0.5 * np.arange(len(made_face.MARKERS)))
-
-
 def test_equal_errors_one_marker_and_no_errors_are_drawn() -> None:
     truth = made_face.truth()
     for off in (1.0, 0.0):

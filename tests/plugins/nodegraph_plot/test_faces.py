@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import numpy as np
@@ -9,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
 
 from nodegraph import Across
-from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.view import frontal
 from nodegraph_plot.faces import faces
@@ -66,16 +64,6 @@ def test_what_is_still_missing_is_shown_where_it_should_be() -> None:
     expected = frontal(recording, "auto").project(truth.positions[FRAME, [COLUMN]])
     assert dots(axis)["left missing"] == pytest.approx(expected)
     assert not len(dots(axis)["filled"])
-
-
-def test_the_truth_is_matched_by_name() -> None:
-    truth = made_face.truth()
-    backwards = truth.keep(reversed(truth.markers))
-    recordings = across(guess=made_face.filled(3.0))
-    first, second = (
-        faces(recordings, known, frames=(FRAME,)).axes[0] for known in (truth, backwards)
-    )
-    assert np.array_equal(dots(first)["truth"], dots(second)["truth"])
 
 
 def test_edges_are_drawn_where_both_ends_are_present() -> None:
@@ -137,35 +125,3 @@ def test_a_truth_of_another_length_is_refused() -> None:
     )
     with pytest.raises(ValueError, match="the truth has 30 frames, the recording of a 40"):
         faces(across(a=made_face.truth()), short)
-
-
-def test_a_recording_without_frames_or_markers_is_refused() -> None:
-    whole = made_face.truth()
-    none = Trajectories(positions=whole.positions[:0], markers=whole.markers, rate=60.0)
-    with pytest.raises(ValueError, match="a has no frames: there is nothing to draw"):
-        faces(across(a=none))
-    with pytest.raises(ValueError, match="the recording has no markers: there is nothing"):
-        faces(Across((), (({}, whole.keep(())),)))
-
-
-def test_no_recording_is_refused() -> None:
-    with pytest.raises(ValueError, match="no recording to draw"):
-        faces(Across(("fill",), ()))
-
-
-def test_two_recordings_with_one_text_of_labels_are_not_mixed_up() -> None:
-    entries = (({"a": "x", "b": ""}, made_face.truth()), ({"a": "", "b": "x"}, made_face.gappy()))
-    with pytest.raises(ValueError, match="several recordings are labelled x"):
-        faces(Across(("a", "b"), entries))
-
-
-def test_the_figure_can_be_written_and_the_truth_port_only_draws() -> None:
-    buffer = io.BytesIO()
-    faces(across(a=made_face.filled(0.0)), made_face.truth()).savefig(buffer, format="svg")
-    assert buffer.getvalue().startswith(b"<?xml")
-    described = node_of(faces)
-    assert described is not None
-    assert [str(port) for port in described.inputs] == [
-        "recordings: Across[Trajectories]",
-        "truth: Truth[Trajectories] | None",
-    ]

@@ -34,12 +34,6 @@ def test_recordings_come_before_animations_each_in_their_order() -> None:
     assert player.panels[0].shown is faces.values()[0]
 
 
-def test_either_kind_may_come_alone() -> None:
-    assert shown(playback(across(a=made_face.gappy()))) == [("a", Trajectories)]
-    heads = across(a=animations()["one frame"])
-    assert shown(playback(animations=heads)) == [("a", Animation)]
-
-
 def test_nothing_at_all_is_refused() -> None:
     empty: Across[Trajectories] = Across(("fill",), ())
     for nothing in (None, empty):
@@ -67,18 +61,6 @@ def test_what_is_absent_is_listed() -> None:
     faces = Across(("fill", "trial"), (({"fill": "a", "trial": 3}, made_face.gappy()),), (lost,))
     notes = playback(faces).notes
     assert notes == ("recording ridge, 3 is absent: refused, needs one complete frame",)
-
-
-def test_two_of_one_label_are_not_mixed_up() -> None:
-    entries = (({"a": "x", "b": ""}, made_face.truth()), ({"a": "", "b": "x"}, made_face.gappy()))
-    with pytest.raises(ValueError, match="several recordings are labelled x"):
-        playback(Across(("a", "b"), entries))
-
-
-def test_a_recording_without_frames_is_refused() -> None:
-    empty = Trajectories(positions=np.empty((0, 1, 3)), markers=("nose",), rate=60.0)
-    with pytest.raises(ValueError, match="a has no frame"):
-        playback(across(a=empty))
 
 
 def test_it_is_seen_from_the_front_or_as_asked_for() -> None:

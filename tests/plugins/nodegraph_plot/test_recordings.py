@@ -1,13 +1,19 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, Trajectories
+from nodegraph_plot.faces import faces
+from nodegraph_plot.playback import playback
 from nodegraph_plot.recordings import comparable, named_looks
+from nodegraph_plot.spectra import spectra
 from nodegraph_plot.trajectories import trajectories
+from nodegraph_tables.figures import draw
 
 FRAMES = 40
 
@@ -58,3 +64,39 @@ def test_a_method_looks_the_same_whichever_others_are_drawn() -> None:
     assert message["muscle"] == every["muscle"]
     assert message["ridge"] == every["ridge"]
     assert named_looks(some)["muscle"] != every["muscle"]
+
+
+PLOTS: dict[str, Callable[[Across[Trajectories]], object]] = {
+    "faces": faces,
+    "playback": playback,
+    "spectra": spectra,
+    "trajectories": trajectories,
+}
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_what_cannot_be_drawn_is_refused_by_every_plot(name: str) -> None:
+    plot, (whole, _) = PLOTS[name], half_known()
+    none = replace(whole, positions=whole.positions[:0], origin=whole.origin[:0])
+    with pytest.raises(ValueError, match=r"b (has no frame|is too short)"):
+        plot(Across.of({"a": whole, "b": none}, axis="fill"))
+    with pytest.raises(ValueError, match=r"no recording to draw|neither a recording nor"):
+        plot(Across(("fill",), ()))
+    twice = (({"a": "x", "b": ""}, whole), ({"a": "", "b": "x"}, whole))
+    with pytest.raises(ValueError, match="several recordings are labelled x"):
+        plot(Across(("a", "b"), twice))
+    if name != "playback":
+        with pytest.raises(ValueError, match="a has no markers: there is nothing to draw"):
+            plot(Across.of({"a": whole.keep(())}, axis="fill"))
+
+
+@pytest.mark.parametrize("name", ["faces", "trajectories"])
+def test_the_truth_is_matched_by_name(name: str) -> None:
+    recording, truth = half_known()
+    drawn = []
+    for known in (truth, truth.keep(truth.markers[::-1])):
+        shown = {"faces": faces, "trajectories": trajectories}[name](
+            Across.of({"a": recording}, axis="fill"), known
+        )
+        drawn.append(draw(shown, "svg"))
+    assert drawn[0] == drawn[1]

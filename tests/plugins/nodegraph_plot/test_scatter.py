@@ -79,12 +79,6 @@ def test_names_that_are_not_there_are_reported_with_what_is() -> None:
         scatter(Across.of({"a": DataFrame({"n": [1]})}, axis="fill"), x="n")
 
 
-def test_names_with_markup_are_drawn_as_text() -> None:
-    table = DataFrame({"n": [1.0, 2.0]})
-    figure = scatter(Across.of({"<b>$x$": table, "y": table}, axis="fill"), x="n")
-    assert figure.legends[0].get_texts()[0].get_text() == r"<b>\$x\$"
-
-
 def test_names_of_columns_and_units_are_drawn_as_text() -> None:
     table = DataFrame({r"$\frac$": [1.0, 2.0], "_n": [1.0, 2.0]})
     table = with_info(table, TableInfo(units={"_n": "$"}))

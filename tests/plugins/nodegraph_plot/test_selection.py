@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.collections import PathCollection
 from matplotlib.colors import to_hex, to_rgba
 from matplotlib.figure import Figure as MatplotlibFigure
 
@@ -91,19 +91,6 @@ def test_without_frequencies_there_is_no_colour_bar() -> None:
     axis = alone(chosen("nose", with_shares=False), made_face.truth())
     assert len(axis.figure.axes) == 1
     assert to_hex(np.asarray(dots(axis)["chosen"].get_facecolor())[0]).upper() == GREY
-
-
-def test_edges_are_those_of_the_marker_set() -> None:
-    recording = made_face.truth()
-    (lines,) = (
-        artist
-        for artist in alone(chosen("nose"), recording).collections
-        if isinstance(artist, LineCollection)
-    )
-    places = frontal(recording, "auto").project(recording.positions.mean(axis=0))
-    number = {name: place for place, name in enumerate(recording.markers)}
-    expected = [[places[number[a]], places[number[b]]] for a, b in made_face.SET.edges]
-    assert np.array(lines.get_segments()) == pytest.approx(np.array(expected))
 
 
 def test_every_selection_has_a_face_on_the_recording_of_its_actor() -> None:

@@ -67,12 +67,6 @@ def test_one_reference_serves_all() -> None:
     assert [axis.get_title() for axis in figure.axes] == ["one\nD = 213", "two\nD = 0"]
 
 
-def test_rounding_is_no_difference() -> None:
-    near = {name: (x + 1e-9, y) for name, (x, y) in X.items()}
-    (axis,) = shapes(of(a=flat(near)), of(a=flat(X))).axes
-    assert axis.get_title() == "a\nD = 0"
-
-
 def test_points_are_matched_by_name() -> None:
     (axis,) = shapes(of(a=flat(X).keep("cab")), of(a=flat(X))).axes
     assert axis.get_title() == "a\nD = 0"

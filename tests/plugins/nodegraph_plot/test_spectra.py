@@ -39,12 +39,6 @@ def test_the_line_is_the_mean_of_the_markers_and_the_sum_of_the_coordinates() ->
     assert line[:, 1] == pytest.approx(density.sum(axis=2).mean(axis=1)[1:])
 
 
-def test_the_power_of_white_noise_is_its_variance() -> None:
-    line = lines(spectra(across(raw=noise(1, markers=20)), segment=SEGMENT))["raw"]
-    total = line[:, 1].sum() * RATE / SEGMENT
-    assert total == pytest.approx(3 * 1.5**2, rel=0.05)
-
-
 def test_gaps_split_a_trajectory_and_runs_weigh_by_their_segments() -> None:
     take = noise(2, markers=1)
     positions = take.positions.copy()
@@ -89,11 +83,3 @@ def test_what_has_no_run_is_an_error() -> None:
     with pytest.raises(ValueError, match="raw has no marker 'nose'"):
         spectra(across(raw=noise(6)), markers=("nose",))
     assert set(lines(spectra(across(raw=noise(6)), noise(7)))) == {"raw", "truth"}
-
-
-def test_what_is_too_short_or_empty_is_reported_by_name() -> None:
-    short = Trajectories(positions=np.ones((7, 1, 3)), markers=("m0",), rate=RATE)
-    with pytest.raises(ValueError, match="other is too short: 7 of at least 8 frames"):
-        spectra(across(raw=noise(0), other=short))
-    with pytest.raises(ValueError, match="raw has no markers: there is nothing to draw"):
-        spectra(across(raw=noise(0, markers=0)))

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import io
 from dataclasses import replace
 from typing import Any
 
@@ -80,13 +79,6 @@ def test_the_default_is_the_gap_with_as_much_around_it() -> None:
     assert (shaded.x0, shaded.x1) == (pytest.approx(14.5), pytest.approx(20.5))
 
 
-def test_a_recording_without_gaps_is_drawn_whole() -> None:
-    figure = trajectories(across(only=made_face.truth()))
-    assert figure.axes[0].get_title() == "nose"
-    assert len(curve(figure.axes[0], "only").get_xdata()) == made_face.FRAMES
-    assert not figure.axes[0].patches
-
-
 def test_missing_samples_leave_a_hole() -> None:
     figure = trajectories(across(captured=made_face.gappy(), lin=made_face.filled(0.0)))
     (axis, *_) = figure.axes
@@ -149,11 +141,6 @@ def test_who_leaves_samples_missing_is_not_the_best() -> None:
     assert names_beside(axis) == ["truth", "off1.0", "off2.0", "off3.0"]
 
 
-def test_without_a_truth_the_first_three_of_many_are_in_full() -> None:
-    axis = trajectories(many(0.5, 0.1, -0.3, 0.9, 0.2, 0.7, 0.8)).axes[0]
-    assert set(names_beside(axis)) == {"off0.5", "off0.1", "off-0.3"}
-
-
 def test_a_reference_that_is_not_there_is_left_out_and_an_unknown_name_is_a_warning() -> None:
     recordings = many(0.5, 0.1, -0.3, 0.9, 0.2, 0.7, 0.8)
     known = Across(("fill",), recordings.entries, known={"fill": ("linear", "off0.5")})
@@ -198,26 +185,12 @@ def test_the_only_frame_is_a_dot(frames: int) -> None:
     assert (low < 0, high > frames - 1) == (True, True)
 
 
-def test_one_frame_of_a_take_may_be_drawn() -> None:
-    axis = trajectories(two(), frames=(17, 17)).axes[0]
-    assert np.asarray(curve(axis, "lin").get_xdata()).tolist() == [17]
-
-
 def test_a_sample_between_two_missing_ones_is_a_dot() -> None:
     positions = made_face.truth().positions.copy()
     positions[[9, 11, 12, 20]] = np.nan
     holed = Trajectories(positions=positions, markers=made_face.MARKERS, rate=60.0)
     line = curve(trajectories(across(a=holed), frames=(5, 39)).axes[0], "measured")
     assert (line.get_marker(), line.get_markevery()) == (".", [10 - 5])
-
-
-def test_what_has_nothing_to_draw_is_reported() -> None:
-    whole = made_face.truth()
-    none = replace(whole, positions=whole.positions[:0], origin=whole.origin[:0])
-    with pytest.raises(ValueError, match="b has no frames: there is nothing to draw"):
-        trajectories(across(a=whole, b=none))
-    with pytest.raises(ValueError, match="a has no markers: there is nothing to draw"):
-        trajectories(across(a=whole.keep(())))
 
 
 def test_names_of_markers_are_drawn_as_text() -> None:
@@ -232,12 +205,6 @@ def test_recordings_without_a_common_marker_are_refused() -> None:
     whole = made_face.truth()
     with pytest.raises(ValueError, match="no marker in common"):
         trajectories(across(a=whole.keep(("nose",)), b=whole.keep(("chin",))))
-
-
-def test_the_figure_can_be_written() -> None:
-    buffer = io.BytesIO()
-    trajectories(two(), made_face.truth()).savefig(buffer, format="svg")
-    assert buffer.getvalue().startswith(b"<?xml")
 
 
 @pytest.mark.parametrize(
