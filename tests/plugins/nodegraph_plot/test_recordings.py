@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from nodegraph import Across
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Figure, Origin, Trajectories
 from nodegraph_plot.faces import faces
 from nodegraph_plot.playback import playback
 from nodegraph_plot.recordings import comparable, named_looks
@@ -90,13 +90,10 @@ def test_what_cannot_be_drawn_is_refused_by_every_plot(name: str) -> None:
             plot(Across.of({"a": whole.keep(())}, axis="fill"))
 
 
-@pytest.mark.parametrize("name", ["faces", "trajectories"])
-def test_the_truth_is_matched_by_name(name: str) -> None:
+@pytest.mark.parametrize("plot", [faces, trajectories])
+def test_the_truth_is_matched_by_name(plot: Callable[..., Figure]) -> None:
     recording, truth = half_known()
-    drawn = []
-    for known in (truth, truth.keep(truth.markers[::-1])):
-        shown = {"faces": faces, "trajectories": trajectories}[name](
-            Across.of({"a": recording}, axis="fill"), known
-        )
-        drawn.append(draw(shown, "svg"))
-    assert drawn[0] == drawn[1]
+    recordings = Across.of({"a": recording}, axis="fill")
+    both = (truth, truth.keep(truth.markers[::-1]))
+    first, second = (draw(plot(recordings, known), "svg") for known in both)
+    assert first == second
