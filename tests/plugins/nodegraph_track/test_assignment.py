@@ -55,12 +55,6 @@ def test_the_velocity_of_one_that_is_hidden_fades(fade: float) -> None:
         assert len(assignment(detections(positions), gate=2.5, fade=fade).markers) == tracks
 
 
-def test_an_impulse_does_not_lead_a_track_away() -> None:
-    positions = crossing()[:, :1]
-    positions[10, 0, 1] += 2.5
-    assert same(assignment(detections(positions), gate=3.0), positions)
-
-
 def test_after_an_impulse_as_wide_as_the_gate_a_track_goes_on() -> None:
     positions = np.zeros((20, 1, 3))
     positions[:, 0, 0] = np.arange(20) * 0.5

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import warnings
 
 import numpy as np
 import pytest
@@ -41,13 +40,6 @@ def test_a_track_waits_for_as_many_frames_as_it_has_patience() -> None:
     points = detections([5], [], [], [5])
     assert along(points, patience=2) == [[5, -1, -1, 5]]
     assert along(points, patience=1) == [[5, -1, -1, -1], [-1, -1, -1, 5]]
-
-
-def test_without_patience_it_goes_from_frame_to_frame_only() -> None:
-    assert along(detections([5], [5.5], [], [5]), patience=0) == [
-        [5, 5.5, -1, -1],
-        [-1, -1, -1, 5],
-    ]
 
 
 def test_short_tracks_are_dropped_and_counted() -> None:
@@ -97,13 +89,6 @@ def test_spaces_are_those_to_the_nearest_one_of_the_frame(
         np.fill_diagonal(apart, np.inf)
         expected += apart.min(axis=1).tolist() if end - first > 1 else []
     assert spaces(points, offsets, np.arange(3)).tolist() == pytest.approx(expected)
-
-
-def test_a_single_marker_is_followed_however_fast() -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        tracks = nearest(detections([3], [90], [-500]))
-    assert tracks.positions[:, 0, 0].tolist() == [3, 90, -500]
 
 
 def reference(*places: float) -> Trajectories:

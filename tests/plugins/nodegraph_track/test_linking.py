@@ -47,7 +47,7 @@ def cheapest(squared: NDArray[np.float64], gate: float) -> float:
     return min(pieces)
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("gate", [1.0, 2.0, 10.0])
 def test_an_assignment_costs_as_little_as_can_be(seed: int, gate: float) -> None:
     places, points = scene(seed)
@@ -59,7 +59,7 @@ def test_an_assignment_costs_as_little_as_can_be(seed: int, gate: float) -> None
     assert cost(squared, links, gate) == pytest.approx(cheapest(squared, gate))
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("gate", [0.7, 1.5, np.inf])
 def test_many_cost_as_little_as_scipy_makes_them(seed: int, gate: float) -> None:
     random = np.random.default_rng(seed)
@@ -89,19 +89,7 @@ def links_of(pairs: tuple[NDArray[np.intp], NDArray[np.intp]]) -> set[tuple[int,
     return set(zip(*(part.tolist() for part in pairs), strict=True))
 
 
-def test_a_place_that_is_nowhere_gets_no_point() -> None:
-    place, _ = assign(np.full((2, 3), np.nan), np.zeros((1, 3)), np.inf)
-    assert not len(place)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_without_a_gate_as_many_are_linked_as_can_be(seed: int) -> None:
-    places, points = scene(seed)
-    place, _ = assign(places, points, np.inf)
-    assert len(place) == min(len(places), len(points))
-
-
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("gate", [1.0, 2.0, np.inf])
 def test_the_nearest_pair_is_linked_first(seed: int, gate: float) -> None:
     places, points = scene(seed)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
 from nodegraph_mocap import Detections, Trajectories
@@ -67,18 +66,3 @@ def test_one_share_does_not_move_what_the_other_draws() -> None:
     more = rows(scatter(take, dropout=0.4).detections)
     assert more < both & every
     assert both & every == rows(scatter(take, dropout=0.2).detections)
-
-
-def test_another_seed_draws_others() -> None:
-    take = recording()
-    first, second = (rows(scatter(take, dropout=0.2, seed=seed).detections) for seed in (0, 1))
-    assert first != second
-
-
-@pytest.mark.parametrize("share", [0.0, 0.5])
-def test_a_take_without_samples_has_no_points(share: float) -> None:
-    take = recording()
-    empty = Trajectories(
-        positions=np.full_like(take.positions, np.nan), markers=take.markers, rate=60
-    )
-    assert not len(scatter(empty, dropout=share, ghosts=share).detections.points)
