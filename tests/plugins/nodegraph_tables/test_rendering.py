@@ -174,14 +174,6 @@ def test_the_csv_file_has_every_digit() -> None:
     ]
 
 
-def test_notes_follow() -> None:
-    frame = table(a=[1])
-    frame = with_info(frame, TableInfo(notes=("one", "two")))
-    rendered = render_table(frame, "t")
-    assert rendered.html.endswith("<li>one</li><li>two</li></ul></figure>")
-    assert rendered.text.endswith("\none\ntwo")
-
-
 def rest(html: str) -> list[int]:
     """Return the rows that a folded table leaves out."""
     return [at for at, row in enumerate(re.findall("<tr[^>]*>", html)[1:]) if "rest" in row]
@@ -227,13 +219,6 @@ def test_numbers_that_are_the_same_throughout_are_stated_once() -> None:
     assert Page(render_table(frame[["fill", "lost"]], "t").html).rows[0] == ["fill", "lost"]
 
 
-def test_an_interval_without_width_says_nothing() -> None:
-    frame = table(x=[0.0966, 0.5], low=[0.09660001, 0.25], high=[0.09660002, 0.75])
-    frame = with_info(frame, TableInfo(cells={"x": {"low": "low", "high": "high"}}))
-    texts = render_table(frame, "t").text.splitlines()[1:]
-    assert [text.strip() for text in texts] == ["0.0966", "0.5000 [0.2500, 0.7500]"]
-
-
 def test_an_empty_table_is_shown_as_one() -> None:
     rendered = render_table(table(a=[], b=[]), "t")
     assert Page(rendered.html).rows == [["a", "b"]]
@@ -247,10 +232,6 @@ def test_names_of_rows_become_columns() -> None:
     assert Page(rendered.html).rows == [["method", "a"], ["x", "1"], ["y", "2"]]
     assert rendered.files[".csv"] == b"method,a\nx,1\ny,2\n"
     assert "Kept" in rendered.html
-
-
-def test_a_blank_line_in_a_title_does_not_break_latex() -> None:
-    assert r"\caption{a b}" in render_table(table(a=[1]), "a\n\nb").files[".tex"].decode()
 
 
 def test_an_interval_and_a_p_stand_in_the_cell_of_their_mean_and_the_best_is_marked() -> None:
@@ -281,12 +262,6 @@ def test_an_interval_and_a_p_stand_in_the_cell_of_their_mean_and_the_best_is_mar
         "marker,x,x low,x high,x p",
         "a,0.5,0.25,0.75,0.01",
     ]
-
-
-def test_a_mean_without_an_interval_stands_alone() -> None:
-    table = pd.DataFrame({"x": [np.nan, 1.5], "low": [np.nan, 1.25], "high": [np.nan, np.nan]})
-    table = with_info(table, TableInfo(cells={"x": {"low": "low", "high": "high"}}))
-    assert render_table(table, "t").text.split() == ["x", "1.50"]
 
 
 def test_the_points_of_a_column_meet_and_tiny_numbers_have_a_power_of_ten() -> None:

@@ -43,19 +43,6 @@ def there_and_back(value: object, packer: Packer) -> Any:
     return packer.unpack(packed.head, [bytes(buffer) for buffer in packed.buffers])
 
 
-def test_the_hook_gives_them() -> None:
-    kinds = [storage.type.__name__ for storage in nodegraph_tables.nodegraph_storages()]
-    assert kinds == ["Table", "Figure"]
-
-
-def test_a_table_comes_back(packer: Packer) -> None:
-    table = pd.DataFrame({"a": [1.5, np.nan], "b": ["x", None]})
-    back = there_and_back((table, 1), packer)[0]
-    assert type(back) is pd.DataFrame
-    pd.testing.assert_frame_equal(back, table, check_exact=True)
-    assert packer.pack(table).faithful
-
-
 def test_a_digest_does_not_depend_on_how_pandas_holds_texts(packer: Packer) -> None:
     pytest.importorskip("pyarrow")
     plain, arrow = (
@@ -265,18 +252,6 @@ def test_a_table_comes_back_exactly(name: str) -> None:
         value, other = table.iloc[:, place], back.iloc[:, place]
         assert value.dtype == other.dtype
         assert list(map(type, value)) == list(map(type, other))
-
-
-def test_bits_of_numbers_are_kept() -> None:
-    bits = np.array([0x7FF8000000000001, 1 << 63, 1], np.uint64)
-    back = put_together(take_apart(pd.DataFrame({"a": bits.view("f8")})))
-    assert back["a"].to_numpy().view("u8").tolist() == bits.tolist()
-
-
-def test_a_value_beside_the_mask_is_kept_where_it_is_not_missing() -> None:
-    back = put_together(take_apart(TABLES["NaN beside NA"]))["a"].array
-    assert list(back.isna()) == list(TABLES["NaN beside NA"]["a"].array.isna())
-    assert pd.isna(back[0]) == pd.isna(TABLES["NaN beside NA"]["a"].array[0])
 
 
 def test_a_table_that_was_put_together_can_be_changed() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from xml.etree import ElementTree as ET
 
-import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from matplotlib import rc_context
@@ -22,11 +21,6 @@ def test_a_label_looks_the_same_in_every_order() -> None:
 def test_the_first_seventy_differ_in_colour_or_marker() -> None:
     dealt = looks(range(70)).values()
     assert len({(look.colour, look.marker) for look in dealt}) == 70
-
-
-def test_up_to_seven_methods_each_have_their_own_colour_and_marker() -> None:
-    dealt = looks(range(7)).values()
-    assert len({look.colour for look in dealt}) == len({look.marker for look in dealt}) == 7
 
 
 PRINTABLE = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=30)
@@ -68,11 +62,6 @@ def test_what_cannot_be_printed_is_its_escape() -> None:
     assert figure_text("a\x00b\x1b[0m\udc80\u202e") == r"a\x00b\x1b[0m\udc80\u202e"
 
 
-@pytest.mark.parametrize("label", [3, 0.5, True, None])
-def test_a_label_need_not_be_text(label: object) -> None:
-    assert figure_text(label) == str(label)
-
-
 def test_a_long_name_keeps_its_beginning_and_its_end() -> None:
     names = [f"{'subject_12_' * 5}take_{number}" for number in (1, 2)]
     first, second = (figure_text(name) for name in names)
@@ -81,10 +70,6 @@ def test_a_long_name_keeps_its_beginning_and_its_end() -> None:
     assert first.startswith("subject_12_")
     assert first.endswith("take_1")
     assert first.count("\N{HORIZONTAL ELLIPSIS}") == 1
-
-
-def test_a_name_of_the_longest_length_is_whole() -> None:
-    assert figure_text("x" * 40) == "x" * 40
 
 
 def test_signs_are_escaped_after_the_name_is_shortened() -> None:
@@ -106,7 +91,3 @@ def test_there_are_never_more_nor_longer_lines(name: str, across: int, lines: in
     broken = figure_text(name, across=across, lines=lines).replace("\u200b", "").split("\n")
     assert len(broken) <= lines
     assert max(map(len, (line.replace(r"\$", "$") for line in broken))) <= across
-
-
-def test_nothing_stays_nothing() -> None:
-    assert figure_text("") == figure_text(" \n") == ""
