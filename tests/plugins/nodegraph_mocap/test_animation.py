@@ -58,12 +58,6 @@ def test_a_weight_needs_a_morph_target(head: Head) -> None:
         Animation(head=head, weights=weights("HeadYaw", "jawOpen", "cheekPuff"))
 
 
-def test_a_weight_that_may_be_two_morph_targets_is_refused(head: Head) -> None:
-    twice = replace(head, names=("jawOpen", "mouthSmile_L", "MouthSmileLeft"))
-    with pytest.raises(ValueError, match="may be 'mouthSmile_L' or 'MouthSmileLeft'"):
-        Animation(head=twice, weights=weights("mouthSmileLeft"))
-
-
 @pytest.mark.parametrize("name", ["complete", "gaps"])
 def test_an_animation_is_stored_as_it_is(name: str) -> None:
     case: Animation = specimens()[Animation]()[name]

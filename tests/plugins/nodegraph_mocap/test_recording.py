@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
-from nodegraph_mocap import MarkerSet, Mask, Origin, Trajectories, check_markers
+from nodegraph_mocap import MarkerSet, Origin, Trajectories, check_markers
 from nodegraph_mocap.specimens import recordings
 
 NAN = float("nan")
@@ -38,15 +38,11 @@ def test_what_is_measured_was_not_filled() -> None:
     assert recording.present.tolist() == [[True] * 2, [False, True], [True] * 2, [True] * 2]
 
 
-def test_arrays_are_read_only_and_the_callers_own_stay_as_they_are() -> None:
+def test_a_part_of_the_callers_array_is_copied() -> None:
     mine = np.ones((4, 3, 3))
-    recording = recording_of(positions=mine[:, :2], sigma=np.ones((4, 2)))
+    recording = recording_of(positions=mine[:, :2])
     mine[0, 0] = 7
     assert (recording.positions == 1).all()
-    for array in (recording.positions, recording.origin, recording.sigma):
-        assert array is not None
-        with pytest.raises(ValueError, match="read-only"):
-            array[0, 0] = 1
 
 
 def test_integers_and_lists_become_what_they_stand_for() -> None:
@@ -64,40 +60,6 @@ def test_a_missing_sample_has_no_sigma() -> None:
     assert recording.sigma is not None
     np.testing.assert_array_equal(np.isnan(recording.sigma), ~recording.present)
     assert not np.isnan(given).any()
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"positions": np.ones((4, 2))}, r"\(frames, 2 markers, 3\), got \(4, 2\)"),
-        ({"positions": np.ones((4, 3, 3))}, r"got \(4, 3, 3\)"),
-        ({"positions": np.ones((4, 2, 2))}, r"got \(4, 2, 2\)"),
-        ({"markers": ("a", "a")}, "named twice: a"),
-        ({"rate": 0}, "rate must be from 0.001 to 1e6 frames per second, got 0"),
-        ({"rate": NAN}, "got nan"),
-        ({"rate": float("inf")}, "got inf"),
-        ({"origin": np.ones((4, 3))}, r"origin must be \(4, 2\), got \(4, 3\)"),
-        ({"origin": np.ones((4, 2))}, "exactly the missing samples missing"),
-        ({"origin": np.zeros((4, 2))}, "exactly the missing samples missing"),
-        ({"origin": np.array([[1, 1], [0, 4], [1, 1], [1, 1]])}, "others 1 to 3"),
-        ({"markers": ("a", 1)}, "markers: names are texts, not 1"),
-        ({"marker_set": "face"}, "marker_set must be a MarkerSet, got 'face'"),
-        ({"sigma": np.ones((4, 2, 3))}, r"sigma must be \(4, 2\), got \(4, 2, 3\)"),
-    ],
-)
-def test_what_disagrees_is_refused(changed: dict[str, object], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        recording_of(**changed)
-
-
-@pytest.mark.parametrize(
-    "sample", [(1, NAN, 3), (NAN, NAN, 0), (np.inf, 1, 1), (NAN, -np.inf, NAN)]
-)
-def test_a_sample_that_is_neither_there_nor_missing_is_refused(sample: tuple[float, ...]) -> None:
-    positions = np.ones((4, 2, 3))
-    positions[2, 1] = sample
-    with pytest.raises(ValueError, match=r"frame 2, marker 'b': .*1 such samples"):
-        recording_of(positions=positions)
 
 
 @given(arrays.arrays(np.float64, (3, 2, 3), elements=st.sampled_from([0.0, 1.0, NAN, np.inf])))
@@ -148,21 +110,7 @@ def test_keeping_what_is_not_there_is_refused_with_what_is() -> None:
         recording_of().keep(["x", "a", "y"])
 
 
-def test_a_mask_is_locked_and_has_a_column_per_marker() -> None:
-    mask = Mask(hidden=np.array([[0, 1], [1, 0]]), markers=("a", "b"))
-    assert mask.hidden.dtype == np.bool_
-    with pytest.raises(ValueError, match="read-only"):
-        mask.hidden[0, 0] = True
-    with pytest.raises(ValueError, match=r"\(frames, 1 markers\), got \(2, 2\)"):
-        Mask(hidden=np.ones((2, 2), dtype=np.bool_), markers=("a",))
-
-
 FACE = recordings()["complete"]
-
-
-def test_known_names_pass_in_any_order() -> None:
-    check_markers(FACE, reversed(FACE.markers))
-    check_markers(FACE, [])
 
 
 def test_each_unknown_name_is_listed_with_the_nearest_whatever_its_case() -> None:

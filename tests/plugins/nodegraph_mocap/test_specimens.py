@@ -34,19 +34,6 @@ def test_recordings_are_what_their_names_say() -> None:
     assert set(np.unique(cases["filled, repaired and with sigma"].origin)) == set(Origin)
 
 
-def test_two_markers_lie_in_one_place_in_every_frame() -> None:
-    positions = recordings()["two markers in one place"].positions
-    together = np.all(positions[:, 0] == positions[:, 1], axis=1)
-    assert together.sum() > len(positions) / 2
-
-
-def test_markers_move_and_none_like_another() -> None:
-    face = recordings()["complete"]
-    steps = np.diff(face.positions, axis=0)
-    assert np.all(np.linalg.norm(steps, axis=2).max(axis=0) > 0.05)
-    assert len(np.unique(steps[0].round(6), axis=0)) == len(face.markers)
-
-
 def test_a_mask_hides_samples_that_its_recording_has() -> None:
     cases = recordings()
     for name, mask in masks().items():
@@ -89,7 +76,3 @@ def test_every_type_has_specimens_of_that_type() -> None:
         values = make().values()
         assert values
         assert all(isinstance(value, kind) for value in values)
-
-
-def test_each_call_makes_new_values() -> None:
-    assert recordings()["complete"].positions is not recordings()["complete"].positions

@@ -11,7 +11,6 @@ from nodegraph import get_node
 from nodegraph_mocap import Mask, Trajectories
 from nodegraph_mocap.suspect import impulses
 from nodegraph_score.gaps import gaps
-from nodegraph_synthesize.face import synthesize_face
 from nodegraph_tables import info_of
 from tests.studies import DATA, needs_recordings
 
@@ -55,15 +54,6 @@ def test_the_gap_of_an_impulse_is_suspect() -> None:
     (note,) = info_of(table).notes
     assert "1 of 4 gaps" in note
     assert "'suspect'" in note
-
-
-def test_the_impulses_of_a_made_face_are_recognized() -> None:
-    face = synthesize_face(seconds=4.0, seed=3)
-    jumps = impulses(face.captured.positions) > 0
-    hit = face.impulses.hidden & face.captured.present
-    assert np.count_nonzero(jumps & hit) > 0.9 * np.count_nonzero(hit)
-    assert np.count_nonzero(jumps & ~hit) <= 3
-    assert not impulses(face.truth.positions).any()
 
 
 @cache

@@ -23,7 +23,7 @@ from nodegraph_mocap import (
     Weights,
     testing,
 )
-from nodegraph_mocap.testing.events import NAMES, RATES
+from nodegraph_mocap.testing.events import NAMES
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True)
 THOROUGH = settings(
@@ -34,14 +34,6 @@ THOROUGH = settings(
     suppress_health_check=list(HealthCheck),
 )
 WITHOUT_SHRINKING = settings(THOROUGH, phases=[Phase.generate])
-
-
-@QUICK
-@given(testing.recordings(frames=(2, 9), markers=(3, 5)))
-def test_recordings_have_the_sizes_that_were_asked_for(recording: Trajectories) -> None:
-    assert 2 <= recording.frames <= 9
-    assert 3 <= len(recording.markers) <= 5
-    assert recording.rate in RATES
 
 
 @QUICK
@@ -164,8 +156,6 @@ def test_an_example_shrinks_to_what_matters() -> None:
     )
     assert (two.frames, two.markers) == (1, ("nose", "brow_left"))
     assert (two.marker_set, two.sigma) == (None, None)
-    points = find(testing.detections(), lambda value: len(value.points) > 1, settings=THOROUGH)
-    assert len(points.points) == 2
 
 
 def test_hypothesis_is_imported_by_those_who_ask() -> None:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from nodegraph_mocap.player.data import MOST_STEPS, Blob, held
+from nodegraph_mocap.player.data import MOST_STEPS, Blob
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 
 REACH = 1000.0
@@ -54,17 +54,3 @@ def test_equal_things_make_equal_bytes() -> None:
         return blob.packed({"one": 1})
 
     assert packed() == packed()
-
-
-def test_rows_like_others_cost_next_to_nothing() -> None:
-    rows = np.random.default_rng(0).normal(0, 50, (180, 400)).cumsum(axis=1)
-    alone, twice = Blob(), Blob()
-    alone.steps(rows, 0.01)
-    _, like = twice.steps(rows, 0.01)
-    twice.steps(rows, 0.01, like)
-    assert len(twice.packed({})) < 1.01 * len(alone.packed({}))
-
-
-def test_what_is_missing_repeats_what_was_before() -> None:
-    row = [[np.nan, 1.0, np.nan, np.nan, 3.0, np.nan], [np.nan] * 6]
-    assert held(np.array(row)).tolist() == [[0, 1, 1, 1, 3, 3], [0] * 6]

@@ -8,13 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.equality import difference
-from nodegraph.store import Packer
 from nodegraph_mocap import Playback
 from nodegraph_mocap.player import page
 from nodegraph_mocap.player.data import packed
 from nodegraph_mocap.player.live import live_views
-from nodegraph_mocap.player.page import playback_renderers, render_playback
+from nodegraph_mocap.player.page import render_playback
 from nodegraph_mocap.specimens import animations, recordings
 from tests.plugins.nodegraph_mocap.player.test_played import panel
 
@@ -78,21 +76,6 @@ def test_all_of_the_player_comes_once_and_with_no_way_out() -> None:
     assert sources == {*first.scripts, *streamed}
     for text in (*first.scripts, *first.styles):
         assert not re.search(r"https?:|url\(|@import|fetch\(|innerHTML|eval\(", text)
-
-
-def test_the_renderer_is_that_of_playbacks() -> None:
-    (renderer,) = playback_renderers()
-    assert isinstance(playback(), renderer.type)
-    assert renderer.render is render_playback
-
-
-def test_a_playback_can_be_kept() -> None:
-    whole = playback()
-    kept = Packer().pack(whole)
-    assert kept.faithful
-    back = Packer().unpack(kept.head, kept.buffers)
-    assert difference(whole, back) == ""
-    assert packed(back) == packed(whole)
 
 
 @pytest.mark.parametrize("title", ["", "faces k=3"])

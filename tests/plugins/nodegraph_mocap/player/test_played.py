@@ -52,20 +52,6 @@ def test_what_fills_of_one_damaged_take_share_is_packed_once() -> None:
     assert len(packed(playback(*fills, truth=truth))) < 1.15 * alone
 
 
-def test_a_long_study_stays_small() -> None:
-    rng = np.random.default_rng(1)
-    frames, markers = 1590, 60
-    paths = 150 * np.sin(
-        np.linspace(0, 40, frames)[:, None, None] + rng.uniform(0, 6, (markers, 3))
-    )
-    names = tuple(f"m{number}" for number in range(markers))
-    noisy = [
-        Trajectories(positions=paths + rng.normal(0, 0.1, paths.shape), markers=names, rate=60.0)
-        for _ in range(10)
-    ]
-    assert len(packed(playback(*noisy))) * 4 / 3 < 7e6
-
-
 def test_a_head_that_several_share_is_reported_once() -> None:
     first, second = animations()["complete"], animations()["gaps"]
     read = Read.of(playback(first, second))
