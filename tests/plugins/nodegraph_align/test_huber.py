@@ -75,13 +75,6 @@ def test_a_wide_one_is_procrustes(shaken: tuple[Trajectories, Trajectories, Head
                 np.testing.assert_array_equal(getattr(first, field), getattr(second, field))
 
 
-def test_width_is_a_length(shaken: tuple[Trajectories, Trajectories, HeadMotion]) -> None:
-    rest, take, _ = shaken
-    larger = [replace(take, positions=10.0 * take.positions) for take in (take, rest)]
-    aligned = huber(larger[0], larger[1], width=5.0).aligned.positions / 10.0
-    np.testing.assert_allclose(aligned, huber(take, rest, width=0.5).aligned.positions, atol=1e-7)
-
-
 def test_scales_are_found_in_spite_of_one_far_off(
     shaken: tuple[Trajectories, Trajectories, HeadMotion],
 ) -> None:

@@ -30,12 +30,6 @@ def test_first_frame_with_all_landmarks_whatever_else_it_lacks() -> None:
         assert not notes
 
 
-def test_names_are_matched_not_columns() -> None:
-    take = make_recording(scattered())
-    actual, _ = reference_of(take, take.keep(take.markers[::-1]), ["m4", "m0", "m2"])
-    np.testing.assert_array_equal(actual.shape, take.positions[0, [4, 0, 2]])
-
-
 def test_a_take_without_a_frame_that_has_all_is_refused() -> None:
     positions = scattered()
     positions[np.arange(5), np.arange(5)] = positions[0, 1] = np.nan

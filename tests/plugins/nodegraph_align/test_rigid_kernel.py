@@ -153,17 +153,6 @@ def test_columns_choose_the_landmarks_and_missing_ones_do_not_count() -> None:
     assert not goals[3].any()
 
 
-def test_weights_of_zero_leave_landmarks_out() -> None:
-    random = np.random.default_rng(7)
-    shape, positions = random.normal(0, 50, (6, 3)), random.normal(0, 50, (2, 6, 3))
-    weights = np.array([[1.0, 1.0, 0.0, 1.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0, 1.0, 0.0]])
-    rotations, *_, states = fitted(positions, shape, weights=weights)
-    some = [0, 1, 3, 4]
-    expected, *_ = fitted(np.ascontiguousarray(positions[:, some]), shape[some])
-    np.testing.assert_allclose(rotations[0], expected[0], rtol=0, atol=1e-14)
-    assert states.tolist() in ([FITTED, FEW], [MIRRORED, FEW])
-
-
 @pytest.mark.parametrize("far", [0.0, 3000.0])
 def test_lines_and_single_places_tell_no_turn(far: float) -> None:
     random = np.random.default_rng(8)
@@ -176,16 +165,6 @@ def test_lines_and_single_places_tell_no_turn(far: float) -> None:
     assert states.tolist() == [LINE, LINE, LINE]
     np.testing.assert_array_equal(rotations, np.tile(np.eye(3), (3, 1, 1)))
     assert fitted(shape[None] + far, place)[4].tolist() == [LINE]
-
-
-def test_size_does_not_matter() -> None:
-    shape = np.random.default_rng(9).normal(0, 1, (5, 3))
-    positions = shape @ random_rotations(10)
-    expected = fitted(positions, shape)[0]
-    for size in (1e-6, 1e-3, 1e6):
-        output, *_, states = fitted(size * positions, size * shape)
-        np.testing.assert_allclose(output, expected, rtol=0, atol=1e-14)
-        assert np.all(states == FITTED)
 
 
 def test_every_point_is_moved_and_the_identity_changes_no_bit() -> None:

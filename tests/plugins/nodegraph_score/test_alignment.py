@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from nodegraph import Absent, Across, Refusal
+from nodegraph import Across, Refusal
 from nodegraph_mocap import HeadMotion, Trajectories
 from nodegraph_score.alignment import COLUMNS, alignment
 from nodegraph_tables import info_of
@@ -133,13 +133,6 @@ def test_the_order_of_what_was_removed_does_not_matter() -> None:
     assert one_way.equals(other)
 
 
-def test_the_number_that_goes_best_with_a_component_is_named() -> None:
-    where = replace(still(), translations=motion().translations * [0.0, 1.0, 0.0])
-    table = alignment(single(captured(0.0 * speech(), where)), where).table
-    assert table["with"].tolist() == ["shift y"]
-    assert table["correlation"][0] == pytest.approx(1.0)
-
-
 def test_scans_in_any_order_are_judged_alike() -> None:
     order = np.random.default_rng(0).permutation(FRAMES)
     take, where = captured(speech(), motion()), motion()
@@ -176,12 +169,6 @@ def test_a_recording_that_cannot_be_judged_does_not_stop_the_others() -> None:
             of(bad=recording(positions), good=captured(speech(), motion())), motion()
         ).table
     assert set(table["align"]) == {"good"}
-
-
-def test_an_absent_recording_is_no_row() -> None:
-    gone = Absent({"align": "gone"}, "failed", "no landmarks")
-    takes = replace(of(good=captured(speech(), motion())), absent=(gone,))
-    assert set(alignment(takes, motion()).table["align"]) == {"good"}
 
 
 @pytest.mark.parametrize(

@@ -29,31 +29,9 @@ def recording(frames: int = 12, markers: int = 4, *, seed: int = 0) -> Trajector
     return Trajectories(positions=positions, markers=names, rate=60.0)
 
 
-def flat(*frames: NDArray[np.float64]) -> Trajectories:
-    """Return points in the plane, called a, b, c."""
-    positions = np.pad(np.stack(frames), ((0, 0), (0, 0), (0, 1)))
-    return Trajectories(positions=positions, markers=("a", "b", "c"), rate=1.0)
-
-
 def without(take: Trajectories, missing: NDArray[np.bool_]) -> Trajectories:
     positions = np.where(missing[..., None], np.nan, take.positions)
     return Trajectories(positions=positions, markers=take.markers, rate=take.rate)
-
-
-def test_the_squared_distances_of_the_worked_example() -> None:
-    """Two triangles: as they come, centred, scaled to a root mean square of 1, and rotated."""
-    x = np.array([(1.0, 1.0), (1.0, 2.0), (3.0, 2.0)])
-    y = np.array([(-3.0, -2.0), (-3.0, -4.0), (-7.0, -4.0)])
-    centred = [points - points.mean(axis=0) for points in (x, y)]
-    p, q = (points / np.sqrt(np.square(points).sum() / 3) for points in centred)
-    table = distance(flat(y, centred[1], q, -q), flat(x, centred[0], p, p))
-    np.testing.assert_allclose(table["sum of squares"], [213, 30, 12, 0], rtol=0, atol=1e-12)
-    assert table["markers"].tolist() == [3, 3, 3, 3]
-    np.testing.assert_allclose(table["rms"], np.sqrt([71, 10, 4, 0]), rtol=0, atol=1e-12)
-    # by hand: (1, 1) to (-3, -2) is 5, (1, 2) to (-3, -4) sqrt(52), (3, 2) to (-7, -4) sqrt(136)
-    assert table["mean"][0] == pytest.approx((5 + math.sqrt(52) + math.sqrt(136)) / 3)
-    assert table["max"][0] == pytest.approx(math.sqrt(136))
-    assert table["farthest"][0] == "c"
 
 
 @given(

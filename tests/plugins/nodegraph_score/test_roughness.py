@@ -43,13 +43,6 @@ def test_equals_its_definition(seed: int) -> None:
             assert row["roughness"] == pytest.approx(np.mean(np.sum(away**2, axis=1)), rel=1e-9)
 
 
-def test_even_movement_is_not_rough() -> None:
-    frame = np.arange(20.0)[:, None, None]
-    table = roughness(recording(frame * [[0.5, 1.0, -2.0], [0.0, 0.0, 0.0]]))
-    assert table["roughness"].tolist() == [0.0, 0.0]
-    assert info_of(table).units["roughness"] == "mm^2/frame^2"
-
-
 def test_filled_samples_count() -> None:
     positions = np.random.default_rng(1).normal(0, 1, (9, 1, 3))
     plain = recording(positions)

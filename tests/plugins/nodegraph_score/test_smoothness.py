@@ -41,22 +41,6 @@ def test_lag_is_found_to_a_fraction_of_a_frame(late: float) -> None:
         assert row["kept"] == pytest.approx(1.0, abs=0.1)
 
 
-def test_lag_of_a_filter_of_known_delay() -> None:
-    truth = moving()
-    estimate = truth.copy()
-    estimate[2:] = (truth[2:] + truth[1:-1] + truth[:-2]) / 3.0
-    assert rows(estimate, truth)[0]["lag"] == pytest.approx(1.0, abs=0.05)
-
-
-@pytest.mark.parametrize("reach", [1, 5, 15])
-def test_a_mean_over_an_even_window_does_not_lag(reach: int) -> None:
-    truth = moving()
-    longer = np.pad(truth, ((reach, reach), (0, 0), (0, 0)), mode="reflect", reflect_type="odd")
-    windows = np.lib.stride_tricks.sliding_window_view(longer, 2 * reach + 1, axis=0)
-    for row in rows(windows.mean(axis=-1), truth):
-        assert row["lag"] == pytest.approx(0.0, abs=0.1)
-
-
 def test_noise_blurs_the_lag_by_as_much_as_is_said() -> None:
     random = np.random.default_rng(4)
     truth = np.repeat(0.2 * moving(frames=240)[:, :1], 200, axis=1)

@@ -102,13 +102,6 @@ def test_each_step_starts_from_the_stage_before_it() -> None:
     assert [row["before"] for row in actual if row["changed"]] == pytest.approx([4.0, 2.0, 0.0])
 
 
-def test_moving_without_coming_nearer_is_the_same() -> None:
-    (_, row) = rows(chain(captured=off(([2], [1]), 3.0), mirrored=off(([2], [1]), -3.0)))
-    # the distance is the same but for rounding
-    assert row["changed"] == 1
-    assert row["before"] == pytest.approx(row["after"])
-
-
 def test_removed_samples_are_counted() -> None:
     begin = off(([3], [0]), 50.0)
     (_, row) = rows(chain(captured=begin, dropped=without(([3], [0]), begin)))

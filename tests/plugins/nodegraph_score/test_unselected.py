@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -53,14 +52,6 @@ def test_every_number_by_a_plain_loop() -> None:
         assert row["farthest"] == max(apart, key=lambda frame: apart[frame])
     assert info_of(table).units == UNITS
     assert list(info_of(table).notes) == ["4 of 48 samples are missing and not compared."]
-
-
-def test_selected_markers_do_not_count() -> None:
-    reference, estimate = recording(), recording(seed=1)
-    positions = estimate.positions.copy()
-    positions[:, [0, 3]] += 1e6
-    worse = replace(estimate, positions=positions)
-    assert unselected(worse, reference, CHOSEN).equals(unselected(estimate, reference, CHOSEN))
 
 
 def test_what_only_one_of_the_two_has_is_left_out_and_reported() -> None:
