@@ -34,15 +34,6 @@ def test_the_jaw_lowers_the_chin_and_the_lower_lip_only() -> None:
     np.testing.assert_allclose(offsets[[_UPPER_LIP, _BROW]], 0.0, rtol=0, atol=0.1)
 
 
-def test_the_jaw_turns_the_chin_about_its_joint_which_slides() -> None:
-    joint = np.array([0.0, 15.0, -45.0])
-    chin = on_face(_PLACES[:1], Proportions())[0] - joint
-    turned = chin + _offsets(jawOpen=1.0)[_CHIN] - [0.0, -4.0, 9.0]
-    assert np.linalg.norm(turned) == pytest.approx(np.linalg.norm(chin))
-    cosine = turned @ chin / (chin @ chin)
-    assert np.degrees(np.arccos(cosine)) == pytest.approx(18.0, abs=1e-6)
-
-
 def test_the_mouth_opens_in_the_middle_and_less_towards_its_corners() -> None:
     places = np.array([[u, v] for u in (0.0, 10.0, 20.0, 27.0) for v in (-35.9, -36.1)])
     points = on_face(places, Proportions())

@@ -66,14 +66,6 @@ def _name(levels: np.ndarray) -> str:
     raise AssertionError(np.array(CHANNELS)[active])
 
 
-def test_the_sides_act_alike_but_for_an_actor_who_is_lopsided() -> None:
-    left, right = CHANNELS.index("frontalisOuterLeft"), CHANNELS.index("frontalisOuterRight")
-    even, uneven = _held().levels, _held(lopsided=0.2).levels
-    np.testing.assert_array_equal(even[:, left], even[:, right])
-    apart = np.abs(uneven[:, left] - uneven[:, right])
-    assert 0.02 < apart.max() < 0.2
-
-
 def test_some_expressions_hush_the_actor_and_some_do_not() -> None:
     held = _held(seconds=300.0)
     acting = held.levels.max(axis=1) > 0.5

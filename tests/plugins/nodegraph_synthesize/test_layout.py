@@ -55,14 +55,6 @@ def test_fewer_markers_keep_their_names_and_more_come_on_top() -> None:
         assert where.items() <= there.items()
 
 
-@pytest.mark.parametrize("count", [60, 100, 150])
-def test_markers_are_well_spread(count: int) -> None:
-    points = _SURFACE.vertices[_layout(count).vertices]
-    distances = np.linalg.norm(points[:, None] - points[None], axis=2)
-    distances[np.diag_indices(count)] = np.inf
-    assert distances.min() > 5.0
-
-
 @pytest.mark.parametrize("count", [FEWEST - 1, MOST + 1, 0, -5])
 def test_other_numbers_are_refused(count: int) -> None:
     with pytest.raises(ValueError, match=f"10 to 150 of them here, got {count}"):

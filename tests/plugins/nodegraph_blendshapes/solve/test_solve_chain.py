@@ -52,19 +52,6 @@ def expected(problem: Chain) -> NDArray[np.float64]:
     return lsq_linear(root, target, bounds, "bvls", 1e-15, max_iter=500).x.reshape(7, 4)
 
 
-def test_gradient_and_division() -> None:
-    problem = chain()
-    weights = np.random.default_rng(1).normal(size=(7, 4))
-    plain = (whole(problem) @ weights.ravel()).reshape(7, 4) - problem.linear
-    np.testing.assert_allclose(problem.gradient(weights), plain, rtol=0, atol=1e-12)
-    diagonal = np.random.default_rng(2).uniform(0, 3, (7, 4))
-    solved = np.linalg.solve(whole(problem) + np.diag(diagonal.ravel()), weights.ravel())
-    solution = problem.divided(diagonal)(weights)
-    np.testing.assert_allclose(solution, solved.reshape(7, 4), rtol=0, atol=1e-11)
-    assert problem.size == np.abs(problem.linear).max()
-    assert problem.scale >= np.linalg.eigvalsh(whole(problem)).max() / 4
-
-
 @pytest.mark.parametrize(("low", "high"), [*BOUNDS, (-INF, INF)])
 @pytest.mark.parametrize("seed", range(5))
 def test_exchanging_finds_the_least(low: float, high: float, seed: int) -> None:
@@ -85,20 +72,6 @@ def test_the_least_from_within(low: float, high: float, seed: int) -> None:
     assert solution.min() >= low
     assert solution.max() <= high
     np.testing.assert_array_equal(solution == low, expected(problem) <= low + 1e-12)
-
-
-@pytest.mark.parametrize("high", [1.0, INF])
-def test_from_within_where_a_bound_holds_nothing_back(high: float) -> None:
-    """The least is at the bound, and would be without it."""
-    problem = chain(0.0, high)
-    weights = np.random.default_rng(3).uniform(0.2, 0.8, (7, 4))
-    weights[::2, 1] = 0.0
-    linear = (whole(problem) @ weights.ravel()).reshape(7, 4)
-    problem = Chain(**{**vars(problem), "linear": linear})
-    solution = interior(problem)
-    left = problem.inwards(solution, problem.gradient(solution))
-    assert np.abs(left).max() <= 1e-9 * problem.size
-    np.testing.assert_allclose(solution, weights, rtol=0, atol=1e-8)
 
 
 def test_circles_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:

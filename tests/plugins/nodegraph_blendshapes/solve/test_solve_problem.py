@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nodegraph import Refusal
-from nodegraph_blendshapes.solve.problem import SEEN, Problem, moves
+from nodegraph_blendshapes.solve.problem import Problem
 from tests.plugins.nodegraph_blendshapes.solve.statements import at, face
 
 VALUES = np.random.default_rng(0).uniform(0, 1, (5, 3))
@@ -27,15 +27,6 @@ def test_markers_are_matched_by_name_in_the_model_s_order() -> None:
     assert problem.notes == (
         "5 of 8 markers of the model are left out, as only the model has them: m1, m2, m4, m6, m7",
     )
-
-
-def test_half_a_millimetre_is_seen_and_less_is_not() -> None:
-    shapes = np.zeros((3, 4, 3))
-    shapes[0, 2] = [0.3, 0.0, 0.4]
-    shapes[1, 2] = [0.3, 0.0, 0.399]
-    assert SEEN == 0.5
-    assert moves(shapes).tolist() == [True, False, False]
-    assert moves(shapes[:, :0]).tolist() == [False] * 3
 
 
 def test_what_cannot_be_matched_is_named() -> None:

@@ -43,18 +43,6 @@ def test_the_shortest(low: float, high: float, seed: int, shapes: int, at_bounds
     assert done or at_bounds
 
 
-def test_weights_without_room_stay() -> None:
-    projector = orthonormal(0, 6, 3)
-    weights = np.array([0.0, 0.3, 1.0, 0.2, 0.6, 0.0])
-    low, high = np.zeros(6), np.ones(6)
-    still = [0, 3, 4]
-    low[still] = high[still] = weights[still]
-    solution, done = shared(projector, weights, low, high)
-    assert done
-    np.testing.assert_array_equal(solution[still], weights[still])
-    assert solution @ solution <= weights @ weights + 1e-12
-
-
 def test_what_no_weights_give_is_not_done() -> None:
     projector = orthonormal(0, 6, 3)
     solution, done = np.empty((1, 6)), np.ones(1, dtype=bool)
