@@ -31,12 +31,6 @@ def test_they_are_those_that_a_reader_finds(flags: NDArray[np.bool_]) -> None:
     assert list(zip(*(value.tolist() for value in runs_of(flags)), strict=True)) == plainly(flags)
 
 
-@given(arrays.arrays(np.bool_, st.integers(0, 20)))
-def test_one_column_is_that_of_one_marker(flags: NDArray[np.bool_]) -> None:
-    for first, second in zip(runs_of(flags), runs_of(flags[:, None]), strict=True):
-        np.testing.assert_array_equal(first, second)
-
-
 @pytest.mark.parametrize("frames", [0, 1, 2, 54_321])
 @pytest.mark.parametrize("frame_bytes", [0, 24, 2**20])
 def test_chunks_are_all_frames_and_small(frames: int, frame_bytes: int) -> None:

@@ -30,26 +30,11 @@ def test_origin_is_made_from_what_is_missing() -> None:
     assert recording.frames == 4
 
 
-def test_what_is_measured_was_not_filled() -> None:
-    recording = recording_of(origin=np.array([[1, 2], [0, 3], [2, 2], [3, 1]]))
-    assert recording.measured.tolist() == [
-        [True, False], [False, True], [False, False], [True, True],
-    ]  # fmt: skip
-    assert recording.present.tolist() == [[True] * 2, [False, True], [True] * 2, [True] * 2]
-
-
 def test_a_part_of_the_callers_array_is_copied() -> None:
     mine = np.ones((4, 3, 3))
     recording = recording_of(positions=mine[:, :2])
     mine[0, 0] = 7
     assert (recording.positions == 1).all()
-
-
-def test_integers_and_lists_become_what_they_stand_for() -> None:
-    recording = recording_of(positions=np.ones((4, 2, 3), dtype=int), markers=["a", "b"])
-    assert recording.positions.dtype == np.float64
-    assert recording.markers == ("a", "b")
-    assert isinstance(recording.rate, float)
 
 
 def test_a_missing_sample_has_no_sigma() -> None:

@@ -144,3 +144,8 @@ def test_a_mirror_image_is_a_head_motion_as_alignment_may_find_one() -> None:
     mirror = np.tile(np.diag([-1.0, 1.0, 1.0]), (4, 1, 1))
     motion = HeadMotion(**GOOD[HeadMotion] | {"rotations": mirror})
     np.testing.assert_array_equal(motion.rotations, mirror)
+
+
+def test_markers_alone_make_a_selection() -> None:
+    result = Selection(chosen=("a",))
+    assert (result.pairs, result.frequencies, result.history) == ((), None, None)

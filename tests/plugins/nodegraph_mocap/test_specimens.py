@@ -8,10 +8,10 @@ from nodegraph_mocap import BlendshapeModel, Origin
 from nodegraph_mocap.shape_names import matched
 from nodegraph_mocap.specimens import (
     animations,
-    detections,
     heads,
     masks,
     recordings,
+    selections,
     specimens,
     weights,
 )
@@ -42,10 +42,9 @@ def test_a_mask_hides_samples_that_its_recording_has() -> None:
     assert masks()["complete"].hidden.any()
 
 
-def test_detections_are_the_present_samples() -> None:
-    cases = recordings()
-    for name, value in detections().items():
-        assert np.array_equal(np.diff(value.offsets), cases[name].present.sum(axis=1))
+def test_selections_choose_markers_of_the_recordings_of_their_names() -> None:
+    for name, value in selections().items():
+        assert set(value.chosen) <= set(recordings()[name].markers)
 
 
 def test_recording_model_head_and_weights_are_one_face() -> None:

@@ -13,14 +13,10 @@ from hypothesis import HealthCheck, Phase, find, given, settings
 from hypothesis import strategies as st
 
 from nodegraph_mocap import (
-    BlendshapeModel,
-    Detections,
     HeadMotion,
-    MarkerSet,
     Mask,
     Origin,
     Trajectories,
-    Weights,
     testing,
 )
 from nodegraph_mocap.testing.events import NAMES
@@ -60,20 +56,6 @@ def test_a_mask_belongs_to_its_recording(both: tuple[Trajectories, Mask]) -> Non
     recording, mask = both
     assert mask.markers == recording.markers
     assert not np.any(mask.hidden & ~recording.present)
-
-
-@QUICK
-@given(testing.marker_sets(["lip_left", "lip_right", "nose"]))
-def test_a_marker_set_pairs_left_and_right(marker_set: MarkerSet) -> None:
-    assert marker_set.pairs in ((), (("lip_left", "lip_right"),))
-    assert marker_set.midline in ((), ("nose",))
-
-
-@QUICK
-@given(testing.weights(gaps=False), testing.models(shapes=(2, 2)))
-def test_weights_and_models(weights: Weights, model: BlendshapeModel) -> None:
-    assert np.all((weights.values >= 0.0) & (weights.values <= 1.0))
-    assert len(model.names) == 2
 
 
 @QUICK
@@ -161,9 +143,3 @@ def test_an_example_shrinks_to_what_matters() -> None:
 def test_hypothesis_is_imported_by_those_who_ask() -> None:
     code = "import sys, nodegraph_mocap.testing; assert 'hypothesis' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-@QUICK
-@given(testing.detections())
-def test_detections_keep_frames(points: Detections) -> None:
-    assert len(points.offsets) == points.frames + 1

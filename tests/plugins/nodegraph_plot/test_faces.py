@@ -117,11 +117,3 @@ def test_a_sample_far_outside_does_not_shrink_the_faces_and_is_counted() -> None
 def test_frames_beyond_the_take_are_refused(frame: int) -> None:
     with pytest.raises(ValueError, match=f"no frame {frame} of a: it has 40 frames, 0 to 39"):
         faces(across(a=made_face.truth()), frames=(0, frame))
-
-
-def test_a_truth_of_another_length_is_refused() -> None:
-    short = Trajectories(
-        positions=made_face.truth().positions[:30], markers=made_face.MARKERS, rate=60.0
-    )
-    with pytest.raises(ValueError, match="the truth has 30 frames, the recording of a 40"):
-        faces(across(a=made_face.truth()), short)

@@ -143,17 +143,6 @@ def test_a_selection_needs_one_recording_that_has_its_markers() -> None:
         selection(Across(("k",), ()), recordings("ME"))
 
 
-def test_a_marker_that_is_never_seen_is_not_drawn() -> None:
-    recording = made_face.truth()
-    positions = recording.positions.copy()
-    positions[:, 0] = np.nan
-    holed = Trajectories(positions=positions, markers=recording.markers, rate=60.0)
-    drawn = dots(alone(chosen("nose", "mouth_l", "mouth_r"), holed))
-    assert np.isnan(np.asarray(drawn["chosen"].get_offsets())).all(axis=1).tolist() == [
-        True, False, False,
-    ]  # fmt: skip
-
-
 def test_labels_with_markup_are_drawn_as_they_are() -> None:
     figure = selection(
         Across.of({"$x^$": chosen("nose")}, axis="actor"), recordings("$x^$", "other")

@@ -61,14 +61,6 @@ def test_recordings_that_differ_where_measured_keep_their_own_lines() -> None:
     assert np.isnan(curve(axis, "measured").get_ydata()).all()
 
 
-def test_the_truth_is_a_black_line() -> None:
-    truth = made_face.truth()
-    for place, axis in enumerate(trajectories(two(), truth, frames=(3, 30)).axes):
-        line = curve(axis, "truth")
-        assert np.asarray(line.get_ydata()) == pytest.approx(truth.positions[3:31, COLUMN, place])
-        assert to_hex(line.get_color()) == "#000000"
-
-
 def test_the_default_is_the_gap_with_as_much_around_it() -> None:
     figure = trajectories(two())
     assert figure.axes[0].get_title() == "mouth_l"

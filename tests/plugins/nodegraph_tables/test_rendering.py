@@ -219,12 +219,6 @@ def test_numbers_that_are_the_same_throughout_are_stated_once() -> None:
     assert Page(render_table(frame[["fill", "lost"]], "t").html).rows[0] == ["fill", "lost"]
 
 
-def test_an_empty_table_is_shown_as_one() -> None:
-    rendered = render_table(table(a=[], b=[]), "t")
-    assert Page(rendered.html).rows == [["a", "b"]]
-    assert rendered.text == "a  b"
-
-
 def test_names_of_rows_become_columns() -> None:
     frame = table(a=[1, 2]).set_index(pd.Index(["x", "y"], name="method"))
     frame = with_info(frame, TableInfo(title="Kept"))

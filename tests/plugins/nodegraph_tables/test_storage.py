@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 import nodegraph_tables
 from nodegraph.equality import same
-from nodegraph.store import Packer, Unreadable, Unstorable
+from nodegraph.store import Packer, Unreadable
 from nodegraph_mocap.specimens import specimens
 from nodegraph_tables import StoredFigure
 from nodegraph_tables.figures import render_figure, render_stored_figure
@@ -73,14 +73,6 @@ def test_a_damaged_record_is_not_read(packer: Packer) -> None:
     head = packed.head.replace('"lower"', '"louder"')
     with pytest.raises(Unreadable, match=r"better\.a"):
         packer.unpack(head, [bytes(buffer) for buffer in packed.buffers])
-
-
-def test_a_table_of_what_nobody_can_keep_is_refused(packer: Packer) -> None:
-    table = pd.DataFrame({"a": pd.Series([object()], dtype=object)})
-    with pytest.raises(Unstorable, match=r"object.*DataFrame"):
-        packer.pack(table)
-    with pytest.raises(Unstorable, match="'b'"):
-        packer.pack(pd.DataFrame({"b": pd.period_range("2020", periods=2)}))
 
 
 def test_a_digest_does_not_depend_on_how_a_table_lies_in_memory(packer: Packer) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph_mocap import Mask, Origin, Trajectories
+from nodegraph_mocap import Mask, Trajectories
 from nodegraph_mocap.gap.data import MOST_FRAMES, pack
 from nodegraph_mocap.view import frontal
 from tests.plugins.nodegraph_mocap.gap import unpacked
@@ -114,21 +114,6 @@ def test_missing_samples_and_methods_stay_missing() -> None:
     assert np.flatnonzero(np.isnan(shown["none"][:, 0])).tolist() == [10, 11, 12, 13, 14, 15]
     assert pack({"marker": "ear"}, {"a": {"estimate": made_face.truth().keep(())}}) is None
     assert pack(GAP, {}) is None
-
-
-def test_nothing_but_missing_samples_and_a_single_frame_can_be_packed() -> None:
-    whole = made_face.truth()
-    nowhere = whole.with_samples(
-        np.full_like(whole.positions, np.nan),
-        changed=np.ones(whole.origin.shape, bool),
-        origin=Origin.MISSING,
-    )
-    view = packed(GAP, {"a": {"estimate": nowhere, "truth": nowhere}})
-    assert np.isnan(unpacked.truth(view)).all()
-    assert np.isnan(unpacked.faces(view)).all()
-    single = replace(whole, positions=whole.positions[:1], origin=whole.origin[:1])
-    view = packed({"marker": "nose", "start": 0, "frames": 1}, {"a": {"estimate": single}})
-    assert view["frames"] == 1
 
 
 def test_a_gap_of_45_frames_and_17_methods_takes_little() -> None:

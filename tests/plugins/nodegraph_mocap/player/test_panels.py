@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from nodegraph_mocap import HeadMotion
 from nodegraph_mocap.player.panels import panel_of, posed
-from nodegraph_mocap.specimens import animations, recordings
+from nodegraph_mocap.specimens import animations
 from tests.plugins.nodegraph_plot import made_face
 
 
@@ -23,13 +23,6 @@ def test_a_wild_fill_does_not_shrink_the_face() -> None:
     near, far = (panel_of("a", made_face.filled(offset), "auto") for offset in (0.0, 5000.0))
     assert near.radius == far.radius
     assert np.array_equal(near.centre, far.centre)
-
-
-def test_a_recording_of_nothing_still_has_a_view() -> None:
-    panel = panel_of("a", recordings()["all missing"], "auto")
-    assert panel.radius == 1.0
-    still = recordings()["one frame"].keep(["nose"])
-    assert panel_of("a", still, "auto").radius == 1.0
 
 
 def test_a_head_is_seen_from_the_front_and_lies_in_the_picture() -> None:

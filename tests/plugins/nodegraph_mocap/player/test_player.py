@@ -340,16 +340,6 @@ def test_all_panels_turn_together_by_a_drag(tab: Page, tmp_path: Path) -> None:
     assert expected[nose, 0] > front[nose, 0]  # what is near goes with the hand
 
 
-def test_a_drag_down_shows_the_top(tab: Page, tmp_path: Path) -> None:
-    face = recordings()["complete"]
-    show(tab, tmp_path, panel(face))
-    nose = face.markers.index("nose")
-    before = dots(tab.evaluate(f"{FIRST}.state"))
-    drag(tab, CANVAS, 0, 50)
-    after = dots(tab.evaluate(f"{FIRST}.state"))
-    assert after[nose, 1] > before[nose, 1]
-
-
 def swipe(tab: Page, steps: list[list[tuple[float, float]]]) -> None:
     """Touch the picture with fingers at offsets from its middle, step by step."""
     x, y = middle(tab, CANVAS)
@@ -516,15 +506,6 @@ def test_labels_with_markup_are_text(tab: Page, tmp_path: Path) -> None:
     assert tab.evaluate("document.querySelector('.playback .name span').textContent") == HOSTILE
     assert tab.evaluate("document.querySelectorAll('main img, main b').length") == 0
     assert tab.evaluate("document.title") == "A title"
-
-
-def test_each_of_several_playbacks_plays_for_itself(tab: Page, tmp_path: Path) -> None:
-    single = Playback(panels=(panel(recordings()["complete"]),))
-    load(tab, written(tmp_path, single, single))
-    tab.evaluate(f"{PLAYER % 1}.seek(7)")
-    ticks = [tab.evaluate(f"{PLAYER % place}.state.tick") for place in (0, 1)]
-    assert ticks == [0, 7]
-    assert tab.evaluate("document.querySelectorAll('.controls').length") == 2
 
 
 @pytest.mark.parametrize("width", [360, 1400])
