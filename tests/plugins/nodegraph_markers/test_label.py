@@ -25,7 +25,7 @@ from tests.plugins.nodegraph_markers.takes import (
 
 @pytest.mark.parametrize("seed", range(2))
 def test_a_shuffled_take_gets_all_its_names_back_wherever_it_is(seed: int) -> None:
-    synthetic = face(seed=seed)
+    synthetic = face(seed=seed, seconds=3.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing is left over
         here = label(without_names(synthetic.captured, seed), synthetic.neutral)
@@ -52,21 +52,15 @@ def test_takes_of_real_and_animated_faces_by_their_own_first_frame(name: str) ->
     assert result.marker_set is marker_set
 
 
-@pytest.mark.parametrize(("seed", "swapped"), [(0, 0), (1, 400)])
-def test_tracked_points_get_the_names_of_their_markers(seed: int, swapped: int) -> None:
-    """But for two of seed 1 that are hidden together, and are taken for each other from there.
-
-    They are a corner of the mouth and its neighbour, 9 mm apart, for 34 frames in which the
-    expression changes.
-    """
-    synthetic = face(seed=seed)
+def test_tracked_points_get_the_names_of_their_markers() -> None:
+    synthetic = face(seed=0)
     with quiet():
         tracks = assignment(synthetic.detections)
         named = label(tracks, synthetic.neutral)
     good = correct(named, synthetic.captured)
-    assert good.sum() > 0.998 * tracks.present.sum() - swapped
+    assert good.sum() > 0.998 * tracks.present.sum()
     wrong = named.keep(synthetic.captured.markers).present & ~good
-    assert wrong.sum() <= 1e-4 * tracks.present.sum() + swapped
+    assert wrong.sum() <= 1e-4 * tracks.present.sum()
     assert named.present.sum() == tracks.present.sum()
 
 
@@ -75,8 +69,8 @@ def test_tracked_points_get_the_names_of_their_markers(seed: int, swapped: int) 
     [
         {"seed": 1, "markers": 10},
         {"seed": 1, "markers": 150, "seconds": 3.0},
-        {"seed": 2, "missing": 0.2, "seconds": 6.0},
-        {"seed": 5, "rate": 30.0},
+        {"seed": 2, "missing": 0.2, "seconds": 3.0},
+        {"seed": 5, "rate": 30.0, "seconds": 5.0},
     ],
     ids=str,
 )
@@ -89,8 +83,9 @@ def test_few_markers_many_gaps_and_low_rates(settings: dict[str, Any]) -> None:
 
 
 def test_a_neutral_of_another_actor_will_do() -> None:
-    synthetic = label(without_names(face(seed=1).captured), face(seed=2).neutral)
-    assert correct(synthetic, face(seed=1).captured)[face(seed=1).captured.present].all()
+    take = face(seed=1, seconds=3.0).captured
+    named = label(without_names(take), face(seed=2, seconds=3.0).neutral)
+    assert correct(named, take)[take.present].all()
 
 
 def test_what_is_no_marker_is_left_behind_the_names_and_reported() -> None:

@@ -45,7 +45,7 @@ def test_missing_samples_leave_the_shape_as_it_is() -> None:
 
 
 def test_a_face_moves_as_it_does_without_its_head() -> None:
-    synthetic = face(seed=0, seconds=5.0)
+    synthetic = face(seed=0, seconds=3.0)
     motion = head_frame(synthetic.captured).motion
     turns, shifts = synthetic.head_motion.rotations, synthetic.head_motion.translations
     still = (synthetic.truth.positions - shifts[:, None]) @ turns
