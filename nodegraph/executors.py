@@ -14,20 +14,19 @@ they are called. One that makes each call in this process is short::
     def nodegraph_executors():
         return {"one-by-one": one_by_one}
 
-An executor that makes calls in processes that share no memory with this one encodes each call as
-a `Request` by a `CallCodec`, has `respond` return the `Response` there, decodes it to an `Outcome`
-here, and hands that to ``schedule.keep``. Requests and responses are lists of buffers. A call that
-cannot be sent is encoded as None, and made by ``schedule.perform``. `in_time` keeps to the time
-limit of a call.
+An executor that has calls made elsewhere hands `side_by_side` a function that makes one call and
+returns its outcome; it is called in as many threads as there are calls at a time. For a process
+that shares no memory with this one, `CallCodec` encodes a call as a request, `respond` returns the
+response there, and `CallCodec` decodes that to an `Outcome`, which ``schedule.keep`` stores.
+Requests and responses are lists of buffers. A call that cannot be sent is made by
+``schedule.perform``. `in_time` keeps to the time limit of a call.
 """
 
 from nodegraph.execute.call import Call, Outcome, perform
 from nodegraph.execute.executor import Executor, HowToRun, Schedule
-from nodegraph.execute.numeric_threads import one_thread_here
-from nodegraph.execute.threads import in_time
-from nodegraph.execute.worker.client import CallCodec, kill, start
-from nodegraph.execute.worker.protocol import Frame, Request, Response
-from nodegraph.execute.worker.server import respond
+from nodegraph.execute.processes import kill, start
+from nodegraph.execute.remote import CallCodec, Frame, respond
+from nodegraph.execute.threads import in_time, side_by_side
 from nodegraph.state import State
 
 __all__ = [
@@ -37,14 +36,12 @@ __all__ = [
     "Frame",
     "HowToRun",
     "Outcome",
-    "Request",
-    "Response",
     "Schedule",
     "State",
     "in_time",
     "kill",
-    "one_thread_here",
     "perform",
     "respond",
+    "side_by_side",
     "start",
 ]

@@ -12,7 +12,7 @@ from nodegraph.audit.repeat import Case, Repeats
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.call import Outcome
-from nodegraph.execute.worker.client import WorkerEndedError
+from nodegraph.execute.processes import WorkerEndedError
 from nodegraph.plan import Step
 from nodegraph.state import State
 

@@ -16,10 +16,10 @@ from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.processes import Worker, WorkerEndedError
+from nodegraph.execute.remote import CallCodec
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
-from nodegraph.execute.worker.client import CallCodec, Worker, WorkerEndedError
-from nodegraph.execute.worker.protocol import ResponseKind
 from nodegraph.node.ports import Across
 from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packer, Unstorable
@@ -62,7 +62,7 @@ class Repeats:
         # a second cache, because that of the run treats its own new results as computed
         self._cache = StoredSteps(run.plan, run.cache.store)
         registry = run.plan.graph.registry
-        self._codec = CallCodec(registry, run.packer, shares_files=True, is_new=True)
+        self._codec = CallCodec(registry, run.packer, local=True)
         self._worker: Worker | None = None
         self._open = ExitStack()
 
@@ -144,10 +144,7 @@ class Repeats:
             self._worker.close()
             self._worker = None
             raise
-        if response.kind in (ResponseKind.MISSING, ResponseKind.UNSENDABLE):
-            return response.outcome.reason
-        outcome = self._codec.decode(response, "a process")
-        return "its result cannot be read" if outcome is None else outcome
+        return self._codec.decode(response, "a process")
 
     def result(self, outcome: Outcome) -> CallResult:
         """Return the result of a call for comparisons."""

@@ -3,22 +3,34 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import islice
 from queue import Empty, SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome, timed_out
 from nodegraph.execute.executor import HowToRun, Schedule
 from nodegraph.execute.numeric_threads import one_thread_here
 
-Calls = SimpleQueue[Call | None]
-Results = SimpleQueue[tuple[int, Outcome] | BaseException]
+_SECONDS_BETWEEN_COUNTS = 0.5
+"""How long results are waited for before the number of calls at a time is asked for again."""
+_SECONDS_TO_GIVE_UP = 1.0
+"""In which calls that were given up end; one that is made in this process may never end."""
+
+_Result = tuple[int, Outcome] | BaseException
 
 
 def serial(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make one call after the other, in this thread; those with a time limit in another."""
     while (call := schedule.next()) is not None:
         yield call.step, in_time(schedule.perform, call)
+
+
+def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+    """Make several calls at a time, each in a thread of this process."""
+    perform = partial(in_time, schedule.perform)
+    return side_by_side(schedule, lambda: how.at_a_time, perform, alone_here=True)
 
 
 def in_time(perform: Callable[[Call], Outcome], call: Call) -> Outcome:
@@ -28,11 +40,9 @@ def in_time(perform: Callable[[Call], Outcome], call: Call) -> Outcome:
     """
     if call.timeout is None:
         return perform(call)
-    calls: Calls = SimpleQueue()
-    results: Results = SimpleQueue()
-    calls.put(call)
-    calls.put(None)
-    threading.Thread(target=_work, args=(perform, calls, results), daemon=True).start()
+    results: SimpleQueue[_Result] = SimpleQueue()
+    arguments = (perform, iter([call]), results)
+    threading.Thread(target=_work, args=arguments, daemon=True).start()
     try:
         result = results.get(timeout=call.timeout)
     except Empty:
@@ -42,65 +52,100 @@ def in_time(perform: Callable[[Call], Outcome], call: Call) -> Outcome:
     return result[1]
 
 
-def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
-    """Make several calls at a time, each in a thread of this process."""
-
-    def start(calls: Calls, results: Results) -> None:
-        # daemons: a node that never returns must not keep the program alive
-        arguments = (partial(in_time, schedule.perform), calls, results)
-        threading.Thread(target=_work, args=arguments, daemon=True).start()
-
-    return distribute(schedule, how.at_a_time, start)
-
-
-def _work(perform: Callable[[Call], Outcome], calls: Calls, results: Results) -> None:
-    with one_thread_here():
-        make_calls(perform, calls, results)
-
-
-def distribute(
-    schedule: Schedule, at_a_time: int, start: Callable[[Calls, Results], None]
+def side_by_side(
+    schedule: Schedule,
+    at_a_time: Callable[[], int],
+    perform: Callable[[Call], Outcome],
+    *,
+    give_up: Callable[[], None] | None = None,
+    alone_here: bool = False,
 ) -> Iterator[tuple[int, Outcome]]:
-    """Hand the calls of a schedule to workers, and yield their results.
+    """Make the calls of a schedule in threads, several at a time, and yield their outcomes.
 
     Parameters
     ----------
     schedule
     at_a_time
-    start
-        Starts a worker, which takes calls from one queue until it gets None, and puts their
-        results, or what must end the run, into the other. No more are started than are needed.
+        Returns how many; asked again before each call, and from time to time.
+    perform
+        Makes one call, wherever it likes, and returns when that has ended. What it raises ends
+        the run.
+    give_up
+        Called when the run ends early: has calls end that are being made.
+    alone_here
+        Whether a call beside which no other can be made is made in this thread, which is faster.
     """
-    calls: Calls = SimpleQueue()
-    results: Results = SimpleQueue()
-    started = running = 0
+    threads = _Threads(perform)
     try:
         while True:
-            while running < at_a_time and (call := schedule.next()) is not None:
-                calls.put(call)
-                running += 1
-                if running > started:
-                    start(calls, results)
-                    started += 1
-            del call  # else its inputs would stay in memory while a result is waited for
-            if not running:
+            count = max(at_a_time() - threads.running, 0)
+            ready = list(islice(iter(schedule.next, None), count))
+            if alone_here and not threads.running and len(ready) == 1:
+                call = ready.pop()
+                yield call.step, perform(call)
+                del call
+                continue
+            while ready:  # no name keeps a call, and with it the inputs, while a result is awaited
+                threads.make(ready.pop(0))
+            if not threads.running:
                 return
-            result = results.get()
-            if isinstance(result, BaseException):
-                raise result
-            running -= 1
-            yield result
-            del result
+            if (result := threads.result()) is not None:
+                yield result
+                del result
+    except BaseException:
+        if give_up is not None:
+            give_up()
+        raise
     finally:
-        for _ in range(started):
-            calls.put(None)
+        threads.end(wait=give_up is not None)
 
 
-def make_calls(perform: Callable[[Call], Outcome], calls: Calls, results: Results) -> None:
-    """Make the calls of a queue, until it gives None."""
-    while (call := calls.get()) is not None:
+class _Threads:
+    """Threads that make calls; no more are started than are needed."""
+
+    def __init__(self, perform: Callable[[Call], Outcome]) -> None:
+        self.running = 0
+        self._perform = perform
+        self._started: list[threading.Thread] = []
+        self._calls: SimpleQueue[Call | None] = SimpleQueue()
+        self._results: SimpleQueue[_Result] = SimpleQueue()
+
+    def make(self, call: Call) -> None:
+        self._calls.put(call)
+        self.running += 1
+        if self.running > len(self._started):
+            arguments = (self._perform, iter(self._calls.get, None), self._results)
+            # a daemon: a node that never returns must not keep the program alive
+            thread = threading.Thread(target=_work, args=arguments, daemon=True)
+            self._started.append(thread)
+            thread.start()
+
+    def result(self) -> tuple[int, Outcome] | None:
+        """Return the next result, or None after some time without one."""
         try:
-            results.put((call.step, perform(call)))
-        except BaseException as error:  # else the run would wait for a result for ever
-            results.put(error)
-        del call
+            result = self._results.get(timeout=_SECONDS_BETWEEN_COUNTS)
+        except Empty:
+            return None
+        if isinstance(result, BaseException):
+            raise result
+        self.running -= 1
+        return result
+
+    def end(self, *, wait: bool) -> None:
+        for _ in self._started:
+            self._calls.put(None)
+        end = time.monotonic() + (_SECONDS_TO_GIVE_UP if wait else 0.0)
+        for thread in self._started:
+            thread.join(max(end - time.monotonic(), 0.0))
+
+
+def _work(
+    perform: Callable[[Call], Outcome], calls: Iterator[Call], results: SimpleQueue[_Result]
+) -> None:
+    with one_thread_here():
+        for call in calls:
+            try:
+                results.put((call.step, perform(call)))
+            except BaseException as error:  # else the run would wait for a result for ever
+                results.put(error)
+            del call

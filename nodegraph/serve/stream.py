@@ -18,7 +18,7 @@ from subprocess import TimeoutExpired
 from types import TracebackType
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.worker.client import kill, start
+from nodegraph.execute.processes import kill, start
 from nodegraph.live.forms import streamable_of
 from nodegraph.live.plan import LivePlan, not_given
 from nodegraph.live.session import Session

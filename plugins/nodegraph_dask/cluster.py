@@ -22,7 +22,7 @@ from nodegraph import NodegraphError
 from nodegraph.executors import HowToRun, kill, start
 from nodegraph_dask.worker import CERTIFICATES, no_logs, no_pages
 
-SECONDS_BETWEEN_COUNTS = 0.5
+_SECONDS_BETWEEN_COUNTS = 0.5
 SECONDS_WITHOUT_WORKERS = 30.0
 """After which a run gives up."""
 _SECONDS_TO_ANSWER = 3.0
@@ -82,8 +82,8 @@ class Cluster:
         if self.client.status not in ("running", "connecting"):
             raise NodegraphError(f"{self.name} is gone")
 
-    def count_workers(self, *, is_idle: bool) -> bool:
-        """Count the workers again, if that is due; return whether it was.
+    def count_workers(self, *, is_idle: bool) -> None:
+        """Count the workers again, if that is due.
 
         Parameters
         ----------
@@ -95,14 +95,14 @@ class Cluster:
         NodegraphError
             If there has been none for long.
         """
-        if time.monotonic() - self._counted < SECONDS_BETWEEN_COUNTS:
-            return False
+        if time.monotonic() - self._counted < _SECONDS_BETWEEN_COUNTS:
+            return
         self.replace_workers()
         self.threads = self._count_threads()
         self._counted = time.monotonic()
         if self.threads:
             self._seen = self._counted
-            return True
+            return
         seconds, most = self._counted - self._seen, SECONDS_WITHOUT_WORKERS
         if seconds > most and is_idle:
             if self.client.status != "running":
@@ -113,7 +113,6 @@ class Cluster:
             warnings.warn(
                 f"{self.name} has no worker; waiting {most:g} seconds for one", stacklevel=2
             )
-        return True
 
     def replace_workers(self) -> None:
         """Replace workers that have died, where they belong to this run."""

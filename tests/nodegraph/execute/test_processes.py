@@ -11,9 +11,8 @@ from typing import IO, Any
 import pytest
 
 from nodegraph import NodegraphError, node
-from nodegraph.execute import HowToRun, Run
+from nodegraph.execute import HowToRun, Run, processes
 from nodegraph.execute.events import Event
-from nodegraph.execute.worker import client
 
 TWO = HowToRun("processes", 2)
 ONE = HowToRun("processes", 1)
@@ -81,7 +80,7 @@ def killed_at_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable
             f"import os, pathlib; p = pathlib.Path({str(flag)!r}); p.open('a').write('x'); "
             f"len(p.read_text()) > {times} or os.kill(os.getpid(), 9); "
         )
-        monkeypatch.setattr(client, "_PROGRAM", count + client._PROGRAM)
+        monkeypatch.setattr(processes, "_PROGRAM", count + processes._PROGRAM)
 
     return kill
 

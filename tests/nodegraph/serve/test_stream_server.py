@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 import numpy as np
 
 from nodegraph import Frame
-from nodegraph.execute.worker.client import kill, start
+from nodegraph.execute.processes import kill, start
 from nodegraph.live.counts import Counts
 from nodegraph.live.running_numbers import Latest
 from nodegraph.serve.stream_server import Update

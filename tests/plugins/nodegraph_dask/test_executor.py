@@ -9,7 +9,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
 from urllib.error import HTTPError
@@ -19,9 +18,8 @@ import pytest
 from distributed import Client, LocalCluster
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import HowToRun, Run
+from nodegraph.execute import HowToRun, Run, remote
 from nodegraph.execute.events import Event
-from nodegraph.execute.worker.protocol import Environment
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 from nodegraph_dask import cluster as cluster_module
@@ -216,13 +214,9 @@ def test_a_worker_with_code_from_before_an_edit_is_named(
 
 
 def test_other_versions_are_reported_once(
-    study: Callable[..., Run],
-    registry: Registry,
-    two_workers: HowToRun,
-    monkeypatch: pytest.MonkeyPatch,
+    study: Callable[..., Run], two_workers: HowToRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    here = replace(Environment.of(registry), python="3.9", numpy="1.0")
-    monkeypatch.setattr(Environment, "of", lambda *_, **__: here)
+    monkeypatch.setattr(remote, "VERSIONS", {"Python": "3.9", "numpy": "1.0"})
     text = "axes: {k: {count: 9}}\nnodes: {a: {use: away.pid, with: {mark: $k}}}"
     message = r"worker tcp://.* has Python .*, here it is 3\.9; numpy .*, here it is 1\.0"
     with pytest.warns(UserWarning, match=message) as warned:
