@@ -70,7 +70,7 @@ class NodeError(NodegraphError):
 
 
 class UnknownNodeError(NodegraphError):
-    """No installed node has the name, or several have it."""
+    """Raised if no installed node has the name, or several have it."""
 
 
 class Refusal(NodegraphError):

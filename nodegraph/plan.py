@@ -120,7 +120,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Plan:
-    """All steps of a graph, and which step computes which combination.
+    """The steps of a graph, and the step that computes each combination.
 
     Attributes
     ----------

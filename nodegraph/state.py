@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class State(StrEnum):
-    """How a step ended.
+    """The end of a step.
 
     A step whose result was found in the store is ``done``; events and counts list it as
     ``stored``. A step is ``unneeded`` if everything that reads it is stored.

@@ -26,7 +26,7 @@ _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
 _AFTER = r"(?![\w\-])"
 _USERS = ("/home", "/Users")
 _MOST_BYTES = 512_000_000
-"""Of a compressed text: a few kilobytes may hold more than the memory does."""
+"""Most bytes of a text: a few kilobytes, compressed, may hold more than the memory does."""
 
 _FOLDERS = re.compile(
     r"(?<![\w.:/\\<+\-])(?:[A-Za-z]:)?(?:[/\\][^\s:'\"/\\<>,;()]+){2,}(?=[/\\])[/\\]"

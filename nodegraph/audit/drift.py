@@ -1,4 +1,4 @@
-"""How far the results of two calls of one step are apart."""
+"""The difference between the results of two calls of one step."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class CallResult:
 
 @dataclass(frozen=True)
 class Drift:
-    """How far two results are apart.
+    """The grade and the differences of two results.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ _ENVIRONMENT = re.compile(
     "|NODEGRAPH_|NUMBA_|OMP_|MKL_|OPENBLAS_|BLIS_|VECLIB_|MPL",
     re.IGNORECASE,
 )
-"""How variables of the environment begin without which no process starts, or starts otherwise."""
+"""Beginnings of the names of environment variables that a process needs to start as before."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from nodegraph.plugin.hook_types import Format
 
 _PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 _FORM = f"2 {_PYTHON}"
-"""Of what is remembered of sources; to be changed with the reading of sources."""
+"""Version of the remembered digests; it must change when sources are read in another way."""
 _FORMATS = "nodegraph.plugin.formats"
 _PLAIN = (NoneType, bool, int, float, complex, str, range, type(...))
 _MAPPINGS = (dict, MappingProxyType)

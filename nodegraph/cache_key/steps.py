@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
 
 _ADDRESS = " at 0x"
-"""In the text of a value that is another one in each process."""
+"""Text in the representation of a value that differs in each process."""
 
 
 class _Result(Protocol):

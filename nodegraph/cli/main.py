@@ -32,7 +32,7 @@ COMMANDS = (
     "run", "check", "live", "fetch", "draw", "show", "new", "diff", "lock", "verify",
     "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema", "completion",
 )  # fmt: skip
-"""Each is a module of this package with a function of its name, `HELP` and `add_arguments`."""
+"""Modules of this package, each with a function of its name, `HELP` and `add_arguments`."""
 
 _FOR_EDITORS = ("schema", "completion")
 """Commands that are given once, to set up an editor or a shell: the list of commands is shorter

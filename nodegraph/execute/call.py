@@ -29,7 +29,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 
 _READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
-"""What numpy, numba and frozen dataclasses say when a locked value is written to."""
+"""Beginnings of the errors of numpy, numba and frozen dataclasses on writing to a locked value."""
 
 _LONGEST_TRACE = 20_000
 """Characters of a traceback that a run keeps; its message may quote a whole array."""
@@ -68,7 +68,7 @@ class Call:
 
 @dataclass(slots=True)
 class Outcome:
-    """How a step ended.
+    """The outcome of a step.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is noted of a call while it is made: warnings, threads, and what it reads that is in no key.
+"""Notes of a call while it is made: warnings, threads, and files it reads that are in no key.
 
 That is files and folders that no setting names, and environment variables.
 """
@@ -26,11 +26,11 @@ _FORKS = ("os.fork", "os.forkpty")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS, *_FORKS})
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
-"""Of the call that is being made."""
+"""The notes of the call that is being made."""
 
 
 class Notes:
-    """What a call warns of and reads, noted while this is in `notes_of_call`.
+    """The warnings and files of a call, noted while this is in `notes_of_call`.
 
     What other threads or C code read is not seen.
 

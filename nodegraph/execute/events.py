@@ -1,4 +1,4 @@
-"""What happens during a run, as a stream of events for progress, logs and other programs."""
+"""The events of a run, for progress, logs and other programs."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from nodegraph.store import Packer
 
 @dataclass(frozen=True)
 class HowToRun:
-    """Where and how steps are computed.
+    """The executor of a run and its limits.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Schedule(Protocol):
 
     @property
     def packer(self) -> Packer:
-        """How values are sent to other processes."""
+        """The form in which values are sent to other processes."""
         ...
 
     def next(self) -> Call | None:

@@ -1,4 +1,4 @@
-"""How long a run will still take, from how long steps of each method took."""
+"""An estimate of the time that a run will still take, from the times of each method's steps."""
 
 from __future__ import annotations
 

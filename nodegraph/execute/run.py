@@ -23,7 +23,7 @@ from nodegraph.state import State
 from nodegraph.store import Packer, Store
 
 _SECONDS = "seconds"
-"""Under this name a store remembers how long a step of each node takes."""
+"""The name under which a store remembers how long a step of each node takes."""
 
 
 def execute(

@@ -1,4 +1,4 @@
-"""Which step may run next, with which values; values are dropped after their last reader."""
+"""The order of steps: which may run next; values are dropped after their last reader."""
 
 from __future__ import annotations
 

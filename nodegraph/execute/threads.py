@@ -14,9 +14,9 @@ from nodegraph.execute.executor import HowToRun, Schedule
 from nodegraph.execute.numeric_threads import one_thread_here
 
 _SECONDS_BETWEEN_COUNTS = 0.5
-"""How long results are waited for before the number of calls at a time is asked for again."""
+"""Seconds that results are waited for before the number of calls at a time is asked for again."""
 _SECONDS_TO_GIVE_UP = 1.0
-"""In which calls that were given up end; one that is made in this process may never end."""
+"""Seconds in which calls that were given up end; one in this process may never end."""
 
 _Result = tuple[int, Outcome] | BaseException
 

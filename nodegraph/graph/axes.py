@@ -1,4 +1,4 @@
-"""Which axes a node has, which of them its ports gather, and how many combinations that makes."""
+"""The axes of each node, those that its ports gather, and the number of combinations."""
 
 from __future__ import annotations
 

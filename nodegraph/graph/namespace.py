@@ -53,7 +53,7 @@ class Namespace:
 
     @property
     def graph_folder(self) -> Path:
-        """Where relative paths in the graph file start."""
+        """The folder in which relative paths in the graph file start."""
         return self._spec.folder
 
     def add_alternatives(self, node: str, labels: tuple[str, ...]) -> None:

@@ -47,7 +47,7 @@ class PassThrough(Node):
 
     @cached_property
     def damages(self) -> bool:
-        """It does not: the truth that it returns is the truth that it takes."""
+        """False: the truth that it returns is the truth that it takes."""
         return False
 
     @cached_property

@@ -55,7 +55,7 @@ class NodeSchema:
 
     @property
     def definitions(self) -> dict[str, Schema]:
-        """What may accompany its ``use``, and the types of its settings that have a name."""
+        """The keys that may stand beside its ``use``, and the named types of its settings."""
         settings = {
             "type": ["object", "null"],
             "properties": self.settings,

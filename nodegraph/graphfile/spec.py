@@ -25,7 +25,7 @@ class Variable:
 
 
 FIRST = "$first"
-"""In ``at``: the first label of the axis, whichever labels a command gives it."""
+"""A label in ``at`` that stands for the first label of the axis, whatever a command makes of it."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class ReportEntry(Reference):
-    """What the report shows: a reference with its heading and its caption.
+    """A value that the report shows, with its heading and its caption.
 
     Attributes
     ----------

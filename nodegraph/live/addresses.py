@@ -19,7 +19,7 @@ from nodegraph.plugin.streaming import Frame, Sink, Source
 T = TypeVar("T")
 
 RETRY_SECONDS = 1.0
-"""How long to wait before a lost connection is opened again."""
+"""Seconds before a lost connection is opened again."""
 
 
 def source_of(address: str) -> Source:

@@ -63,7 +63,7 @@ def _upper(place: int) -> float:
 
 
 class Causes:
-    """How often something happened, by the line of code that it comes from, and its last text.
+    """Counts of events by the line of code that they come from, each with its last text.
 
     Texts may differ from frame to frame; lines are few, so that memory does not grow.
     """

@@ -140,7 +140,7 @@ class _Packets:
 
     @cached_property
     def _decoder(self) -> Source:
-        """What received the packets; behind recorded replays, the source of the first recording."""
+        """The source of the packets; behind recorded replays, that of the first recording."""
         decoder, seen = source_of(self._reader.source), {self._path.resolve()}
         while isinstance(decoder, _Packets):
             path = decoder._path.resolve()

@@ -54,7 +54,7 @@ _QUEUE = 1024
 _BACKLOG = 16
 """Frames that wait at most with the policy ``newest``; then all but the last are dropped."""
 _RESTART = 16
-"""So many numbers that follow each other, all seen before, show that the source restarted."""
+"""Number of consecutive repeated frame numbers that mean that the source restarted."""
 _POLL, _FULL = 0.1, 0.0005  # seconds
 _LARGEST = 1 << 63
 """Frames have numbers and times in nanoseconds that fit into 64 bits with sign."""

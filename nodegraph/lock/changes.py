@@ -1,4 +1,4 @@
-"""How the steps of a run changed since a study was locked."""
+"""Changes of the steps of a run since its study was locked."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _AROUND_ALL = ("python", "platform")
 
 @dataclass(frozen=True)
 class Change:
-    """How a step changed.
+    """The changes of one step.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How far the results of a run agree with a lock, and where differences begin."""
+"""Comparison of the results of a run with a lock: how far they agree, where differences begin."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _DECIMALS = re.compile(r"[-+]?(?:(?<!\d)\d+)?\.\d+(?:e[-+]?\d+)?", re.I)
 
 
 class Agreement(StrEnum):
-    """How one result agrees with the one in a lock."""
+    """The agreement of one result with the one in a lock."""
 
     IDENTICAL = "identical"
     NEAR = "near"
@@ -29,7 +29,7 @@ class Agreement(StrEnum):
 
 
 class Grade(StrEnum):
-    """How far the results of a study agree with its lock."""
+    """The agreement of the results of a study with its lock, from the best to the worst."""
 
     IDENTICAL = "identical"
     WITHIN_TOLERANCE = "within tolerance"
@@ -39,7 +39,7 @@ class Grade(StrEnum):
 
 @dataclass(frozen=True)
 class Match:
-    """How far one result is from the one in a lock.
+    """The distance of one result from the one in a lock.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Moved:
 
 @dataclass
 class Compared(Spread[Moved]):
-    """How the results of a run agree with a lock.
+    """The agreement of all results of a run with a lock.
 
     Attributes
     ----------

@@ -133,7 +133,7 @@ class Provenance(_Model):
 
 
 class LockedStudy(Provenance, _Study):
-    """All of a lock; its fields have the order of the file.
+    """The content of a lock; its fields have the order of the file.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ _END = "# end of the lock\n"
 _CHECKSUM = re.compile(r"checksum: ([0-9a-f]{64})\n")
 _MOST_BYTES = 200_000_000
 _ENCODING = "utf-8-sig"
-"""Some editors write a byte order mark."""
+"""The encoding that also reads the byte order mark that some editors write."""
 
 
 @dataclass(frozen=True)

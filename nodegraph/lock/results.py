@@ -123,7 +123,7 @@ class Results:
 
     @property
     def comparisons(self) -> tuple[Comparison, ...]:
-        """How plugins describe the differences of values."""
+        """The descriptions of differences that plugins give."""
         return self._run.plan.graph.registry.hooks.comparisons
 
     def ending(self, index: int) -> str:

@@ -21,7 +21,7 @@ LookAhead = int | None | Literal[Undeclared.UNDECLARED] | Callable[[Mapping[str,
 """Frames, None for the whole take, or what returns one of these for settings."""
 
 Ends = bool | None | Callable[[Mapping[str, Any]], bool]
-"""Whether both ends of a gap are met, or what returns it for settings; None: not declared."""
+"""True if both ends of a gap are met, or a function of the settings; None: not declared."""
 
 
 class Declared(TypedDict, total=False):

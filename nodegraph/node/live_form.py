@@ -1,4 +1,4 @@
-"""How a node computes frame by frame: by its own function, from a window, or with a state.
+"""The live form of a node: its own function per frame, a window, or a state.
 
 A node that computes one value of a whole take, such as a score, keeps numbers of it current.
 """

@@ -19,7 +19,7 @@ _LONGEST_LABELS = 72
 _PALETTE = re.compile(r"^\.nodegraph-picture \{([^}]*)\}", re.MULTILINE)
 _LIGHT = '[data-jp-theme-light="true"], .vscode-light, html[theme="light"]'
 _DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
-"""How JupyterLab, Visual Studio Code and Colab mark a page that does not follow the system."""
+"""Selectors by which JupyterLab, Visual Studio Code and Colab mark a page of another theme."""
 
 
 def graph_html(graph: Graph) -> str:

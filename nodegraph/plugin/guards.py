@@ -112,7 +112,7 @@ class Source:
 
 @dataclass(frozen=True)
 class _Rule:
-    """How one function of a record is guarded.
+    """The rule by which one function of a record is guarded.
 
     Attributes
     ----------

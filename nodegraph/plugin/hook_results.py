@@ -50,32 +50,32 @@ class HookResults:
 
     @cached_property
     def renderers(self) -> tuple[Renderer, ...]:
-        """How values appear in a report; the last plugin comes first."""
+        """Renderers of values in a report; the last plugin comes first."""
         return self._guarded("nodegraph_renderers")
 
     @cached_property
     def details(self) -> tuple[Detail, ...]:
-        """How blocks of a comparison are shown; the last plugin comes first."""
+        """Views of single blocks of a comparison; the last plugin comes first."""
         return self._guarded("nodegraph_details")
 
     @cached_property
     def comparisons(self) -> tuple[Comparison, ...]:
-        """How differences are described; the last plugin comes first."""
+        """Descriptions of differences; the last plugin comes first."""
         return self._guarded("nodegraph_comparisons")
 
     @cached_property
     def conclusions(self) -> tuple[Conclusion, ...]:
-        """What a study concludes from values; the last plugin comes first."""
+        """Conclusions that a study draws from values; the last plugin comes first."""
         return self._guarded("nodegraph_conclusions")
 
     @cached_property
     def storages(self) -> tuple[Storage, ...]:
-        """How values are stored; the last plugin comes first."""
+        """Forms in which values are stored; the last plugin comes first."""
         return self._guarded("nodegraph_storages")
 
     @cached_property
     def formats(self) -> tuple[Format, ...]:
-        """How values are read from files; the last plugin comes first."""
+        """Formats of files; the last plugin comes first."""
         return tuple(guard(*pair) for pair in self._formats)
 
     @property
@@ -85,12 +85,12 @@ class HookResults:
 
     @cached_property
     def streamables(self) -> tuple[Streamable, ...]:
-        """How values are split into frames; the last plugin comes first."""
+        """Types whose values are split into frames; the last plugin comes first."""
         return self._guarded("nodegraph_streamables")
 
     @cached_property
     def live_views(self) -> tuple[LiveView, ...]:
-        """How values appear on the page of a stream; the last plugin comes first."""
+        """Views on the page of a stream; the last plugin comes first."""
         return self._guarded("nodegraph_live_views")
 
     @cached_property

@@ -61,7 +61,7 @@ Kind = Literal["", "table", "figure"]
 
 @dataclass(frozen=True)
 class Grid:
-    """What a terminal shows of a comparison: a row per method, a column per group.
+    """A comparison as a terminal shows it: a row per method, a column per group.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Rendered:
-    """How a value appears: HTML for the report, text for a terminal, files beside the report.
+    """A value as it appears: HTML for the report, text for a terminal, files beside the report.
 
     Attributes
     ----------
@@ -190,7 +190,7 @@ class Origin(Protocol):
 
     @property
     def details(self) -> tuple[Detail, ...]:
-        """How plugins show single blocks of a comparison."""
+        """The views of single blocks of a comparison that plugins add."""
 
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
         """Return the times of results by label of an axis; empty if no node has the name.
@@ -300,7 +300,7 @@ class Detail:
 
 @dataclass(frozen=True)
 class Storage:
-    """How values of one type are stored on disk and sent to other processes, without pickle.
+    """Stores values of one type on disk and sends them to other processes, without pickle.
 
     Values that derive from `nodegraph.Value`, arrays, numbers, text, bytes, and tuples, lists and
     mappings of these need none.

@@ -1,4 +1,4 @@
-"""What carries a stream: frames, how values become frames, and where frames come from and go."""
+"""The parts of a stream: frames, types whose values become frames, sources and sinks."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Frame(NamedTuple):
 
 @dataclass(frozen=True)
 class Streamable:
-    """How values of one type are split into frames and joined again.
+    """Splits values of one type into frames and joins them again.
 
     A payload is an array, or a NamedTuple of arrays and None. A payload of which windows are
     taken has the same shapes in every frame.
@@ -110,7 +110,7 @@ class LiveView:
 
 @runtime_checkable
 class Source(Protocol):
-    """Where frames come from.
+    """A source of frames.
 
     An error that a user can correct is a `nodegraph.NodegraphError`, a lost connection an
     OSError: the stream is then opened again until it is back.

@@ -1,4 +1,4 @@
-"""What a page may hold of results that were stored, which may be another person's."""
+"""Checks of stored HTML and scripts, which may be another person's, before a page holds them."""
 
 from __future__ import annotations
 

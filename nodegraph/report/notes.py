@@ -159,7 +159,7 @@ class NoteGroup:
 
 @dataclass(frozen=True, slots=True)
 class NoteKind:
-    """All notes of one kind."""
+    """The notes of one kind."""
 
     kind: Kind
     title: str

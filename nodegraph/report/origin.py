@@ -1,4 +1,4 @@
-"""Where a value in a report comes from: the steps behind it, their times and their inputs."""
+"""The origin of a value in a report: the steps behind it, their times and their inputs."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class RunOrigin:
 
     @property
     def details(self) -> tuple[Detail, ...]:
-        """How plugins show single blocks of a comparison."""
+        """The views of single blocks of a comparison that plugins add."""
         return self.run.plan.graph.registry.hooks.details
 
     def seconds(self, axis: str) -> dict[Label, list[float]]:

@@ -62,7 +62,7 @@ class _Question:
 
     @property
     def open(self) -> int:
-        """How many of the results are not folded."""
+        """Number of results that are not folded."""
         return 1 if any(result.has_lead for result in self.results[:1]) else _OPEN
 
 

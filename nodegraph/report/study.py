@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 _MOST_BYTES = 256_000_000
-"""That are read of a study, which may be another person's."""
+"""Largest study file that is read, in bytes; the file may be another person's."""
 
 
 class Kind(StrEnum):

@@ -197,7 +197,7 @@ def _digests(step: RecordedStep, store: Store) -> tuple[str, ...]:
 
 
 class _Changes:
-    """How steps of one run changed in another run."""
+    """The changes of the steps of one run in another."""
 
     def __init__(self, was: Record, now: Record) -> None:
         self._was, self._now = was, now

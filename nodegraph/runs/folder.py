@@ -30,7 +30,7 @@ STUDY = "study.json.gz"
 REPORT = "report.html"
 _GRAPH = "graph.yaml"
 _MOST_BYTES = 2**29
-"""Of a file as text: more than a million steps have."""
+"""Most bytes of a file as text: more than a million steps need."""
 _LONGEST_NUMBER = len(".9999")
 _HOW = ("executor", "jobs", "scheduler")
 """Settings that decide no result."""

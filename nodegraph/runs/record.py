@@ -190,7 +190,7 @@ class RecordedStep:
 
     @property
     def cells(self) -> tuple[Cell, ...]:
-        """Every combination that the step computes."""
+        """The combinations that the step computes."""
         return (Cell(self.node, self.labels), *self.also)
 
     def sources(self) -> Iterator[tuple[str, tuple[Source, ...]]]:

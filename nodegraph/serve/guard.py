@@ -1,4 +1,4 @@
-"""Which requests reach the pages: those of the one browser that opened the printed address.
+"""Refuses requests that are not of the browser which opened the printed address.
 
 Every page on the internet can send requests to a server on this machine, and a name that such a
 page controls can be made to lead here (DNS rebinding). So a request must name this server's own
@@ -23,7 +23,7 @@ MOST_BODY = 1 << 16
 """Bytes of a body, of the path, and of the query of a request."""
 
 _OWN = ("", "same-origin", "none")
-"""What a browser says of requests that this server's own pages, or the user, made."""
+"""Values of the header Sec-Fetch-Site in requests from the server's own pages or the user."""
 
 _HEADERS = {
     "Cache-Control": "no-store",

@@ -30,7 +30,7 @@ _QUIET = 4
 
 
 class RunState(StrEnum):
-    """In which state the folder of a run is."""
+    """The state of the folder of a run."""
 
     RUNNING = "running"
     WRITING = "writing its report"

@@ -37,7 +37,7 @@ _LONGEST = 300
 """Moments of the numbers over time; of more, every second is left out."""
 
 _BEHIND = 10
-"""How far its priority is below that of the process that computes the stream."""
+"""Difference of its priority to that of the process that computes the stream."""
 
 _SILENT = 1.0
 """Seconds without a frame after which a source is waited for."""

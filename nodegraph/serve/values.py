@@ -119,7 +119,7 @@ def exact_labels(run: Run, values: Values, texts: Mapping[str, str]) -> dict[str
 
 @dataclass(frozen=True)
 class BlockQuery:
-    """Which block of a comparison is shown.
+    """The block of a comparison that is shown.
 
     Attributes
     ----------

@@ -129,7 +129,7 @@ class Entry(BaseModel):
 
     @property
     def size(self) -> int:
-        """In bytes, with all arrays."""
+        """Size in bytes, with all arrays."""
         return self._length + sum(self.blobs().values())
 
     def blobs(self) -> dict[str, int]:

@@ -167,7 +167,7 @@ def _set_path(original: list[str]) -> None:
 
 
 _written_paths: dict[int, list[str]] = {}
-"""For each thread that is watched, the paths that it has opened to write."""
+"""Paths that each watched thread has opened to write."""
 
 
 @contextmanager

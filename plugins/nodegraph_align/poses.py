@@ -1,4 +1,4 @@
-"""Where each frame's landmarks belong, and the face moved there."""
+"""Poses: the place of each frame's landmarks, and the face moved there."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _CODES: dict[Scale, int] = {"none": 0, "rms": 1, "least_squares": 2}
 
 
 class Aligned(NamedTuple):
-    """What aligning gives."""
+    """The result of an alignment."""
 
     aligned: Trajectories
     head_motion: HeadMotion
@@ -44,7 +44,7 @@ class Moved(NamedTuple):
 
 
 class Poses(NamedTuple):
-    """What takes the points x of each frame to where they belong: ``s R (x - centre) + goal``.
+    """The transform of each frame's points x: ``s R (x - centre) + goal``.
 
     All arrays are contiguous, for which the kernel is compiled.
 

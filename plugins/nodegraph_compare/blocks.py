@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Group:
-    """What is compared under one combination of the labels of `within`.
+    """The numbers that are compared under one combination of the labels of `within`.
 
     Attributes
     ----------

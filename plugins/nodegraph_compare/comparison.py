@@ -1,4 +1,4 @@
-"""What every comparison of gathered tables starts with: question, blocks, labels and baseline."""
+"""The start of every comparison of gathered tables: question, blocks, labels and baseline."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ class Comparison:
 
     @cached_property
     def unit(self) -> str:
-        """Of the metric; empty if it has none."""
+        """Unit of the metric; empty if it has none."""
         return unit_of(self.scores, self.question.metric)
 
     @cached_property
     def blocks(self) -> str:
-        """What several blocks are called."""
+        """The plural noun for blocks."""
         return blocks_name(self.scores, self.question)
 
     def baseline(self, name: str | None) -> Label | None:

@@ -1,4 +1,4 @@
-"""What a few independent units say of methods: intervals, tests, equivalence, probabilities.
+"""Inference from a few independent units: intervals, tests, equivalence, probabilities.
 
 Every function takes one number per unit and method, ``y`` of shape (..., C, K), lower being better:
 of an error that is a ratio scale the logarithm of the unit's mean error, else the mean itself. The
@@ -30,7 +30,7 @@ FEWEST_JUDGED: Final = 5
 """Fewer units are described, without p and without a verdict."""
 
 FEWEST_SETTLED: Final = 8
-"""What fewer units say is provisional."""
+"""Number of units below which a result is provisional."""
 
 FEWEST_FLIPPED: Final = 6
 """With fewer units, the smallest p of sign flips is above 5 %."""

@@ -1,4 +1,4 @@
-"""What the figures of comparisons share."""
+"""Parts that the figures of comparisons share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a comparison asks: which number, of what, within what, in which blocks."""
+"""The question of a comparison: which number, of what, within what, in which blocks."""
 
 from __future__ import annotations
 
@@ -198,7 +198,7 @@ class Question:
 
     @property
     def by(self) -> str:
-        """How a title ends: `` by fill, length and ends``."""
+        """The end of a title: `` by fill, length and ends``."""
         names = (*self.compared, *self.within)
         text = " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
         return f" by {text}" if text else ""

@@ -1,4 +1,4 @@
-"""What counts as equal: numbers that differ by rounding alone decide nothing.
+"""Ties: numbers that differ by rounding alone count as equal.
 
 Two methods that compute one thing in two ways differ in the last digits, and in which direction
 depends on the machine. So values that are compared are made equal where they differ by no more

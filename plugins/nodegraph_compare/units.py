@@ -20,7 +20,7 @@ Kind = Literal["clusters", "segments", "runs", "draws", "nothing"]
 Speech = Literal["nothing", "described", "provisional", "settled"]
 
 MOST_RECORDINGS = 2
-"""So few clusters say nothing about further ones; the claim is about them alone."""
+"""Number of clusters up to which a claim is about them alone."""
 
 _SEGMENTS = ((10, 100), (6, 36))
 """Numbers of segments, each with how many correlation lengths the recording must have."""
@@ -28,7 +28,7 @@ _SEGMENTS = ((10, 100), (6, 36))
 
 @dataclass(frozen=True)
 class Shortage(Value):
-    """What is too little for any unit: so much there is, where so much is needed.
+    """A shortage for every unit: so much there is, where so much is needed.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class Units:
 
     @property
     def speech(self) -> Speech:
-        """What may be said of so many units."""
+        """The kind of claim that so many units allow."""
         return speech_of(self.count)
 
     @property

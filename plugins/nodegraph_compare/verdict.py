@@ -1,4 +1,4 @@
-"""What a comparison says of its methods, as data, which `nodegraph_compare.words` puts into words.
+"""Verdicts on methods as data, which `nodegraph_compare.words` puts into words.
 
 Places of methods are those of `Verdicts.methods`. Arrays have a number for each of these K methods;
 NaN stands for a method without any number.
@@ -34,7 +34,7 @@ WORST: Final = "worst of block"
 
 @dataclass(frozen=True, kw_only=True)
 class Scope(Value):
-    """What a result holds for: so many independent units of a kind.
+    """The scope of a result: so many independent units of a kind.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Scope(Value):
 
     @property
     def speech(self) -> Speech:
-        """What may be said of so many units."""
+        """The kind of claim that so many units allow."""
         return speech_of(self.count)
 
     @property
@@ -117,7 +117,7 @@ def scope_of(units: Units, question: Question, blocks: str) -> Scope:
 
 @dataclass(frozen=True, eq=False)
 class Paired(Value):
-    """Each method against one of them, for which there is no number.
+    """Differences of each method to one of them, for which there is no number.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ class Paired(Value):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Verdict(Value):
-    """What is said of the methods of one group, and the numbers that it rests on.
+    """The verdict on the methods of one group, and the numbers that it rests on.
 
     Attributes
     ----------
@@ -292,7 +292,7 @@ class Verdict(Value):
 
     @property
     def paired(self) -> Paired | None:
-        """Each method against the baseline, without any against the best."""
+        """Differences of each method to the baseline; to the best one if there is none."""
         return self.to_best if self.baseline is None else self.to_baseline
 
     @property
@@ -333,7 +333,7 @@ class Metric(Value):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Verdicts(Value):
-    """What a comparison of K methods by one number says, group by group.
+    """The verdicts on K methods by one number, group by group.
 
     Attributes
     ----------
@@ -388,7 +388,7 @@ class Verdicts(Value):
 
     @property
     def every(self) -> tuple[Verdict, ...]:
-        """Of the groups, then over all of them."""
+        """Verdicts of the groups, then that over all of them."""
         return self.groups if self.overall is None else (*self.groups, self.overall)
 
 

@@ -26,7 +26,7 @@ _SECONDS_BETWEEN_COUNTS = 0.5
 SECONDS_WITHOUT_WORKERS = 30.0
 """After which a run gives up."""
 _SECONDS_TO_ANSWER = 3.0
-"""In which a machine must accept a connection, and a scheduler must answer."""
+"""Seconds in which a machine must accept a connection, and a scheduler must answer."""
 _SECONDS_TO_CLOSE = 3.0
 
 _ADDRESS = re.compile(

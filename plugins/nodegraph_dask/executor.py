@@ -34,10 +34,10 @@ _CALLS_PER_THREAD = 3
 _CALLS_HERE = 2
 """Calls at a time that cannot be submitted."""
 _MOST_LOSSES = 3
-"""How often a call is submitted again that was lost."""
+"""Times that a lost call is submitted again."""
 _SECONDS_BETWEEN_LOOKS = 1.0
 _SECONDS_TO_FETCH = 60.0
-"""In which a response must arrive that is ready."""
+"""Seconds in which a response that is ready must arrive."""
 
 
 def dask(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:

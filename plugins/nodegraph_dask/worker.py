@@ -1,4 +1,4 @@
-"""What runs in a worker of a Dask cluster: calls, and the program of a worker on this machine."""
+"""The program of a worker of a Dask cluster, on this machine or another, and its calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every fill does around its method: two settings, their documentation, and the account.
+"""The family of fills: the settings, documentation and warnings that every method has.
 
 A method estimates the samples in the gaps that it is given. Which gaps these are, whether the
 estimate is moved to meet their ends, how its samples are marked and what is left missing is the

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a model makes of a recording.
+    """The estimate of a model for a recording.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     """Marker, first frame, frame after the last."""
 
 TRIES = 1000
-"""How many beginnings are tried, so that an error does not take minutes in a long recording."""
+"""Number of beginnings that are tried: more would take minutes in a long recording."""
 
 
 def transplanted(
@@ -144,7 +144,7 @@ class RealPattern:
 
     @property
     def markers(self) -> int:
-        """How many markers have gaps, K."""
+        """Number of markers with gaps, K."""
         return len(self.together)
 
 

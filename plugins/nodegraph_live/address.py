@@ -1,4 +1,4 @@
-"""What follows the scheme in an address: ``127.0.0.1:39539?rate=60``."""
+"""The part of an address after the scheme: ``127.0.0.1:39539?rate=60``."""
 
 from __future__ import annotations
 

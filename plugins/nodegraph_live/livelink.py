@@ -60,7 +60,7 @@ _LONGEST_NAME = 1024  # bytes
 
 
 class Face(NamedTuple):
-    """What a packet says.
+    """The content of a packet.
 
     Attributes
     ----------

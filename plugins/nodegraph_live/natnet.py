@@ -40,14 +40,14 @@ MarkerSets = dict[str, tuple[str, ...]]
 
 
 class Server(NamedTuple):
-    """What a server says of itself."""
+    """The description that a server gives of itself."""
 
     name: str
     protocol: Version
 
 
 class MarkerFrameData(NamedTuple):
-    """What a frame says: its number, seconds since the stream began, metres by marker set."""
+    """A frame: its number, seconds since the stream began, metres by marker set."""
 
     number: int
     seconds: float

@@ -28,7 +28,7 @@ class PacketReader:
 
     @property
     def left(self) -> int:
-        """How many bytes follow."""
+        """Number of bytes that follow."""
         return len(self._packet) - self._place
 
     def skip(self, count: int) -> int:

@@ -46,7 +46,7 @@ class VmcSource(DatagramSource):
         self._rate = settings["rate"]
         self._names: dict[str, None] = {}
         self._count = -1
-        """Of names, after the last complete frame; -1 before it."""
+        """Number of names after the last complete frame; -1 before it."""
         self._places: dict[str, int] = {}
         self._starts: dict[bytes, int] = {}
         """Of messages as they come in every frame: all but the value, which is the last."""

@@ -35,7 +35,7 @@ COLUMNS = (
 
 
 class _Clusters(NamedTuple):
-    """What R runs found.
+    """The results of R runs.
 
     Attributes
     ----------
@@ -276,7 +276,7 @@ def _standardized(features: Features) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class Stabilities:
-    """How often pairs were chosen, and how stable that makes each of R selections.
+    """The shares of runs that chose each pair, and the stability of each of R selections.
 
     Attributes
     ----------
@@ -298,7 +298,7 @@ class Stabilities:
 
     @property
     def distinct(self) -> int:
-        """How many of the selections differ."""
+        """Number of selections that differ."""
         return int(self.same.max()) + 1
 
     def best(self, stability: Stability, markers: NDArray[np.intp]) -> int:

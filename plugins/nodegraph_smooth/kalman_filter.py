@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _TOLERANCE = 1e-14
-"""Of a gain: what changes by less from one frame to the next changes no more."""
+"""Change of a gain from frame to frame below which it counts as constant."""
 
 
 class _Stream:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Trajectories
 
 FACES = 8
-"""Of the studies over faces: ``face_1`` and so on."""
+"""Names of the faces of the studies: ``face_1`` and so on."""
 _SECONDS = 8.0
 _FIRST_SEED = 11
 GRID = 1.0 / 256.0

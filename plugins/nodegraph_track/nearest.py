@@ -1,4 +1,4 @@
-"""Each track takes the nearest point: the plainest tracker, to compare others with."""
+"""A tracker in which each track takes the nearest point: the baseline for others."""
 
 from __future__ import annotations
 

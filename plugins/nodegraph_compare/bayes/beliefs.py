@@ -50,7 +50,7 @@ class Beliefs:
 
     @property
     def clear(self) -> tuple[str, ...]:
-        """For each method, the side that is clear; empty where none is."""
+        """The clear side of each method; empty where there is none."""
         largest = np.argmax(self.mean, axis=0)
         chance = self.mean.max(axis=0)
         return tuple(
@@ -59,7 +59,7 @@ class Beliefs:
 
     @property
     def agreed(self) -> tuple[str, ...]:
-        """For each method, the side that is clear by every rule for missing blocks."""
+        """The side of each method that is clear by every rule for missing blocks."""
         others = [("",) * len(self.places) if each is None else each.clear for each in self.by_rule]
         return tuple(
             side if all(other == side for other in rest) else ""
@@ -68,7 +68,7 @@ class Beliefs:
 
     @property
     def group(self) -> Group:
-        """What is compared."""
+        """The compared number."""
         return self.summary.group
 
 

@@ -1,4 +1,4 @@
-"""How probable it is that a method is better, practically equal, or worse."""
+"""Probabilities that a method is better, practically equal, or worse."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All curves of one comparison, as the answer, the lead and the figure show them."""
+"""The curves of one comparison, as the answer, the lead and the figure show them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Curves:
 
     @property
     def drawn(self) -> Sequence[Points]:
-        """Those of which a point has a number."""
+        """Curves of which a point has a number."""
         return [points for points in self.points if len(points.curve)]
 
     def floor(self, points: Points) -> float:

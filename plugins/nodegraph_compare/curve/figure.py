@@ -34,7 +34,7 @@ _SYMBOLS = {"shared": "o", "minimum": "o", "knee": "s"}
 _MEANINGS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee"}
 _ROOM = 1.05
 _LETTERS = 24
-"""In a line above a panel."""
+"""Letters in a line above a panel."""
 
 
 def draw(curves: Curves) -> Figure:

@@ -70,7 +70,7 @@ def knee(x: NDArray[np.float64], value: NDArray[np.float64]) -> int | None:
 
 @dataclass(frozen=True)
 class Marks:
-    """What is marked on curves.
+    """The marks on curves.
 
     Attributes
     ----------

@@ -26,7 +26,7 @@ T = TypeVar("T", bound="Hashable")
 
 @dataclass(frozen=True)
 class Axes:
-    """What a curve's figure shows; each is a gathered axis or a column of the tables.
+    """The parts of a curve's figure; each is a gathered axis or a column of the tables.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How single blocks look: which of them a page holds, and where their labels lie."""
+"""Views of single blocks: which of them a page holds, and where their labels lie."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _AT_RANDOM = 40
 
 @dataclass(frozen=True)
 class Details:
-    """What the views of single blocks add to a page.
+    """The parts of a page that views of single blocks add.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ _MOST_BLOCKS = 20_000
 
 @dataclass(frozen=True)
 class Excerpt:
-    """What of an overview a page holds.
+    """The part of an overview that a page holds.
 
     Attributes
     ----------

@@ -129,7 +129,7 @@ class Overall:
 
 @dataclass(frozen=True)
 class Pairs:
-    """All pairs of methods, P = K (K - 1) / 2.
+    """The pairs of methods, P = K (K - 1) / 2.
 
     Attributes
     ----------

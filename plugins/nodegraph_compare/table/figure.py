@@ -34,7 +34,7 @@ _MOST_NUMBERS = 40
 
 _GAP_ACROSS, _GAP_DOWN, _BELOW = 0.28, 0.42, 0.55
 _LETTERS = 34
-"""In a line above a panel."""
+"""Letters in a line above a panel."""
 
 
 def draw(verdicts: Verdicts) -> Figure:

@@ -26,7 +26,7 @@ Labels = tuple["Label", ...]
 
 
 class _Cell(NamedTuple):
-    """What stands in one place of the table."""
+    """The content of one place of the table."""
 
     mean: float
     low: float

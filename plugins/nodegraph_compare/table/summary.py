@@ -113,12 +113,12 @@ class Summary:
 
     @cached_property
     def to_best(self) -> Paired | None:
-        """Each method against the best one, where there is one and units enough to compare."""
+        """Differences of each method to the best one, if there is one and units enough to compare."""
         return None if self.best is None else self._paired(self.best)
 
     @cached_property
     def paired(self) -> Paired | None:
-        """Each method against the baseline, without any against the best."""
+        """Differences of each method to the baseline; to the best one if there is none."""
         return self.to_best if self.against is None else self._paired(self.against)
 
     @property
