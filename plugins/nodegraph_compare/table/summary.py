@@ -113,7 +113,7 @@ class Summary:
 
     @cached_property
     def to_best(self) -> Paired | None:
-        """Differences of each method to the best one, if there is one and units enough to compare."""
+        """Differences of each method to the best one, if there is one and enough units."""
         return None if self.best is None else self._paired(self.best)
 
     @cached_property
