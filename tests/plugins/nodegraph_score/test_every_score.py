@@ -67,7 +67,7 @@ def gappy(take: Trajectories) -> Trajectories:
     return take.with_samples(positions, changed=missing, origin=Origin.MISSING)
 
 
-@pytest.mark.parametrize("name", set(SCORES) - {"tracking"})
+@pytest.mark.parametrize("name", sorted(set(SCORES) - {"tracking"}))
 def test_markers_are_matched_by_name(name: str) -> None:
     score, estimate = SCORES[name], gappy(recording())
     expected = quietly(score, estimate, TRUTH, MASK)
