@@ -2,21 +2,18 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from nodegraph import Format, hookimpl
-
-if TYPE_CHECKING:
-    from nodegraph_files.c3d import c3d_bytes, read_c3d, write_c3d
-    from nodegraph_files.glb.writing import animation_bytes, head_bytes
-    from nodegraph_files.head import RawHead
-    from nodegraph_files.marker_set import marker_set_text, read_marker_set_yaml
-    from nodegraph_files.npz import model_bytes, npz_bytes, read_model_npz, read_npz, write_npz
-    from nodegraph_files.paths import sample_folder
-    from nodegraph_files.text.csv import csv_bytes, read_csv, write_csv
-    from nodegraph_files.text.live_link import read_live_link
-    from nodegraph_files.text.mot import read_mot
-    from nodegraph_files.text.trc import read_trc, trc_bytes, write_trc
+from nodegraph_files.c3d import c3d_bytes, read_c3d, write_c3d
+from nodegraph_files.glb.writing import animation_bytes, head_bytes
+from nodegraph_files.head import RawHead
+from nodegraph_files.marker_set import marker_set_text, read_marker_set_yaml
+from nodegraph_files.npz import model_bytes, npz_bytes, read_model_npz, read_npz, write_npz
+from nodegraph_files.paths import sample_folder
+from nodegraph_files.text.csv import csv_bytes, read_csv, write_csv
+from nodegraph_files.text.live_link import read_live_link
+from nodegraph_files.text.mot import read_mot
+from nodegraph_files.text.trc import read_trc, trc_bytes, write_trc
 
 __all__ = [
     "RawHead",
@@ -42,40 +39,6 @@ __all__ = [
     "write_npz",
     "write_trc",
 ]
-
-_MODULES = {
-    "c3d_bytes": "c3d",
-    "read_c3d": "c3d",
-    "write_c3d": "c3d",
-    "animation_bytes": "glb.writing",
-    "head_bytes": "glb.writing",
-    "RawHead": "head",
-    "marker_set_text": "marker_set",
-    "read_marker_set_yaml": "marker_set",
-    "model_bytes": "npz",
-    "read_model_npz": "npz",
-    "npz_bytes": "npz",
-    "read_npz": "npz",
-    "write_npz": "npz",
-    "sample_folder": "paths",
-    "csv_bytes": "text.csv",
-    "read_csv": "text.csv",
-    "write_csv": "text.csv",
-    "read_live_link": "text.live_link",
-    "read_mot": "text.mot",
-    "read_trc": "text.trc",
-    "trc_bytes": "text.trc",
-    "write_trc": "text.trc",
-}
-
-
-def __getattr__(name: str) -> object:
-    # a command that reads no file imports no format
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
-    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
 
 
 @hookimpl
