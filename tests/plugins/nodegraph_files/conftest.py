@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import struct
 import tracemalloc
 from collections.abc import Callable, Iterator, Mapping
@@ -22,7 +21,6 @@ DEC, MIPS = 85, 86
 
 Write = Callable[..., Path]
 Build = Callable[..., Path]
-Damaged = Callable[[bytes, random.Random], bytes]
 
 
 @dataclass(frozen=True)
@@ -135,32 +133,6 @@ def build_c3d(tmp_path: Path) -> Build:
         return path
 
     return written
-
-
-@pytest.fixture
-def damaged() -> Damaged:
-    """What changes, drops and adds bytes of a file, mostly near its start, or cuts it short."""
-
-    def change(content: bytearray, chance: random.Random) -> None:
-        at = chance.randrange(min(len(content), chance.choice([1500, len(content)])))
-        kind = chance.random()
-        if kind < 0.7:
-            content[at] = chance.choice([0, 1, 127, 128, 254, 255, chance.randrange(256)])
-        elif kind < 0.8:
-            content[at : at + chance.randrange(1, 9)] = b""
-        elif kind < 0.9:
-            content[at:at] = chance.randbytes(chance.randrange(1, 9))
-        else:
-            del content[chance.randrange(1, len(content)) :]
-
-    def damaged(good: bytes, chance: random.Random) -> bytes:
-        content = bytearray(good)
-        for _ in range(chance.choice([1, 2, 5])):
-            if len(content) > 1:
-                change(content, chance)
-        return bytes(content)
-
-    return damaged
 
 
 @pytest.fixture

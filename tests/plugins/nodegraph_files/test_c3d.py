@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import os
-import random
 import struct
 import tracemalloc
 from collections.abc import Callable
@@ -9,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
 from nodegraph_files import c3d_bytes, read_c3d, write_c3d
 from nodegraph_mocap import Trajectories
-from tests.plugins.nodegraph_files.conftest import Build, Damaged
+from tests.plugins.nodegraph_files.conftest import Build
 
 Samples = NDArray[np.float64]
 
@@ -242,60 +241,6 @@ def test_more_frames_than_sixteen_bits_count(build_c3d: Build) -> None:
         assert read.positions[-1, 0, 0] == 70_000
     with pytest.raises(ValueError, match="65535 frames, the most that its counter can hold"):
         read_c3d(build_c3d(long))
-
-
-@pytest.mark.parametrize("content", [b"", b"\2", b"\2\x50", b"hello, this is text", bytes(5000)])
-def test_what_is_no_c3d_file_is_refused(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "no.c3d"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"no\.c3d: not a readable C3D"):
-        read_c3d(path)
-
-
-def test_a_file_cut_short_anywhere_is_refused(build_c3d: Build, samples: Samples) -> None:
-    whole = len(build_c3d(samples).read_bytes())
-    for length in [*range(0, 1200, 7), *range(1200, whole, 331), whole - 1]:
-        with pytest.raises(ValueError, match="not a readable C3D recording"):
-            read_c3d(build_c3d(samples, cut=length))
-
-
-KINDS: dict[str, dict[str, object]] = {
-    "Intel, floats": {},
-    "Intel, integers": {"scale": 0.125, "analog": 2},
-    "DEC, floats": {"processor": 85, "analog": 1},
-    "MIPS, integers": {"processor": 86, "scale": 0.125},
-    "frames of the trial": {"trial": (1, 20)},
-}
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("kind", KINDS)
-def test_damaged_bytes_give_a_recording_or_a_value_error(
-    build_c3d: Build, samples: Samples, kind: str, damaged: Damaged, peak_memory: Callable[[], int]
-) -> None:
-    path = build_c3d(samples, **KINDS[kind])
-    good = path.read_bytes()
-    chance = random.Random(kind)
-    refused = []
-    for _ in range(600):
-        path.write_bytes(damaged(good, chance))
-        try:
-            read_c3d(path)
-        except ValueError as error:
-            refused.append(str(error))
-    assert 100 < len(refused) < 550
-    assert all(f"{path}: not a readable C3D recording" in message for message in refused)
-    assert peak_memory() < 20_000_000
-
-
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(tail=st.binary(max_size=3000), start=st.integers(0, 5))
-@pytest.mark.filterwarnings("ignore::UserWarning")
-def test_random_bytes_are_refused(tmp_path: Path, tail: bytes, start: int) -> None:
-    path = tmp_path / "random.c3d"
-    path.write_bytes(bytes([start, 0x50]) + tail)
-    with pytest.raises(ValueError, match="not a readable C3D recording"):
-        read_c3d(path)
 
 
 @given(st.data())

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import random
 from collections.abc import Callable
 from pathlib import Path
 
@@ -11,7 +10,6 @@ from hypothesis import strategies as st
 from nodegraph_files import marker_set_text, read_marker_set_yaml
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_mocap import MarkerSet
-from tests.plugins.nodegraph_files.conftest import Damaged
 
 Write = Callable[[str], Path]
 
@@ -82,44 +80,6 @@ def test_aliases_cannot_grow_beyond_bounds(write: Write) -> None:
     with pytest.raises(ValueError, match="must be a list of two names") as refused:
         read_marker_set_yaml(write("markers: [a, b]\npairs:\n" + "\n".join(lines)))
     assert len(str(refused.value)) < 1000
-
-
-EVERY_PART = (
-    "markers: [a, b, c]\npairs:\n  - [a, b]\nmidline: [c]\nstable: &s [c]\nedges: [[a, c]]\n"
-)
-
-
-@pytest.mark.parametrize("letters", [False, True], ids=["bytes", "letters"])
-def test_a_damaged_file_gives_a_marker_set_or_a_value_error(
-    tmp_path: Path, letters: bool, damaged: Damaged, peak_memory: Callable[[], int]
-) -> None:
-    path = tmp_path / "markers.yaml"
-    chance = random.Random(6)
-    refused = []
-    for _ in range(500):
-        content = damaged(EVERY_PART.encode(), chance)
-        if letters:
-            content = bytes(
-                byte
-                if byte == 10 or 32 <= byte < 127
-                else chance.choice(b"abc[]{}&*!?|>#%:,-'\"\n")
-                for byte in content
-            )
-        path.write_bytes(content)
-        try:
-            read_marker_set_yaml(path)
-        except ValueError as error:
-            refused.append(str(error))
-    assert 250 < len(refused) < 500
-    assert all(f"{path}: not a marker set" in message for message in refused)
-    assert peak_memory() < 20_000_000
-
-
-def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "markers.yaml"
-    path.write_bytes(b"\xff\xfe\0\0")
-    with pytest.raises(ValueError, match=r"markers\.yaml: not a marker set"):
-        read_marker_set_yaml(path)
 
 
 @st.composite

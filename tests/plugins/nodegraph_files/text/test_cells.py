@@ -19,13 +19,6 @@ def test_lines_whatever_ends_them(tmp_path: Path, end: str) -> None:
     assert text_lines(path) == ["a", "", "é"]
 
 
-def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "take.txt"
-    path.write_bytes(b"a\n\xff1\n")
-    with pytest.raises(ValueError, match=r"take\.txt: not a table of text"):
-        text_lines(path)
-
-
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 def test_the_separator_is_the_most_frequent_one(separator: str) -> None:
     assert separator_of(separator.join(["a b", "c.x", '"d,;,;\t,;"', "e"])) == separator

@@ -1,8 +1,7 @@
 from __future__ import annotations
 
-import random
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from nodegraph_files import read_live_link
-from tests.plugins.nodegraph_files.conftest import Damaged, Write
+from tests.plugins.nodegraph_files.conftest import Write
 
 HEADER = "Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft"
 ROTATIONS = [
@@ -210,36 +209,3 @@ def test_a_count_that_does_not_tell_the_second_is_refused(write: Write, count: s
 def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"take\.csv: {message}"):
         read_live_link(write(text))
-
-
-def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "take.csv"
-    path.write_bytes(table([1, 2]).encode("utf-16-le"))
-    with pytest.raises(ValueError, match=r"take\.csv: not a table of text"):
-        read_live_link(path)
-
-
-@pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("letters", [False, True], ids=["bytes", "letters"])
-def test_damaged_text_gives_weights_or_a_value_error(
-    tmp_path: Path, letters: bool, damaged: Damaged, peak_memory: Callable[[], int]
-) -> None:
-    good = table(range(50, 70)).encode()
-    path = tmp_path / "take.csv"
-    chance = random.Random(4)
-    refused = []
-    for _ in range(500):
-        content = damaged(good, chance)
-        if letters:
-            content = bytes(
-                byte if byte == 10 or 32 <= byte < 127 else chance.choice(b"0123456789:;,.-e\n")
-                for byte in content
-            )
-        path.write_bytes(content)
-        try:
-            read_live_link(path)
-        except ValueError as error:
-            refused.append(str(error))
-    assert 250 < len(refused) < 500
-    assert all(f"{path}" in message for message in refused)
-    assert peak_memory() < 20_000_000

@@ -324,15 +324,6 @@ def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) 
         read_trc(write(text))
 
 
-def test_what_is_no_text_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "take.trc"
-    path.write_bytes(trc().encode("utf-16-le"))
-    with pytest.raises(
-        ValueError, match=r"take\.trc: not a table of text: line 1 holds a zero byte"
-    ):
-        read_trc(path)
-
-
 def test_a_text_in_utf_16_says_so_itself(tmp_path: Path) -> None:
     path = tmp_path / "take.trc"
     path.write_bytes(trc().replace("lip", "é").encode("utf-16"))
