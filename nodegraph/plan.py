@@ -78,8 +78,7 @@ def outputs_in(inputs: Iterable[StepInput]) -> Iterator[Output]:
             yield source
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):  # a frozen dataclass takes four times as long to create
     """One call of one method.
 
     Attributes
@@ -99,7 +98,7 @@ class Step:
         The steps that feed it, each once.
     """
 
-    index: int
+    index: int  # type: ignore[assignment]  # tuples have a method of that name
     node: str
     method: Method
     labels: Mapping[str, Label]
@@ -172,21 +171,11 @@ def plan(graph: Graph) -> Plan:
     return planner.plan()
 
 
-class _Draft(NamedTuple):
-    """A step before the order is known: it names others by the order in which they were added."""
-
-    node: str
-    method: Method
-    labels: Mapping[str, Label]
-    row: Combination
-    inputs: Mapping[str, StepInput]
-    needed: tuple[int, ...]
-
-
 class _Planner:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._drafts: list[_Draft] = []
+        # in the order in which they are added
+        self._steps: list[Step] = []
         self._by_call: dict[tuple[object, ...], int] = {}
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
@@ -215,11 +204,11 @@ class _Planner:
 
     def plan(self) -> Plan:
         """Return the plan of all that was added."""
-        order = _depth_first_order([draft.needed for draft in self._drafts])
+        order = _depth_first_order([step.needed for step in self._steps])
         index = [0] * len(order)
         for new, old in enumerate(order):
             index[old] = new
-        steps = tuple(_ordered_step(self._drafts[old], new, index) for new, old in enumerate(order))
+        steps = tuple([_renumbered(self._steps[old], index) for old in order])
         cells = {
             name: {combination: index[step] for combination, step in cells.items()}
             for name, cells in self._cells.items()
@@ -236,6 +225,7 @@ class _Planner:
         label = str(labels[node.name]) if node.has_alternatives else ""
         method = node.methods[label]
         inputs: dict[str, StepInput] = {}
+        needed: dict[int, None] = {}
         for port, feed in method.inputs.items():
             source: StepInput | str
             if isinstance(feed, Reference):
@@ -245,12 +235,17 @@ class _Planner:
             if isinstance(source, str):
                 return source
             inputs[port] = source
+            if isinstance(source, Output):
+                needed[source.step] = None
+            else:
+                needed |= dict.fromkeys([output.step for _, output in source.entries])
         row = tuple([labels[axis] for axis in method.settings.axes])
         call = (method.plugin, method.node.name, texts[label][row], *inputs.items())
-        index = self._by_call.setdefault(call, len(self._drafts))
-        if index == len(self._drafts):
-            needed = tuple(dict.fromkeys([output.step for output in outputs_in(inputs.values())]))
-            self._drafts.append(_Draft(node.name, method, labels, row, inputs, needed))
+        index = self._by_call.setdefault(call, len(self._steps))
+        if index == len(self._steps):
+            values, shown = method.settings.values[row], method.settings.shown[row]
+            step = Step(index, node.name, method, labels, values, shown, inputs, tuple(needed))
+            self._steps.append(step)
         return index
 
     def _gathered(
@@ -318,7 +313,7 @@ class _Planner:
             return self._skipped[source.node].get(at, f"{source.node} is left out")
         if not source.port:
             return Output(step, 0)
-        outputs = self._drafts[step].method.node.outputs
+        outputs = self._steps[step].method.node.outputs
         return Output(step, [port.name for port in outputs].index(source.port))
 
     def _gathered_axes(self, node: GraphNode, feed: Gather) -> tuple[str, ...]:
@@ -415,21 +410,16 @@ def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:
     return order
 
 
-def _ordered_step(draft: _Draft, index: int, indices: Sequence[int]) -> Step:
-    settings = draft.method.settings
-    return Step(
-        index,
-        draft.node,
-        draft.method,
-        draft.labels,
-        settings.values[draft.row],
-        settings.shown[draft.row],
-        {port: _renumbered(source, indices) for port, source in draft.inputs.items()},
-        tuple([indices[step] for step in draft.needed]),
-    )
+def _renumbered(step: Step, indices: Sequence[int]) -> Step:
+    """Return a step with the final indices of itself and of those that feed it."""
+    index, needed = indices[step.index], tuple([indices[each] for each in step.needed])
+    if index == step.index and needed == step.needed:
+        return step
+    inputs = {port: _renumbered_input(source, indices) for port, source in step.inputs.items()}
+    return step._replace(index=index, inputs=inputs, needed=needed)
 
 
-def _renumbered(source: StepInput, indices: Sequence[int]) -> StepInput:
+def _renumbered_input(source: StepInput, indices: Sequence[int]) -> StepInput:
     if isinstance(source, Output):
         return Output(indices[source.step], source.position)
     entries = [(at, Output(indices[step], position)) for at, (step, position) in source.entries]

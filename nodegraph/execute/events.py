@@ -96,7 +96,6 @@ class EventLog:
     ) -> None:
         self.listeners = listeners
         self._start = time.perf_counter()
-        self._counts: Counter[State] = Counter()
         self._ended: dict[int, State] = {}
         self._steps = len(plan.steps)
         self._next = _INTERVAL
@@ -145,9 +144,9 @@ class EventLog:
 
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""
+        now = self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
         if self._first is None:
-            self._first = self.seconds()
-        self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
+            self._first = now
 
     def settled(self, step: Step, outcome: Outcome) -> None:
         """Report how a step ended, and from time to time the progress of the run."""
@@ -159,15 +158,15 @@ class EventLog:
         else:
             self._remaining.drop(step)
         detail: dict[str, object] = {"took": round(outcome.seconds, 6)}
-        detail |= {"stored": True} if outcome.stored and status is not State.STORED else {}
-        detail |= {"reason": outcome.message} if outcome.reason else {}
-        detail |= {"warnings": list(outcome.warnings)} if outcome.warnings else {}
-        self._emit(status, step, detail)
-        self._counts[status] += 1
-        if step.index in self._ended:  # what was stored of it could not be used
-            self._counts[self._ended[step.index]] -= 1
+        if outcome.stored and status is not State.STORED:
+            detail["stored"] = True
+        if outcome.reason:
+            detail["reason"] = outcome.message
+        if outcome.warnings:
+            detail["warnings"] = list(outcome.warnings)
+        now = self._emit(status, step, detail)
         self._ended[step.index] = status
-        if (now := self.seconds()) >= self._next:
+        if now >= self._next:
             self._next = now + _INTERVAL
             self._emit(EventKind.PROGRESS, None, self._progress())
 
@@ -181,7 +180,7 @@ class EventLog:
             self._emit(EventKind.FINISHED, None, dict(counts()))
 
     def _progress(self) -> dict[str, object]:
-        counts = self._counts
+        counts = Counter(self._ended.values())
         left = self._left()
         elapsed = self.seconds() - (self._first or 0.0)
         to_go = self._remaining.estimate(elapsed)
@@ -189,18 +188,19 @@ class EventLog:
         return {
             "run": counts[State.DONE],
             **{state.value: counts[state] for state in listed},
-            "unneeded": self._steps - sum(counts.values()) - left,
+            "unneeded": self._steps - len(self._ended) - left,
             "left": left,
             "to_go": None if to_go is None else round(to_go, 1),
         }
 
-    def _emit(self, kind: str, step: Step | None, detail: Mapping[str, object]) -> None:
-        if not self.listeners:
-            return
+    def _emit(self, kind: str, step: Step | None, detail: Mapping[str, object]) -> float:
+        """Hand an event to the listeners, and return its time."""
+        seconds = time.perf_counter() - self._start
         event = (
-            Event(kind, self.seconds(), detail=detail)
+            Event(kind, seconds, detail=detail)
             if step is None
-            else Event(kind, self.seconds(), step.index, step.node, step.labels, detail)
+            else Event(kind, seconds, step.index, step.node, step.labels, detail)
         )
         for listener in self.listeners:
             listener(event)
+        return seconds

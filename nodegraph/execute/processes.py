@@ -41,10 +41,9 @@ def processes(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]
     process dies, the step that it computed fails, and another process takes its place.
     """
     pool = _Pool(schedule, how.memory)
+    count = how.at_a_time
     try:
-        yield from side_by_side(
-            schedule, lambda: how.at_a_time, pool.perform, give_up=pool.kill_all
-        )
+        yield from side_by_side(schedule, lambda: count, pool.perform, give_up=pool.kill_all)
     finally:
         pool.close()
 

@@ -27,31 +27,42 @@ class RemainingTime:
 
     def __init__(self, steps: Iterable[Step], seconds: Mapping[str, float]) -> None:
         self._earlier = seconds
+        self._to_compute = list(steps)
+        self._settled: list[tuple[Step, float | None]] = []
         self._left: Counter[str] = Counter()
         self._gathers: dict[str, bool] = {}
-        for step in steps:
-            name = _kind(step)
-            self._left[name] += 1
-            if name not in self._gathers:
-                inputs = step.inputs.values()
-                self._gathers[name] = any(isinstance(source, Gathered) for source in inputs)
         self._first: dict[str, float] = {}
         self._latest: dict[str, deque[float]] = {}
         self._ended, self._spent = 0, 0.0
 
     def add(self, step: Step, seconds: float) -> None:
         """Note that a step was computed."""
-        name = _kind(step)
-        if name in self._first:
-            self._latest.setdefault(name, deque(maxlen=_LATEST)).append(seconds)
-        else:
-            self._first[name] = seconds
-        self._ended, self._spent = self._ended + 1, self._spent + seconds
-        self._left[name] -= 1
+        self._settled.append((step, seconds))
 
     def drop(self, step: Step) -> None:
         """Note that a step need not be computed any more."""
-        self._left[_kind(step)] -= 1
+        self._settled.append((step, None))
+
+    def _count(self) -> None:
+        """Count what was noted, which most runs are too short to be asked for."""
+        for step in self._to_compute:
+            name = _kind(step)
+            self._left[name] += 1
+            if name not in self._gathers:
+                inputs = step.inputs.values()
+                self._gathers[name] = any(isinstance(source, Gathered) for source in inputs)
+        for step, seconds in self._settled:
+            name = _kind(step)
+            self._left[name] -= 1
+            if seconds is None:
+                continue
+            if name in self._first:
+                self._latest.setdefault(name, deque(maxlen=_LATEST)).append(seconds)
+            else:
+                self._first[name] = seconds
+            self._ended, self._spent = self._ended + 1, self._spent + seconds
+        self._to_compute.clear()
+        self._settled.clear()
 
     def estimate(self, elapsed: float) -> float | None:
         """Return the seconds to go; None before a method was called twice, now or in earlier runs.
@@ -66,6 +77,7 @@ class RemainingTime:
             Seconds since the first step was begun. The steps that ended in them say how fast
             this is, whatever runs at the same time.
         """
+        self._count()
         repeated = self._repeated()
         known = {**self._earlier, **repeated}
         if not self._ended or not known:
@@ -84,6 +96,7 @@ class RemainingTime:
 
     def typical(self) -> dict[str, float]:
         """Return the seconds of a step by node and method."""
+        self._count()
         return self._first | self._repeated()
 
     def _repeated(self) -> dict[str, float]:

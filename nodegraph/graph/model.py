@@ -327,7 +327,7 @@ class Graph:
             together[reason] = (*together.get(reason, ()), node)
         return together
 
-    @property
+    @cached_property
     def reported(self) -> tuple[tuple[str, str], ...]:
         """The nodes, and ports, that the report shows: as listed, else nodes that nothing reads.
 
