@@ -61,13 +61,6 @@ def test_first_calls_that_compile_do_not_count_for_those_after(steps: tuple[Step
     assert remaining.estimate(elapsed) == pytest.approx(truth, rel=0.1)
 
 
-def test_a_method_that_has_not_run_is_expected_to_compile(steps: tuple[Step, ...]) -> None:
-    remaining = RemainingTime([steps[0], steps[3], steps[1]], {})
-    remaining.add(steps[0], 5.0)
-    remaining.add(steps[3], 1.0)
-    assert remaining.estimate(6.004) == pytest.approx(5.0, abs=0.01)
-
-
 def test_nothing_is_known_before_a_step_has_ended_and_its_method_was_called_twice(
     steps: tuple[Step, ...],
 ) -> None:
