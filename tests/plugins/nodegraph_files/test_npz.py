@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph_files import npz_bytes, read_npz, write_npz
-from nodegraph_mocap import MarkerSet, Origin, Trajectories
+from nodegraph_files import read_npz
 
 ARRAYS: dict[str, Any] = {"positions": np.ones((4, 2, 3)), "markers": ["a", "b"], "rate": 60.0}
 
@@ -18,38 +16,6 @@ def saved(folder: Path, **changed: object) -> Path:
     path = folder / "take.npz"
     np.savez(path, **{name: x for name, x in (ARRAYS | changed).items() if x is not None})
     return path
-
-
-def test_everything_reads_back_equal(gappy: Trajectories, tmp_path: Path) -> None:
-    origin = gappy.origin.copy()
-    origin[0] = Origin.FILLED
-    origin[1, 2] = Origin.REPAIRED
-    recording = Trajectories(
-        positions=gappy.positions,
-        markers=gappy.markers,
-        rate=59.94,
-        origin=origin,
-        sigma=np.arange(18.0).reshape(6, 3),
-        marker_set=MarkerSet(markers=("a", "é"), pairs=(("a", "é"),), stable=("é",)),
-    )
-    write_npz(recording, tmp_path / "it.npz")
-    again = read_npz(tmp_path / "it.npz")
-    for name in ("positions", "origin", "sigma"):
-        np.testing.assert_array_equal(getattr(again, name), getattr(recording, name))
-    for name in ("markers", "rate", "marker_set"):
-        assert getattr(again, name) == getattr(recording, name)
-
-
-def test_what_is_not_known_stays_unknown(gappy: Trajectories, tmp_path: Path) -> None:
-    write_npz(gappy, tmp_path / "it.npz")
-    again = read_npz(tmp_path / "it.npz")
-    assert again.sigma is None
-    assert again.marker_set is None
-    np.testing.assert_array_equal(again.origin, gappy.origin)
-
-
-def test_the_same_recording_gives_the_same_bytes(gappy: Trajectories) -> None:
-    assert npz_bytes(gappy) == npz_bytes(gappy)
 
 
 @pytest.mark.parametrize("lacking", ["positions", "markers"])
@@ -109,15 +75,3 @@ def test_what_else_an_archive_holds_is_not_read(
     before = peak_memory()
     assert read_npz(path).frames == 4
     assert peak_memory() == before
-
-
-@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
-def test_reading_takes_little_memory_beyond_the_recording(
-    tmp_path: Path, save: Callable[..., None], peak_memory: Callable[[], int]
-) -> None:
-    markers = [f"m{number}" for number in range(50)]
-    save(tmp_path / "it.npz", positions=np.ones((8000, 50, 3)), markers=markers, rate=60.0)
-    held = tracemalloc.get_traced_memory()[0]
-    tracemalloc.reset_peak()
-    read = read_npz(tmp_path / "it.npz")
-    assert peak_memory() - held < 1.6 * read.positions.nbytes

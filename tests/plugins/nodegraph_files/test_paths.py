@@ -46,6 +46,11 @@ def test_nothing_and_an_empty_file_are_refused(tmp_path: Path) -> None:
         find_file(tmp_path / "empty.c3d", WANTED)
 
 
-def test_an_unknown_sample_is_refused() -> None:
-    with pytest.raises(NodegraphError, match="no sample 'fase'"):
-        find_file("sample:fase", WANTED)
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("actor_aa", "did you mean 'actor_a'.*actor_b, actor_c, face, face_1"), ("..", "no sample"),
+     ("", "no sample"), ("face/", "no sample"), ("../samples/face", "no sample")],
+)  # fmt: skip
+def test_an_unknown_sample_is_refused(name: str, message: str) -> None:
+    with pytest.raises(NodegraphError, match=f"no sample {name!r}.*{message}|{message}"):
+        find_file(f"sample:{name}", WANTED)

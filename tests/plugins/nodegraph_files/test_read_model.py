@@ -41,12 +41,6 @@ def test_a_marker_set_of_other_markers_is_refused(tmp_path: Path) -> None:
         read_model(path=tmp_path)
 
 
-def test_a_folder_without_model_says_what_is_there(tmp_path: Path) -> None:
-    (tmp_path / "other.npz").write_text("x")
-    with pytest.raises(ValueError, match=r"holds no model\.npz; there is other\.npz"):
-        read_model(path=tmp_path)
-
-
 @needs_recordings
 def test_a_real_model_is_read() -> None:
     path = FACECAP / "model_60_markers.npz"

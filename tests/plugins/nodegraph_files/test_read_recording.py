@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph import NodegraphError
 from nodegraph_files import (
     csv_bytes,
     marker_set_text,
@@ -92,11 +91,6 @@ def test_a_sample_comes_with_its_marker_set(name: str) -> None:
     assert recording.marker_set is not None
     assert recording.marker_set.markers == recording.markers
     assert recording.present.all() == (name != "face")
-
-
-def test_a_sample_that_is_not_there() -> None:
-    with pytest.raises(NodegraphError, match="no sample 'x'"):
-        read_recording(path=Path("sample:x"))
 
 
 def test_a_folder_gives_its_recording_and_marker_set(tmp_path: Path) -> None:
@@ -211,11 +205,3 @@ def test_a_rate_at_which_nothing_is_captured_is_reported(
     (tmp_path / "it").rename(tmp_path / "it.csv")
     with pytest.warns(UserWarning, match=f"a rate of {rate:g} Hz, at which no motion is"):
         assert read_recording(path=tmp_path / "it.csv").rate == pytest.approx(rate)
-
-
-def test_zeros_may_be_positions(tmp_path: Path) -> None:
-    path = tmp_path / "it.csv"
-    path.write_text("# rate: 60\n# unit: mm\na.x,a.y,a.z\n1,2,3\n0,0,0\n")
-    assert read_recording(path=path, zeros_missing=False).present.all()
-    with pytest.warns(UserWarning, match=r"1 samples are at exactly \(0, 0, 0\)"):
-        assert not read_recording(path=path).present.all()

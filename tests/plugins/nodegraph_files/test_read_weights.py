@@ -27,17 +27,6 @@ def test_a_folder_gives_its_weights(tmp_path: Path) -> None:
     assert read_weights(path=tmp_path).frames == 2
 
 
-def test_a_folder_without_weights_says_what_is_there(tmp_path: Path) -> None:
-    (tmp_path / "other.csv").write_text(TABLE)
-    with pytest.raises(ValueError, match=r"holds no weights\.csv; there is other\.csv"):
-        read_weights(path=tmp_path)
-
-
-def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="no such file"):
-        read_weights(path=tmp_path / "weights.csv")
-
-
 def test_weights_that_are_all_missing_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "weights.csv"
     path.write_text("Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,0\n00:00:00:02.000,0\n")

@@ -88,10 +88,6 @@ def test_a_trajectory_that_was_filled_is_reported(write: Write) -> None:
         read_csv(path)
 
 
-def test_a_subject_that_all_share_is_taken_off(write: Write) -> None:
-    assert read_csv(write(qtm(*ROWS, MARKER_NAMES="A:lip A:nose"))).markers == ("lip", "nose")
-
-
 @pytest.mark.filterwarnings("error")
 def test_counts_may_lack(write: Write) -> None:
     assert read_csv(write(qtm(*ROWS, NO_OF_FRAMES="2.0", NO_OF_MARKERS=None))).frames == 2

@@ -76,20 +76,6 @@ def test_a_frame_of_nothing_but_gaps_is_a_frame(write: Write) -> None:
     assert read.present[:, 0].tolist() == [True, False, True]
 
 
-def test_zeros_are_missing_unless_told_otherwise(write: Write) -> None:
-    path = write(trc(["1 0.00 0 0 0 4 5 6"]))
-    with pytest.warns(UserWarning, match=r"1 samples are at exactly \(0, 0, 0\)"):
-        assert read_trc(path).present.tolist() == [[False, True]]
-    assert read_trc(path, zeros_missing=False).present.all()
-
-
-def test_partly_missing_and_infinite_samples_are_reported(write: Write) -> None:
-    with pytest.warns(UserWarning, match="count as missing") as caught:
-        read = read_trc(write(trc(["1 0.00 1  3 inf 5 6"])))
-    assert len(caught) == 2
-    assert not read.present.any()
-
-
 @pytest.mark.parametrize(
     ("fact", "written", "message"),
     [
@@ -138,17 +124,6 @@ def test_a_lone_quote_above_the_frames_does_no_harm(
     assert (read.markers, read.frames) == (('"lip', "nose"), 2)
 
 
-def test_decimal_commas_are_read_with_a_warning(write: Write) -> None:
-    with pytest.warns(UserWarning, match=r"commas count as decimal points, in 8 cells"):
-        read = read_trc(write(trc(["1 0,00 1,5 2,5 3,25 4,5 5,5 6,5", "2 0,01 1 1 1 1 1 1"])))
-    assert read.positions[0].tolist() == [[1.5, 2.5, 3.25], [4.5, 5.5, 6.5]]
-
-
-def test_a_comma_beside_dots_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.trc:7:2: '0\.00' has a dot, but '1,5' \(.*:7:3\)"):
-        read_trc(write(trc(["1 0.00 1,5 2 3 4 5 6"])))
-
-
 def test_labels_that_lack_or_repeat_get_their_own(write: Write) -> None:
     with pytest.warns(UserWarning, match="2 markers had no label, or another's"):
         read = read_trc(
@@ -162,10 +137,6 @@ def test_labels_that_lack_or_repeat_get_their_own(write: Write) -> None:
             )
         )
     assert read.markers == ("lip", "lip_2", "unnamed_3")
-
-
-def test_a_subject_that_all_share_is_taken_off(write: Write) -> None:
-    assert read_trc(write(trc(names="Frame# Time A:lip   A:nose  "))).markers == ("lip", "nose")
 
 
 def test_more_names_than_columns_are_reported(write: Write) -> None:
@@ -343,19 +314,6 @@ def test_what_is_written_is_the_form_that_others_read(gappy: Trajectories) -> No
     assert lines[8][5:8] == ["", "", ""]
     assert float(lines[7][1]) == pytest.approx(1 / 59.94)
     assert float(lines[7][4]) == gappy.positions[1, 0, 2]
-
-
-@pytest.mark.parametrize("name", ["", " a", "a\n", "a\tb", "a\x00", "\u2028"])
-def test_a_name_that_cannot_stand_in_a_cell_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match="TRC cannot keep the marker name"):
-        trc_bytes(Trajectories(positions=np.ones((1, 1, 3)), markers=(name,), rate=60))
-
-
-@pytest.mark.parametrize("shape", [(0, 2, 3), (3, 0, 3)])
-def test_nothing_is_not_written(shape: tuple[int, int, int]) -> None:
-    names = ("a", "b")[: shape[1]]
-    with pytest.raises(ValueError, match=f"not {shape[0]} of {shape[1]}"):
-        trc_bytes(Trajectories(positions=np.ones(shape), markers=names, rate=60))
 
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recordings are not here")
