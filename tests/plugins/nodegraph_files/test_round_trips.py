@@ -72,15 +72,15 @@ def test_positions_names_and_rate_read_back_equal(form: Form, data: st.DataObjec
     positions[data.draw(arrays.arrays(np.bool_, shape))] = np.nan
     rates = [24.0, 29.97, 59.94, 1000.0]
     rate = data.draw(st.sampled_from(rates) if form.width == 32 else st.floats(1e-3, 1e5))
-    given = recording(positions, *names, rate=rate)
+    whole = recording(positions, *names, rate=rate)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "it"
-        form.write(given, path)
-        assert path.read_bytes() == form.content(given)
+        form.write(whole, path)
+        assert path.read_bytes() == form.content(whole)
         again = form.read(path)
-    np.testing.assert_array_equal(again.positions, given.positions)
-    assert (again.markers, again.rate) == (given.markers, given.rate)
-    assert form.content(again) == form.content(given)
+    np.testing.assert_array_equal(again.positions, whole.positions)
+    assert (again.markers, again.rate) == (whole.markers, whole.rate)
+    assert form.content(again) == form.content(whole)
 
 
 @pytest.mark.parametrize("name", FOREIGN)

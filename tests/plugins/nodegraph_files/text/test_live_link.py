@@ -114,98 +114,85 @@ def test_every_row_comes_to_the_frame_of_its_timecode(data: st.DataObject) -> No
     assert np.flatnonzero(~np.isnan(read.values[:, 0])).tolist() == kept
 
 
-def test_frames_without_a_face_are_missing_and_reported(write: Write) -> None:
-    text = f"{HEADER}\n00:00:00:01.000,2,0.1,0.2\n00:00:00:02.000,0\n00:00:00:03.000,0,,\n"
-    with pytest.warns(UserWarning, match="2 frames have no weights, as no face.* is line 3"):
+@pytest.mark.parametrize(
+    ("text", "missing", "message"),
+    [
+        (
+            f"{HEADER}\n00:00:00:01.000,2,0.1,0.2\n00:00:00:02.000,0\n00:00:00:03.000,0,,\n",
+            [[False] * 2, [True] * 2, [True] * 2],
+            "2 frames have no weights, as no face.* is line 3",
+        ),
+        (
+            f"{HEADER}\n00:00:00:01.000,2,,0.2\n00:00:00:02.000,2,0.1,NaN\n",
+            [[True, False], [False, True]],
+            "2 single weights are missing",
+        ),
+        (
+            table([1, 2]).replace(",2,", ",61,"),
+            [[False] * 2] * 2,
+            "BlendShapeCount says 61, but 2 columns follow it",
+        ),
+        (
+            table([1, 2, 2, 3, 4]),
+            [[False] * 2] * 5,
+            "1 frames follow less than half a frame after",
+        ),
+        (table([5]), [[False] * 2], "a single frame has no rate; 60 Hz is assumed"),
+    ],
+)
+def test_what_is_odd_is_read_with_a_warning(
+    write: Write, text: str, missing: list[list[bool]], message: str
+) -> None:
+    with pytest.warns(UserWarning, match=message):
         read = read_live_link(write(text))
-    assert np.isnan(read.values).tolist() == [[False] * 2, [True] * 2, [True] * 2]
+    assert np.isnan(read.values).tolist() == missing
+    assert read.rate == 60
 
 
-def test_single_weights_that_lack_are_reported(write: Write) -> None:
-    text = f"{HEADER}\n00:00:00:01.000,2,,0.2\n00:00:00:02.000,2,0.1,NaN\n"
-    with pytest.warns(UserWarning, match="2 single weights are missing"):
-        read = read_live_link(write(text))
-    assert np.isnan(read.values).tolist() == [[True, False], [False, True]]
-
-
-def test_a_count_that_is_not_that_of_the_columns_is_reported(write: Write) -> None:
-    with pytest.warns(UserWarning, match="BlendShapeCount says 61, but 2 columns follow it"):
-        assert read_live_link(write(table([1, 2]).replace(",2,", ",61,"))).frames == 2
-
-
-def test_frames_too_close_are_reported(write: Write) -> None:
-    with pytest.warns(UserWarning, match="1 frames follow less than half a frame after"):
-        read = read_live_link(write(table([1, 2, 2, 3, 4])))
-    assert read.frames == 5
-
-
-def test_a_single_frame_tells_no_rate(write: Write) -> None:
-    with pytest.warns(UserWarning, match="a single frame has no rate; 60 Hz is assumed"):
-        read = read_live_link(write(table([5])))
-    assert (read.frames, read.rate) == (1, 60)
-
-
-@pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "#N/A"])
-@pytest.mark.parametrize("column", [2, 3, 4])
-def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str, column: int) -> None:
-    row = ["00:00:00:01.000", "2", "0.1", "0.2"]
-    row[column - 1] = cell
-    with pytest.raises(ValueError, match=rf"take\.csv:2:{column}: '{cell}' is not a number"):
-        read_live_link(write(f"{HEADER}\n{','.join(row)}\n"))
-
-
-def test_an_infinite_weight_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:2:4: the weight EyeBlinkLeft is infinite"):
-        read_live_link(write(f"{HEADER}\n00:00:00:01.000,2,0.1,inf\n"))
-
-
-@pytest.mark.parametrize("row", ["00:00:00:01.000,2,0.1", "00:00:00:01.000,2,0.1,0.2,0.3"])
-def test_a_ragged_row_is_reported_with_its_line(write: Write, row: str) -> None:
-    count = row.count(",") + 1
-    with pytest.raises(ValueError, match=rf"take\.csv:2: {count} cells, but 4 columns"):
-        read_live_link(write(f"{HEADER}\n{row}\n"))
-
-
-@pytest.mark.parametrize("written", ["", "1", "00:00:01.000", "00:00:00:x", "-1:00:00:01", "1e5"])
-def test_what_is_no_timecode_is_refused(write: Write, written: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv:2:1: '{written}' is not a timecode"):
-        read_live_link(write(f"{HEADER}\n{written},2,0.1,0.2\n"))
-
-
-def test_a_timecode_that_goes_back_is_refused(write: Write) -> None:
-    message = r"take\.csv:4:1: the timecode goes back from 00:00:00:12\.000 to 00:00:00:11\.000"
-    with pytest.raises(ValueError, match=message):
-        read_live_link(write(table([10, 12, 11, 13])))
-
-
-def test_a_timecode_that_stands_still_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match="the timecode stands still"):
-        read_live_link(write(table([10, 10, 10])))
-
-
-def test_a_leap_of_hours_is_refused_before_it_takes_memory(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:5:1: the timecode skips 1295999 frames, but"):
-        read_live_link(write(table([0, 1, 2, 2 + 6 * 3600 * 60, 3 + 6 * 3600 * 60])))
-
-
-@pytest.mark.parametrize("count", ["60", "72.5", "500"])
-def test_a_count_that_does_not_tell_the_second_is_refused(write: Write, count: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv: the timecode counts to {count}, and not"):
-        read_live_link(write(f"{HEADER}\n00:00:00:{count},2,0.1,0.2\n"))
+def row(*cells: str) -> str:
+    return f"{HEADER}\n{','.join(cells)}\n"
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "no Live Link Face file: it begins with ''"),
-        ("frame,a.x\n", "no Live Link Face file: it begins with 'frame,a.x'"),
-        (f"{HEADER}\n", "no frames follow"),
-        ("Timecode,BlendShapeCount\n00:00:00:01,0\n", "no columns of weights"),
-        ("Timecode,BlendShapeCount,HeadYaw\n00:00:00:01,1,0\n", "no columns of weights"),
-        ("Timecode,BlendShapeCount,,a\n00:00:00:01,1,0,0\n", "a column has no name"),
-        ("Timecode,BlendShapeCount,a,a\n00:00:00:01,2,0,0\n", "columns: named twice: a"),
+        ("", ": no Live Link Face file: it begins with ''"),
+        ("frame,a.x\n", ": no Live Link Face file: it begins with 'frame,a.x'"),
+        (f"{HEADER}\n", ": no frames follow"),
+        ("Timecode,BlendShapeCount\n00:00:00:01,0\n", ": no columns of weights"),
+        ("Timecode,BlendShapeCount,HeadYaw\n00:00:00:01,1,0\n", ": no columns of weights"),
+        ("Timecode,BlendShapeCount,,a\n00:00:00:01,1,0,0\n", ": a column has no name"),
+        ("Timecode,BlendShapeCount,a,a\n00:00:00:01,2,0,0\n", ": columns: named twice: a"),
+        (row("00:00:00:01.000", "2", "0.1", "inf"), ":2:4: the weight EyeBlinkLeft is infinite"),
+        (row("00:00:00:01.000", "2", "0.1"), ":2: 3 cells, but 4 columns"),
+        (row("00:00:00:01.000", "2", "0.1", "0.2", "0.3"), ":2: 5 cells, but 4 columns"),
+        *(
+            (row("00:00:00:01.000", *cells), f":2:{column}: '{wrong}' is not a number")
+            for wrong in ("one", "1_000", "0x1", "#N/A")
+            for column, cells in (
+                (2, (wrong, "0.1", "0.2")), (3, ("2", wrong, "0.2")), (4, ("2", "0.1", wrong))
+            )
+        ),
+        *(
+            (row(written, "2", "0.1", "0.2"), f":2:1: '{written}' is not a timecode")
+            for written in ("", "1", "00:00:01.000", "00:00:00:x", "-1:00:00:01", "1e5")
+        ),
+        *(
+            (row(f"00:00:00:{count}", "2", "0.1", "0.2"), f": the timecode counts to {count}, and")
+            for count in ("60", "72.5", "500")
+        ),
+        (
+            table([10, 12, 11, 13]),
+            r":4:1: the timecode goes back from 00:00:00:12\.000 to 00:00:00:11\.000",
+        ),
+        (table([10, 10, 10]), ": the timecode stands still"),
+        (
+            # refused before it takes memory
+            table([0, 1, 2, 2 + 6 * 3600 * 60, 3 + 6 * 3600 * 60]),
+            ":5:1: the timecode skips 1295999 frames, but",
+        ),
     ],
-)
-def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv: {message}"):
+)  # fmt: skip
+def test_what_is_wrong_is_refused_with_its_place(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
         read_live_link(write(text))

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -58,55 +59,6 @@ def test_units_become_millimetres(write: Write, unit: str, millimetres: float) -
     np.testing.assert_allclose(read.positions[0, 0], np.array([1, 2, 3]) * millimetres)
 
 
-@pytest.mark.parametrize(("unit", "message"), [(None, "no unit"), ("", "no unit"), ("px", "'px'")])
-def test_millimetres_are_assumed_with_a_warning(
-    write: Write, unit: str | None, message: str
-) -> None:
-    with pytest.warns(UserWarning, match=f"{message}.*mm is assumed"):
-        assert read_trc(write(trc(Units=unit))).positions[0, 0].tolist() == [1, 2, 3]
-
-
-def test_empty_cells_are_missing(write: Write) -> None:
-    read = read_trc(write(trc(["1 0.00    4 5 6", "2 0.01 7 8 9   "])))
-    assert read.present.tolist() == [[False, True], [True, False]]
-
-
-def test_a_frame_of_nothing_but_gaps_is_a_frame(write: Write) -> None:
-    read = read_trc(write(trc(["1 0.00 1 2 3 4 5 6", "2 0.01      ", "3 0.02 1 2 3 4 5 6"])))
-    assert read.present[:, 0].tolist() == [True, False, True]
-
-
-@pytest.mark.parametrize(
-    ("fact", "written", "message"),
-    [
-        ("NumFrames", "652", "says 652 frames, the file holds 2"),
-        ("NumFrames", "1", "says 1 frames, the file holds 2"),
-        ("NumFrames", "999999999999999999", "says 9{18} frames, the file holds 2"),
-        ("NumFrames", "-1", "says -1 frames, the file holds 2"),
-        ("NumFrames", "many", "says many frames, the file holds 2"),
-        ("NumFrames", "", "says no number of frames, the file holds 2"),
-        ("NumMarkers", "3", "says 3 markers, the file holds 2"),
-        ("NumMarkers", "999999999999", "says 9{12} markers, the file holds 2"),
-    ],
-)
-def test_a_header_that_lies_is_corrected_with_a_warning(
-    write: Write, fact: str, written: str, message: str
-) -> None:
-    with pytest.warns(UserWarning, match=message):
-        read = read_trc(write(trc(**{fact: written})))
-    assert read.positions.shape == (2, 2, 3)
-
-
-def test_counts_that_are_no_whole_numbers_by_their_writing_only(write: Write) -> None:
-    assert read_trc(write(trc(NumFrames="2.0", NumMarkers="2.0"))).frames == 2
-
-
-@pytest.mark.parametrize("rate", [None, "", "0", "0.0", "-60", "nan", "inf", "fast", "1_0"])
-def test_a_rate_is_needed(write: Write, rate: str | None) -> None:
-    with pytest.raises(ValueError, match=r"take\.trc: DataRate must be a positive number"):
-        read_trc(write(trc(DataRate=rate)))
-
-
 @pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "1,5,2", "#N/A"])
 @pytest.mark.parametrize("column", [1, 2, 3, 8])
 def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str, column: int) -> None:
@@ -124,52 +76,96 @@ def test_a_lone_quote_above_the_frames_does_no_harm(
     assert (read.markers, read.frames) == (('"lip', "nose"), 2)
 
 
-def test_labels_that_lack_or_repeat_get_their_own(write: Write) -> None:
-    with pytest.warns(UserWarning, match="2 markers had no label, or another's"):
-        read = read_trc(
-            write(
-                trc(
-                    ["1 0 1 2 3 4 5 6 7 8 9"],
-                    "Frame# Time lip   lip     ",
-                    "  X1 Y1 Z1 X2 Y2 Z2 X3 Y3 Z3",
-                    NumMarkers="3",
-                )
-            )
-        )
-    assert read.markers == ("lip", "lip_2", "unnamed_3")
-
-
-def test_more_names_than_columns_are_reported(write: Write) -> None:
-    with pytest.warns(UserWarning, match="1 labels beyond the 2 markers were left out: chin"):
-        read = read_trc(write(trc(names="Frame# Time lip   nose   chin  ")))
-    assert read.markers == ("lip", "nose")
-
-
-def test_more_columns_than_names_are_reported(write: Write) -> None:
-    with pytest.warns(UserWarning, match="1 markers had no label.*'unnamed_2'"):
-        assert read_trc(write(trc(names="Frame# Time lip  "))).markers == ("lip", "unnamed_2")
-
-
-def test_a_name_out_of_place_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.trc:4:4: the name 'nose' is out of place"):
-        read_trc(write(trc(names="Frame# Time lip nose chin")))
-
-
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
+        *(
+            ({"NumFrames": written}, f"says {said} frames, the file holds 2")
+            for written, said in (("652", "652"), ("9" * 18, "9{18}"), ("-1", "-1"),
+                                  ("many", "many"), ("", "no number of"))
+        ),
+        ({"NumMarkers": "0"}, "says 0 markers, the file holds 2"),
+        ({"NumMarkers": "9" * 12}, "says 9{12} markers, the file holds 2"),
+        ({"Units": None}, "no unit.*mm is assumed"),
+        ({"Units": ""}, "no unit.*mm is assumed"),
+        ({"Units": "px"}, "'px'.*mm is assumed"),
         ({"names": "Frame# Time lip nose"}, "names do not stand over X columns"),
         ({"names": "Frame# Time  lip  nose"}, "names do not stand over X columns"),
+        ({"names": "Frame# Time lip   nose   chin  "}, "1 labels beyond the 2 markers .*: chin"),
         ({"axes": "1 0.00 1 2 3 4 5 6", "rows": ["2 0.01 7 8 9 10 11 12"]}, "no row X1, Y1, Z1"),
         ({"rows": ["1 0 1 2 3 4 5 6 7 8", "2 0.01 7 8 9 10 11 12 0 0"]}, "2 columns follow"),
-        ({"NumMarkers": "0"}, "says 0 markers, the file holds 2"),
     ],
-)
+)  # fmt: skip
 def test_what_is_clear_is_read_with_a_warning(write: Write, changed: Any, message: str) -> None:
     with pytest.warns(UserWarning, match=message):
         read = read_trc(write(trc(**{"NumFrames": "2", **changed})))
     assert read.markers == ("lip", "nose")
     assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
+
+
+@pytest.mark.parametrize(
+    ("names", "markers"),
+    [
+        ("Frame# Time lip  ", ("lip", "unnamed_2")),
+        ("Frame# Time lip   lip  ", ("lip", "lip_2")),
+    ],
+)
+def test_labels_that_lack_or_repeat_get_their_own(
+    write: Write, names: str, markers: tuple[str, ...]
+) -> None:
+    with pytest.warns(UserWarning, match="1 markers had no label, or another's"):
+        assert read_trc(write(trc(names=names))).markers == markers
+
+
+@pytest.mark.parametrize(
+    ("rows", "present", "message"),
+    [
+        (("1 0.00    4 5 6", "2 0.01 7 8 9   "), [[False, True], [True, False]], ""),
+        (("1 0.00      ", "2 0.01 7 8 9 1 2 3"), [[False, False], [True, True]], ""),
+        (("1 0.00 1 2 3", "2 0.01 7 8 9 1 2 3"), [[True, False], [True, True]], "1 rows end bef"),
+    ],
+)
+def test_empty_cells_and_those_that_a_row_lacks_are_missing(
+    write: Write, rows: tuple[str, ...], present: list[list[bool]], message: str
+) -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert read_trc(write(trc(rows))).present.tolist() == present
+    assert [message in str(each.message) for each in caught] == [True] * bool(message)
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_is_written_otherwise_means_the_same(write: Write, tmp_path: Path) -> None:
+    plain = read_trc(write(trc()))
+    for text in (trc(NumFrames="2.0", NumMarkers="2.0"), trc().rstrip("\n")):
+        assert trc_bytes(read_trc(write(text))) == trc_bytes(plain)
+    path = tmp_path / "utf-16.trc"
+    path.write_bytes(trc().encode("utf-16"))
+    assert trc_bytes(read_trc(path)) == trc_bytes(plain)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", ": no TRC file: it begins with ''"),
+        ("a.x,a.y,a.z\n1,2,3\n", ": no TRC file: it begins with 'a.x,a.y,a.z'"),
+        ("PathFileType 4\n", ":1: neither tabs nor commas"),
+        ("PathFileType\t4\n\n\n\n\n\n", ": the header ends after 1 of 5 lines"),
+        (trc([], NumFrames="652"), ": no frames .* NumFrames says 652"),
+        (trc(names="Frame# Time lip nose chin"), ":4:4: the name 'nose' is out of place"),
+        (trc(axes="  X1 Y1 Z1 X2 Z2 Y2"), ":5:7: 'Z2' where Y2 is expected"),
+        (trc(axes="  X1 Y1 Z1 X2 Y2"), ":5: 5 columns X1, Y1, Z1, ... make no whole number"),
+        (trc(axes="  X1 Y1 Z1  Y2 Z2"), ":5:6: '' where X2 is expected"),
+        (trc(axes="1 0.00 1 2 3 4 5 6 7"), ":5: no columns X1, Y1, Z1, ... and 7 coordinates"),
+        *(
+            (trc(DataRate=rate), ": DataRate must be a positive number")
+            for rate in (None, "", "0", "0.0", "-60", "nan", "inf", "fast", "1_0")
+        ),
+    ],
+)
+def test_what_is_wrong_is_refused_with_its_place(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.trc{message}"):
+        read_trc(write(text))
 
 
 @pytest.mark.filterwarnings("error")
@@ -178,20 +174,6 @@ def test_headers_that_are_shifted_or_padded_by_tabs(write: Write) -> None:
         "100\t100\t2\t2\tmm", "100\t\t100\t\t2\t\t2\tmm"
     )
     assert read_trc(write(text)).markers == ("lip", "nose")
-
-
-@pytest.mark.parametrize(
-    ("axes", "message"),
-    [
-        ("  X1 Y1 Z1 X2 Z2 Y2", ":5:7: 'Z2' where Y2 is expected"),
-        ("  X1 Y1 Z1 X2 Y2", ":5: 5 columns X1, Y1, Z1, ... make no whole number"),
-        ("  X1 Y1 Z1  Y2 Z2", ":5:6: '' where X2 is expected"),
-        ("1 0.00 1 2 3 4 5 6 7", ":5: no columns X1, Y1, Z1, ... and 7 coordinates"),
-    ],
-)
-def test_columns_out_of_place_are_refused(write: Write, axes: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.trc{message}"):
-        read_trc(write(trc(axes=axes)))
 
 
 @pytest.mark.parametrize("end", ["", "\t"])
@@ -233,26 +215,6 @@ def test_a_row_longer_than_the_columns_is_refused(write: Write) -> None:
     assert read_trc(write(trc(["1 0 1 2 3 4 5 6  "]))).present.all()
 
 
-def test_a_row_that_ends_early_is_reported(write: Write) -> None:
-    path = write(trc(["1 0.00 1 2 3", "2 0.01 7 8 9 10 11 12"]))
-    with pytest.warns(UserWarning, match="1 rows end before the last of 8 columns.* line 7"):
-        assert read_trc(path).present.tolist() == [[True, False], [True, True]]
-
-
-def test_a_number_in_which_the_file_ends_is_not_believed(write: Write) -> None:
-    whole = trc(["1 0.00 1 2 3 4 5 6", "2 0.01 7 8 9.25"]).rstrip("\n")
-    with (
-        pytest.warns(UserWarning, match="1 rows end before the last of 8 columns"),
-        pytest.warns(UserWarning, match="1 samples lack a coordinate"),
-    ):
-        read = read_trc(write(whole[:-1]))
-    assert read.present.tolist() == [[True, True], [False, False]]
-
-
-def test_a_file_without_a_last_line_end_is_whole(write: Write) -> None:
-    assert read_trc(write(trc().rstrip("\n"))).present.all()
-
-
 @pytest.mark.parametrize(
     ("numbers", "uneven"), [((1, 2, 4), 1), ((1, 1, 2), 1), ((3, 2, 1), 2), ((90, 91, 92), 0)]
 )
@@ -274,31 +236,6 @@ def test_times_that_contradict_the_rate_are_reported(write: Write) -> None:
     assert read_trc(write(trc(rows, DataRate="60"))).rate == 60
     with pytest.warns(UserWarning, match=r"lasts 4\.98 s, by DataRate 2\.99 s; DataRate counts"):
         assert read_trc(write(trc(rows, DataRate="100"))).rate == 100
-
-
-def test_no_frames_are_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.trc: no frames .* NumFrames says 652"):
-        read_trc(write(trc([], NumFrames="652")))
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "no TRC file: it begins with ''"),
-        ("a.x,a.y,a.z\n1,2,3\n", "no TRC file: it begins with 'a.x,a.y,a.z'"),
-        ("PathFileType 4\n", r":1: neither tabs nor commas"),
-        ("PathFileType\t4\n\n\n\n\n\n", "the header ends after 1 of 5 lines"),
-    ],
-)
-def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.trc:? ?{message}"):
-        read_trc(write(text))
-
-
-def test_a_text_in_utf_16_says_so_itself(tmp_path: Path) -> None:
-    path = tmp_path / "take.trc"
-    path.write_bytes(trc().replace("lip", "é").encode("utf-16"))
-    assert read_trc(path).markers == ("é", "nose")
 
 
 def test_what_is_written_is_the_form_that_others_read(gappy: Trajectories) -> None:
