@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -24,59 +23,27 @@ def test_the_ways_to_name_columns(write: Write, separator: str, form: str, axes:
     assert read.rate == 60
 
 
+def timed(name: str, *times: float) -> str:
+    """Return a table of one marker, with a column of these times."""
+    return f"{name},a.x,a.y,a.z\n" + "".join(f"{time},1,2,3\n" for time in times)
+
+
 @pytest.mark.parametrize("comment", ["# rate: 59.94", "#Rate=59.94", "# rate: 59.94 Hz"])
 def test_the_rate_of_a_comment(write: Write, comment: str) -> None:
     assert read_csv(write(f"a.x,a.y,a.z\n{comment}\n1,2,3\n")).rate == 59.94
 
 
 def test_the_rate_of_a_time_column(write: Write) -> None:
-    rows = "".join(f"{frame / 60},1,2,3\n" for frame in range(50))
-    assert read_csv(write(f"Time (s),a.x,a.y,a.z\n{rows}")).rate == 60
+    times = [frame / 60 for frame in range(50)]
+    assert read_csv(write(timed("Time (s)", *times))).rate == 60
     with pytest.warns(UserWarning, match=r"lasts 0\.816667 s, by the line '# rate' 1\.63333 s"):
-        assert read_csv(write(f"# rate: 30\ntime,a.x,a.y,a.z\n{rows}")).rate == 30
-
-
-@pytest.mark.parametrize("column", ["frame", "time"])
-def test_dropped_frames_are_reported(write: Write, column: str) -> None:
-    rows = "".join(f"{frame},1,2,3\n" for frame in (0, 1, 2, 5, 6, 7, 7, 8))
-    with pytest.warns(UserWarning, match=f"2 of 7 steps of the column '{column}' are irregular"):
-        read = read_csv(write(f"# rate: 1\n{column},a.x,a.y,a.z\n{rows}"))
-    assert read.frames == 8
-
-
-@pytest.mark.parametrize("lead", ["", "frame,", "seconds,"])
-def test_without_a_rate_the_message_says_what_to_add(write: Write, lead: str) -> None:
-    path = write(f"{lead}a.x,a.y,a.z\n{'1,' * bool(lead)}1,2,3\n")
-    with (
-        pytest.raises(
-            ValueError, match=r"take\.csv: no rate; set `rate` in Hz, or add a line '# rate: 60'"
-        ),
-        pytest.warns(UserWarning, match="left out") if lead == "seconds," else _quiet(),
-    ):
-        read_csv(path)
-
-
-def _quiet() -> Any:
-    import contextlib
-
-    return contextlib.nullcontext()
-
-
-@pytest.mark.parametrize("rate", ["0", "-1", "fast", "nan", "inf"])
-def test_a_rate_that_is_none_is_refused(write: Write, rate: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv:1: rate '{rate}' is not"):
-        read_csv(write(f"# rate: {rate}\na.x,a.y,a.z\n1,2,3\n"))
+        assert read_csv(write(f"# rate: 30\n{timed('time', *times)}")).rate == 30
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("mm", 1), ("m", 1000), ("cm", 10), ("inch", 25.4)])
 def test_units_become_millimetres(write: Write, unit: str, factor: float) -> None:
     read = read_csv(write(f"# rate: 60\n# unit: {unit}\na.x,a.y,a.z\n1,2,3\n"))
     assert read.positions.tolist() == [[[factor, 2 * factor, 3 * factor]]]
-
-
-def test_an_unknown_unit_is_refused_with_those_there_are(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:2: unit 'px'; there is um, mm, cm"):
-        read_csv(write("# rate: 60\n# unit: px\na.x,a.y,a.z\n1,2,3\n"))
 
 
 @pytest.mark.parametrize("cell", ["", " ", "nan", "NaN", "NA", "null"])
@@ -91,58 +58,6 @@ def test_partly_missing_infinite_and_zero_samples_are_reported(write: Write) -> 
         read = read_csv(path)
     assert len(caught) == 3
     assert read.present[:, 0].tolist() == [False, True, False, False]
-
-
-@pytest.mark.parametrize("cell", ["one", "1_000", "1e", "0x1", "#N/A", "1.2.3"])
-def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str) -> None:
-    path = write(f"# rate: 60\n\na.x,a.y,a.z\n1,2,3\n1,{cell},3\n")
-    with pytest.raises(ValueError, match=r"take\.csv:5:2: '.*' is not a number \(column a\.y\)"):
-        read_csv(path)
-
-
-@pytest.mark.parametrize(("row", "count"), [("1,2", 2), ("1,2,3,4", 4)])
-def test_a_ragged_row_is_reported_with_its_line(write: Write, row: str, count: int) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv:4: {count} cells, but 3 columns"):
-        read_csv(write(f"# rate: 60\na.x,a.y,a.z\n1,2,3\n{row}\n"))
-
-
-def test_a_coordinate_without_a_column_is_reported(write: Write) -> None:
-    with pytest.raises(ValueError, match="marker 'lip' has no column for Y, Z"):
-        read_csv(write("# rate: 60\na.x,a.y,a.z,lip_x\n1,2,3,4\n"))
-
-
-def test_a_column_twice_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:2:4: the column 'a\.X' is there twice"):
-        read_csv(write("# rate: 60\na.x,a.y,a.z,a.X\n1,2,3,4\n"))
-
-
-def test_columns_that_are_no_coordinates_are_reported(write: Write) -> None:
-    with pytest.warns(UserWarning, match="1 columns are not coordinates and were left out: note"):
-        read_csv(write("# rate: 60\nframe,a.x,a.y,a.z,note\n0,1,2,3,4\n"))
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", ": no frames: the file is empty"),
-        ("\n \n", ": no frames: the file is empty"),
-        ("# rate: 60\n", ": no frames: the file is empty or holds only comments"),
-        (",,,\n", ": no frames: the file is empty"),
-        (
-            "# rate: 60\n# unit: cm\na.x [mm],a.y,a.z\n1,2,3\n",
-            ":2: unit 'cm'; the columns are in 'mm'",
-        ),
-        ('"' + "1," * 100_000, r":1: no columns NAME\.X"),
-        ("# rate: 60\na.x,a.y,a.z\n", ": no frames follow line 2"),
-        (
-            "# rate: 60\nfoo,bar\n1,2\n",
-            r":2: no columns NAME\.X, NAME\.Y, NAME\.Z; there is foo, bar",
-        ),
-    ],
-)
-def test_what_is_no_recording_is_refused(write: Write, text: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(write(text))
 
 
 @pytest.mark.parametrize("suffix", ["csv", "tsv", "txt", "dat"])
@@ -176,53 +91,9 @@ def test_texts_of_other_systems(tmp_path: Path, encoding: str, end: str) -> None
     assert read_csv(path).positions.tolist() == [[[1, 2, 3]]]
 
 
-@pytest.mark.parametrize(
-    ("row", "message"),
-    [
-        ("1,500;2,250;3,125", r":3:1: '1,500' may be 1\.500 or 1500"),
-        ("1.500,5;2;3", r":3:1: '1\.500,5' is not a number"),
-        ("1,5;2.5;3", r":3:2: '2\.5' has a dot"),
-        ("1,5;2;3;4,5", r":3: 4 cells, but 3 columns"),
-    ],
-)
-def test_a_comma_that_may_mean_two_things_is_refused(write: Write, row: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(write(f"# rate: 60\na.x;a.y;a.z\n{row}\n"))
-
-
-def test_decimal_commas_between_commas_are_too_many_cells(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:3: 6 cells, but 3 columns have names"):
-        read_csv(write("# rate: 60\na.x,a.y,a.z\n1,5,2,5,3,5\n"))
-
-
-def test_thousands_in_quotes_are_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:3:2: '1,500\.5' is not a number"):
-        read_csv(write('# rate: 60\na.x,a.y,a.z\n1,"1,500.5",3\n'))
-
-
-def test_a_marker_without_a_name_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:2:4: the column '\.x' names no marker"):
-        read_csv(write("# rate: 60\na.x,a.y,a.z,.x,.y,.z\n1,2,3,4,5,6\n"))
-
-
-def test_a_column_without_a_name_is_left_out_with_a_warning(write: Write) -> None:
-    with pytest.warns(UserWarning, match="1 columns .* left out: column 1"):
-        assert read_csv(write("# rate: 60\n,a.x,a.y,a.z\n0,1,2,3\n")).frames == 1
-
-
-def test_data_of_two_dimensions_are_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:2: 2 markers have X and Y and no Z"):
-        read_csv(write("# rate: 60\na.x,a.y,b.x,b.y\n1,2,3,4\n"))
-
-
 def test_a_comment_may_stand_anywhere(write: Write) -> None:
     read = read_csv(write("a.x,a.y,a.z\n1,2,3\n# unit: m\n4,5,6\n# rate: 60"))
     assert read.positions.tolist() == [[[1000, 2000, 3000]], [[4000, 5000, 6000]]]
-
-
-def test_a_line_of_a_million_cells_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r"take\.csv:3: 1000001 cells, but 3 columns have names"):
-        read_csv(write(f"# rate: 60\na.x,a.y,a.z\n{',' * 1_000_000}\n"))
 
 
 def test_a_row_of_nothing_but_gaps_is_a_frame(write: Write) -> None:
@@ -240,7 +111,85 @@ def test_quotes_keep_separators_within_a_cell(write: Write, separator: str) -> N
     assert read.positions.tolist() == [[[1, 2, 3]]]
 
 
-def test_a_rate_of_uneven_times_is_reported(write: Write) -> None:
-    rows = "".join(f"{time},1,2,3\n" for time in (0, 0.5, 1, 1.5, 2.2))
-    with pytest.warns(UserWarning, match="not whole steps apart; by the median step .* 2 Hz"):
-        assert read_csv(write(f"time,a.x,a.y,a.z\n{rows}")).rate == 2
+@pytest.mark.parametrize(
+    ("text", "frames", "rate", "message"),
+    [
+        (
+            "frame,a.x,a.y,a.z,note\n0,1,2,3,4\n# rate: 60",
+            1, 60, "1 columns are not coordinates and were left out: note",
+        ),
+        ("# rate: 60\n,a.x,a.y,a.z\n0,1,2,3\n", 1, 60, "1 columns .* left out: column 1"),
+        (
+            timed("time", 0, 0.5, 1, 1.5, 2.2),
+            5, 2, "not whole steps apart; by the median step .* 2 Hz",
+        ),
+        *(
+            (
+                f"# rate: 1\n{timed(column, 0, 1, 2, 5, 6, 7, 7, 8)}",
+                8, 1, f"2 of 7 steps of the column '{column}' are irregular",
+            )
+            for column in ("frame", "time")
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_odd_is_read_with_a_warning(
+    write: Write, text: str, frames: int, rate: float, message: str
+) -> None:
+    with pytest.warns(UserWarning, match=message):
+        read = read_csv(write(text))
+    assert (read.frames, read.rate) == (frames, rate)
+
+
+A = "a.x,a.y,a.z"
+NO_RATE = ": no rate; set `rate` in Hz, or add a line '# rate: 60'"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", ": no frames: the file is empty"),
+        ("\n \n", ": no frames: the file is empty"),
+        (",,,\n", ": no frames: the file is empty"),
+        ("# rate: 60\n", ": no frames: the file is empty or holds only comments"),
+        (f"# rate: 60\n{A}\n", ": no frames follow line 2"),
+        (
+            "# rate: 60\nfoo,bar\n1,2\n",
+            r":2: no columns NAME\.X, NAME\.Y, NAME\.Z; there is foo, b",
+        ),
+        ('"' + "1," * 100_000, r":1: no columns NAME\.X"),
+        (f"# rate: 60\n{A}\n{',' * 1_000_000}\n", ":3: 1000001 cells, but 3 columns have names"),
+        (f"# rate: 60\n{A}\n1,2,3\n1,2\n", ":4: 2 cells, but 3 columns"),
+        (f"# rate: 60\n{A}\n1,2,3\n1,2,3,4\n", ":4: 4 cells, but 3 columns"),
+        *(
+            (
+                f"# rate: 60\n\n{A}\n1,2,3\n1,{cell},3\n",
+                r":5:2: '.*' is not a number \(column a\.y\)",
+            )
+            for cell in ("one", "1_000", "1e", "0x1", "#N/A", "1.2.3")
+        ),
+        (f'# rate: 60\n{A}\n1,"1,500.5",3\n', r":3:2: '1,500\.5' is not a number"),
+        (f"{A}\n1,2,3\n", NO_RATE),
+        (f"frame,{A}\n1,1,2,3\n", NO_RATE),
+        (f"seconds,{A}\n1,1,2,3\n", NO_RATE),
+        *(
+            (f"# rate: {rate}\n{A}\n1,2,3\n", f":1: rate '{rate}' is not")
+            for rate in ("0", "-1", "fast", "nan", "inf")
+        ),
+        (f"# rate: 60\n# unit: px\n{A}\n1,2,3\n", ":2: unit 'px'; there is um, mm, cm"),
+        (
+            "# rate: 60\n# unit: cm\na.x [mm],a.y,a.z\n1,2,3\n",
+            ":2: unit 'cm'; the columns are in 'mm'",
+        ),
+        (f"# rate: 60\n{A},lip_x\n1,2,3,4\n", ":2: marker 'lip' has no column for Y, Z"),
+        (f"# rate: 60\n{A},a.X\n1,2,3,4\n", r":2:4: the column 'a\.X' is there twice"),
+        (f"# rate: 60\n{A},.x,.y,.z\n1,2,3,4,5,6\n", r":2:4: the column '\.x' names no marker"),
+        ("# rate: 60\na.x,a.y,b.x,b.y\n1,2,3,4\n", ":2: 2 markers have X and Y and no Z"),
+        (f"# rate: 60\n{A}\n1,5,2,5,3,5\n", ":3: 6 cells, but 3 columns have names"),
+        ("# rate: 60\na.x;a.y;a.z\n1,500;2,250;3,125\n", r":3:1: '1,500' may be 1\.500 or 1500"),
+        ("# rate: 60\na.x;a.y;a.z\n1,5;2;3;4,5\n", ":3: 4 cells, but 3 columns"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*left out. seconds")
+def test_what_is_wrong_is_refused_with_its_place(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
+        read_csv(write(text))

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -70,35 +69,41 @@ def test_markers_are_read(write: Write, words: bool, unit: str, millimetres: flo
     np.testing.assert_allclose(read.positions[1], np.array([[1, 2, 3], [4, 5, 6]]) * millimetres)
 
 
-def test_only_measured_markers_are_read_the_others_counted(write: Write) -> None:
-    path = write(motive(TURNED, MOVED, ERROR, EXPECTED, MARKER, Length_Units="Millimeters"))
-    with pytest.warns(UserWarning, match="11 columns .*: 8 of Rigid Body, 3 of Rigid Body Marker"):
-        read = read_csv(path)
-    assert read.markers == ("lip",)
-    assert read.positions[0].tolist() == [[12, 13, 14]]
-
-
-def test_without_a_row_of_types_what_turns_is_no_marker(write: Write) -> None:
-    path = write(motive(TURNED, MOVED, MARKER, without=("Type",), Length_Units="Millimeters"))
-    with pytest.warns(UserWarning, match="7 columns hold no measured marker"):
-        read = read_csv(path)
-    assert read.positions[0].tolist() == [[8, 9, 10]]
-
-
-def test_a_column_of_timecodes_is_left_out(write: Write) -> None:
-    path = write(motive(MARKER, words=True, lead="Frame,Time (Seconds),TimeCode"))
-    with pytest.warns(UserWarning, match="1 columns .*: 1 of TimeCode"):
-        assert read_csv(path).positions[0, 0].tolist() == [1000, 2000, 3000]
+@pytest.mark.parametrize(
+    ("text", "first", "message"),
+    [
+        (
+            motive(TURNED, MOVED, ERROR, EXPECTED, MARKER),
+            12000, "11 columns .*: 8 of Rigid Body, 3 of Rigid Body Marker",
+        ),
+        (
+            motive(TURNED, MOVED, MARKER, without=("Type",)),
+            8000, "7 columns hold no measured marker",
+        ),
+        (
+            motive(MARKER, words=True, lead="Frame,Time (Seconds),TimeCode"),
+            1000, "1 columns .*: 1 of TimeCode",
+        ),
+        (motive(MARKER, MARKER), 1000, "'lip' is now 'lip_2'"),
+        (motive(MARKER, Length_Units=None), 1000, "no unit of length; m is assumed"),
+        (
+            motive(MARKER, Total_Exported_Frames="1" + "0" * 12),
+            1000, "says 1000000000000 frames, the file holds 2",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_odd_is_read_with_a_warning(
+    write: Write, text: str, first: float, message: str
+) -> None:
+    with pytest.warns(UserWarning, match=message):
+        read = read_csv(write(text))
+    assert (read.markers[0], read.frames) == ("lip", 2)
+    assert read.positions[0, 0].tolist() == [first, first + 1000, first + 2000]
 
 
 def test_empty_cells_are_missing(write: Write) -> None:
     read = read_csv(write(motive(MARKER, rows=("0,0,,,", "1,0.008333,1,2,3"))))
     assert read.present.tolist() == [[False], [True]]
-
-
-def test_names_that_repeat_get_their_own(write: Write) -> None:
-    with pytest.warns(UserWarning, match="'lip' is now 'lip_2'"):
-        assert read_csv(write(motive(MARKER, MARKER))).markers == ("lip", "lip_2")
 
 
 def test_an_export_in_utf_16(tmp_path: Path) -> None:
@@ -121,44 +126,18 @@ def test_the_rate_of_capture_where_there_is_no_other(write: Write) -> None:
     assert read_csv(write(motive(MARKER, rows=rows, Export_Frame_Rate=None))).rate == 240
 
 
-def test_metres_are_assumed_with_a_warning(write: Write) -> None:
-    with pytest.warns(UserWarning, match="no unit of length; m is assumed"):
-        assert read_csv(write(motive(MARKER, Length_Units=None))).positions[0, 0, 0] == 1000
-
-
-def test_a_header_that_lies_is_corrected_with_a_warning(write: Write) -> None:
-    with pytest.warns(UserWarning, match="says 1000000000000 frames, the file holds 2"):
-        assert read_csv(write(motive(MARKER, Total_Exported_Frames="1" + "0" * 12))).frames == 2
-
-
-@pytest.mark.parametrize(
-    ("facts", "message"),
-    [
-        ({"Export_Frame_Rate": "fast"}, r":1:8: Export Frame Rate must be .* 'fast'"),
-        ({"Export_Frame_Rate": "0"}, r":1:8: Export Frame Rate must be .* says '0'"),
-        (
-            {"Export_Frame_Rate": None, "Capture_Frame_Rate": None},
-            ":1: Export Frame Rate or Capture Frame Rate must be .* says none; set `rate`",
-        ),
-        ({"Length_Units": "Furlongs"}, r":1:12: Length Units 'Furlongs'; there is um, mm"),
-    ],
-)
-def test_a_header_that_does_not_suffice_is_refused(
-    write: Write, facts: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(write(motive(MARKER, **facts)))
-
-
-def test_a_take_without_markers_is_refused(write: Write) -> None:
-    with pytest.raises(ValueError, match=r":7: no columns of type Marker; there is Rigid Body$"):
-        read_csv(write(motive(TURNED, MOVED)))
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         (motive(MARKER, rows=()), ": no frames follow line 7"),
+        (motive(TURNED, MOVED), ":7: no columns of type Marker; there is Rigid Body$"),
+        (motive(MARKER, Export_Frame_Rate="fast"), ":1:8: Export Frame Rate must be .* 'fast'"),
+        (motive(MARKER, Export_Frame_Rate="0"), ":1:8: Export Frame Rate must be .* says '0'"),
+        (
+            motive(MARKER, Export_Frame_Rate=None, Capture_Frame_Rate=None),
+            ":1: Export Frame Rate or Capture Frame Rate must be .* says none; set `rate`",
+        ),
+        (motive(MARKER, Length_Units="Furlongs"), ":1:12: Length Units 'Furlongs'; there is um, m"),
         (motive(MARKER).replace("Frame,Time", "Picture,Time"), ": no row 'Frame, Time"),
         (
             motive(("Marker", "lip", "Position", "XZ")),

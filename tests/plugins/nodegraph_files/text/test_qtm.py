@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -82,89 +80,72 @@ def test_zeros_empty_cells_and_null_are_missing(write: Write) -> None:
     assert read_csv(path, zeros_missing=False).present[0].all()
 
 
-def test_a_trajectory_that_was_filled_is_reported(write: Write) -> None:
-    path = write(qtm(*ROWS, extra=("TRAJECTORY_TYPES Mixed Gap-filled",)))
-    with pytest.warns(UserWarning, match=r"2 trajectories .*: lip \(Mixed\), nose \(Gap-filled\)"):
-        read_csv(path)
-
-
 @pytest.mark.filterwarnings("error")
 def test_counts_may_lack(write: Write) -> None:
     assert read_csv(write(qtm(*ROWS, NO_OF_FRAMES="2.0", NO_OF_MARKERS=None))).frames == 2
-
-
-@pytest.mark.parametrize(
-    ("fact", "text", "message"),
-    [
-        ("NO_OF_FRAMES", "1000000000000", "says 1000000000000 frames, the file holds 2"),
-        ("NO_OF_MARKERS", "22", "says 22 markers, the file holds 2"),
-    ],
-)
-def test_a_header_that_lies_is_corrected_with_a_warning(
-    write: Write, fact: str, text: str, message: str
-) -> None:
-    with pytest.warns(UserWarning, match=message):
-        assert read_csv(write(qtm(*ROWS, **dict[str, Any]({fact: text})))).positions.shape == (
-            2,
-            2,
-            3,
-        )
-
-
-@pytest.mark.parametrize(
-    ("names", "message", "markers"),
-    [
-        ("lip", "1 markers had no label", ("lip", "unnamed_2")),
-        ("lip nose chin", "1 labels beyond the 2 markers were left out: chin", ("lip", "nose")),
-        ("lip lip", "'lip' is now 'lip_2'", ("lip", "lip_2")),
-    ],
-)
-def test_names_that_are_not_as_many_as_columns_are_reported(
-    write: Write, names: str, message: str, markers: tuple[str, ...]
-) -> None:
-    with pytest.warns(UserWarning, match=message):
-        assert read_csv(write(qtm(*ROWS, MARKER_NAMES=names))).markers == markers
-
-
-@pytest.mark.parametrize(
-    ("facts", "message"),
-    [
-        ({"DATA_INCLUDED": "2D"}, r":7:2: DATA_INCLUDED is '2D'; only 3D data"),
-        ({"FREQUENCY": "EXT"}, r":4:2: FREQUENCY must be a positive number.* 'EXT'; set `rate`"),
-        ({"FREQUENCY": "0"}, r":4:2: FREQUENCY must be .* says '0'"),
-        ({"FREQUENCY": None}, r": FREQUENCY must be .* says none; set `rate`"),
-        ({"MARKER_NAMES": None}, r": no names follow MARKER_NAMES"),
-        ({"MARKER_NAMES": ""}, r": no names follow MARKER_NAMES"),
-    ],
-)
-def test_a_header_that_does_not_suffice_is_refused(
-    write: Write, facts: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(write(qtm(*ROWS, **facts)))
 
 
 def test_a_rate_may_be_added(write: Write) -> None:
     assert read_csv(write("# rate: 60\n" + qtm(*ROWS, FREQUENCY="EXT"))).rate == 60
 
 
-@pytest.mark.parametrize(
-    ("rows", "message"),
-    [
-        ((), ": no frames follow line 8"),
-        (("1 2 3 4",), ":9: 4 coordinates make no whole number of markers; MARKER_NAMES has 2"),
-        (("1 2 3 4 5 6", "1 2 3 4 5 x"), ":10:6: 'x' is not a number"),
-        (("1 2 3 4 5 6", "1 2 3 4 5 6 7"), ":10: 7 cells, but 6 columns"),
-    ],
-)
-def test_rows_that_are_wrong_are_reported_with_their_place(
-    write: Write, rows: tuple[str, ...], message: str
-) -> None:
-    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
-        read_csv(write(qtm(*rows)))
-
-
 def test_a_row_that_ends_early_is_reported(write: Write) -> None:
     with pytest.warns(UserWarning, match="1 rows end before the last of 6 columns"):
         read = read_csv(write(qtm("1 2 3 4 5 6", "1 2 3")))
     np.testing.assert_array_equal(read.present, [[True, True], [True, False]])
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "markers"),
+    [
+        (
+            qtm(*ROWS, extra=("TRAJECTORY_TYPES Mixed Gap-filled",)),
+            r"2 trajectories .*: lip \(Mixed\), nose \(Gap-filled\)",
+            ("lip", "nose"),
+        ),
+        (
+            qtm(*ROWS, NO_OF_FRAMES="1000000000000"),
+            "says 1000000000000 frames, the file holds 2",
+            ("lip", "nose"),
+        ),
+        (
+            qtm(*ROWS, NO_OF_MARKERS="22"),
+            "says 22 markers, the file holds 2",
+            ("lip", "nose"),
+        ),
+        (qtm(*ROWS, MARKER_NAMES="lip"), "1 markers had no label", ("lip", "unnamed_2")),
+        (
+            qtm(*ROWS, MARKER_NAMES="lip nose chin"),
+            "1 labels beyond the 2 markers were left out: chin",
+            ("lip", "nose"),
+        ),
+        (qtm(*ROWS, MARKER_NAMES="lip lip"), "'lip' is now 'lip_2'", ("lip", "lip_2")),
+    ],
+)
+def test_what_is_odd_is_read_with_a_warning(
+    write: Write, text: str, message: str, markers: tuple[str, ...]
+) -> None:
+    with pytest.warns(UserWarning, match=message):
+        read = read_csv(write(text))
+    assert read.markers == markers
+    assert read.positions.tolist() == [[[1, 2, 3], [4, 5, 6]], [[7, 8, 9], [10, 11, 12]]]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (qtm(*ROWS, DATA_INCLUDED="2D"), ":7:2: DATA_INCLUDED is '2D'; only 3D data"),
+        (qtm(*ROWS, FREQUENCY="EXT"), ":4:2: FREQUENCY must be a positive .* 'EXT'; set `rate`"),
+        (qtm(*ROWS, FREQUENCY="0"), ":4:2: FREQUENCY must be .* says '0'"),
+        (qtm(*ROWS, FREQUENCY=None), ": FREQUENCY must be .* says none; set `rate`"),
+        (qtm(*ROWS, MARKER_NAMES=None), ": no names follow MARKER_NAMES"),
+        (qtm(*ROWS, MARKER_NAMES=""), ": no names follow MARKER_NAMES"),
+        (qtm(), ": no frames follow line 8"),
+        (qtm("1 2 3 4"), ":9: 4 coordinates make no whole number of markers; MARKER_NAMES has 2"),
+        (qtm("1 2 3 4 5 6", "1 2 3 4 5 x"), ":10:6: 'x' is not a number"),
+        (qtm("1 2 3 4 5 6", "1 2 3 4 5 6 7"), ":10: 7 cells, but 6 columns"),
+    ],
+)
+def test_what_is_wrong_is_refused_with_its_place(write: Write, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"take\.csv{message}"):
+        read_csv(write(text))
