@@ -206,12 +206,6 @@ def _rate(
     return known_rate(columns.table, times, setting)
 
 
-def is_wide(table: Table) -> bool:
-    """Return True: a table that has no other form is expected to have this one."""
-    del table
-    return True
-
-
 def read_wide(table: Table, *, zeros_missing: bool, unit: str, rate: float | None) -> Trajectories:
     """Read a recording whose first row names the columns ``NAME.X, NAME.Y, NAME.Z``.
 
@@ -489,7 +483,6 @@ _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
     (is_vicon, read_vicon),
     (is_long, read_long),
     (is_levels, read_levels),
-    (is_wide, read_wide),
 )
 
 
@@ -536,7 +529,8 @@ def read_csv(
         has no column, frames, rate or names lack, or commas may mean two things.
     """
     table = read_table(path)
-    read = next(read for recognizes, read in _FORMS if recognizes(table))
+    # a table that has no other form is expected to name its columns
+    read = next((read for recognizes, read in _FORMS if recognizes(table)), read_wide)
     return read(table, zeros_missing=zeros_missing, unit=unit, rate=rate)
 
 
