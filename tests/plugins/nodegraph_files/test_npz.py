@@ -62,6 +62,12 @@ def test_an_archive_that_does_not_tell_origins_is_read_like_any_file(tmp_path: P
     assert read_npz(path, zeros_missing=False).present.all()
 
 
+def test_positions_and_their_spread_are_of_one_unit(tmp_path: Path) -> None:
+    read = read_npz(saved(tmp_path, sigma=np.full((4, 2), 0.5)), unit="cm")
+    assert read.sigma is not None
+    assert (read.positions[0, 0, 0], read.sigma[0, 0]) == (10, 5)
+
+
 def test_an_archive_that_tells_origins_keeps_its_zeros(tmp_path: Path) -> None:
     origin = np.ones((4, 2), dtype=np.uint8)
     path = saved(tmp_path, positions=np.zeros((4, 2, 3)), origin=origin)

@@ -88,6 +88,13 @@ def test_what_is_no_table_of_points_is_refused(tmp_path: Path, text: str, messag
 
 
 @pytest.mark.filterwarnings("ignore:.*no face or body")
+def test_a_file_without_a_unit_and_of_no_plausible_size_is_in_metres(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match="no unit of length; m is assumed$"):
+        recording = get_node("read.recording")(path=saved(tmp_path, mot(POINTS, drop="Units=m\n")))
+    assert recording.positions[0, 0].tolist() == [1000, 2000, 3000]
+
+
+@pytest.mark.filterwarnings("ignore:.*no face or body")
 def test_a_file_that_ends_early_says_so(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="the header says 3 rows, the file holds 2"):
         get_node("read.recording")(path=saved(tmp_path, mot(POINTS, ROWS[:2])))
