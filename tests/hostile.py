@@ -29,6 +29,7 @@ from nodegraph.plugin.formats import formats_of
 from nodegraph.plugin.registry import Registry
 from nodegraph_mocap.specimens import recordings
 from nodegraph_xarray import to_xarray
+from tests.plugins.nodegraph_files.test_hostile import damaged
 from tests.plugins.nodegraph_live.test_packets import SOURCES, taken
 
 ROOT = Path(__file__).parents[1]
@@ -182,25 +183,6 @@ def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, str, Read, 
                 yield name, reader.node.name, reader.node.function, content
     for each in registry.hooks.formats:
         assert not known.isdisjoint(each.suffixes), f"no file of the format {each.name}"
-
-
-def damaged(content: bytes, chance: Random) -> bytes:
-    """Return a content with some bytes changed, moved, repeated or cut off."""
-    changed = bytearray(content)
-    for _ in range(chance.choice((1, 1, 2, 5, 40))):
-        at = chance.randrange(len(changed) + 1)
-        match chance.randrange(5):
-            case 0:
-                changed[at : at + 1] = bytes([chance.randrange(256)])
-            case 1:
-                changed[at : at + 4] = chance.choice((b"\xff" * 4, b"\0" * 4, b"\x7f\xff\xff\xff"))
-            case 2:
-                changed[at:at] = chance.choice((b"1e400", b"nan", b"-", b"\n\n", b"\t", b'"' * 9))
-            case 3:
-                changed[at:at] = changed[at : at + chance.randrange(2000)]
-            case _:
-                del changed[at : at + chance.choice((1, 2, 8, len(changed)))]
-    return bytes(changed)
 
 
 def read_damaged(folder: Path, seed: int, count: int = 2000) -> Counter[str]:

@@ -42,21 +42,27 @@ LETTERS = b"0123456789:;,.-e\n\t#[]{}&*!?|>%'\"abc"
 
 
 def damaged(good: bytes, chance: random.Random) -> bytes:
-    """Return a content in which bytes, mostly near its start, are changed, dropped or added."""
+    """Return a content in which bytes, mostly near its start, are changed, moved, added or cut."""
     content = bytearray(good)
-    for _ in range(chance.choice([1, 2, 5])):
+    for _ in range(chance.choice([1, 1, 2, 5, 20])):
         if len(content) < 2:
             break
         at = chance.randrange(min(len(content), chance.choice([1500, len(content)])))
-        kind = chance.random()
-        if kind < 0.7:
-            content[at] = chance.choice([0, 1, 127, 128, 254, 255, chance.randrange(256)])
-        elif kind < 0.8:
-            content[at : at + chance.randrange(1, 9)] = b""
-        elif kind < 0.9:
-            content[at:at] = chance.randbytes(chance.randrange(1, 9))
-        else:
-            del content[chance.randrange(1, len(content)) :]
+        match chance.choice(["byte"] * 6 + ["word", "drop", "add", "text", "repeat", "cut"]):
+            case "byte":
+                content[at] = chance.choice([0, 1, 127, 128, 254, 255, chance.randrange(256)])
+            case "word":
+                content[at : at + 4] = chance.choice([b"\xff" * 4, bytes(4), b"\x7f\xff\xff\xff"])
+            case "drop":
+                content[at : at + chance.randrange(1, 9)] = b""
+            case "add":
+                content[at:at] = chance.randbytes(chance.randrange(1, 9))
+            case "text":
+                content[at:at] = chance.choice([b"1e400", b"nan", b"-", b"\n\n", b"\t", b'"' * 9])
+            case "repeat":
+                content[at:at] = content[at : at + chance.randrange(2000)]
+            case "cut":
+                del content[at + 1 :]
     return bytes(content)
 
 
