@@ -172,8 +172,10 @@ def _other_environment() -> dict[str, str]:
 @contextmanager
 def numeric_threads(count: int) -> Iterator[None]:
     """Set the number of threads that numerical libraries use for calls in this thread."""
-    from threadpoolctl import threadpool_limits
+    from threadpoolctl import OpenBLASController, threadpool_limits
 
+    # threadpoolctl lets one thread control OpenBLAS: one that an earlier run has left would do
+    OpenBLASController.clear_controlling_thread(force=True)
     with threadpool_limits(limits=count), _numba_threads(count):
         yield
 
