@@ -82,3 +82,9 @@ def test_seeds_and_other_nodes_have_noise_of_their_own() -> None:
     )
     assert abs(np.corrcoef(first, measured)[0, 1]) < 0.03
     assert abs(np.corrcoef(first, second)[0, 1]) < 0.03
+
+
+def test_by_default_each_coordinate_is_off_by_a_tenth_of_a_millimetre() -> None:
+    take = recording()
+    stated = add(take, sigma=0.1, seed=0).noisy.positions
+    np.testing.assert_array_equal(add(take).noisy.positions, stated)
