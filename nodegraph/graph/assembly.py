@@ -10,7 +10,6 @@ import networkx as nx
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.axes import CombinationCounter, check_fixed_axes, node_axes
 from nodegraph.graph.flatten import FlatGraph
-from nodegraph.graph.lost_axes import LostAxes
 from nodegraph.graph.methods import (
     ResolvedMethod,
     at_first_labels,
@@ -74,7 +73,6 @@ class Assembler:
         self._nodes: dict[str, GraphNode] = {}
         self._wires = WireChecker(spec, self._nodes, self._namespace, problems)
         self._left_out: list[LeftOut] = []
-        self._lost = LostAxes()
         self._incomplete: set[str] = set()  # nodes that may lack an axis because of an error
         self._ignored = Problems()  # errors that may follow from those
 
@@ -82,12 +80,6 @@ class Assembler:
         """Return the graph, or None if there are errors, in it or in a graph that it uses."""
         for name in sorted_names(self._sources, self._problems):
             self._nodes[name] = self._node(self._spec.nodes[name])
-        self._spec = replace(
-            self._spec,
-            outputs={name: self._lost.without(each) for name, each in self._spec.outputs.items()},
-            known=tuple(map(self._lost.without, self._spec.known)),
-            report=tuple(map(self._lost.without, self._spec.report)),
-        )
         self._check_graph_inputs()
         self._check_sections()
         self._namespace.check_choices()
@@ -96,9 +88,7 @@ class Assembler:
         self._settings.fill(in_full=self._combinations.check())
         if self._problems or not self._flat.is_complete:
             return None
-        network = typed_network(
-            {name: self._lost.without_names(node) for name, node in self._nodes.items()}
-        )
+        network = typed_network(self._nodes)
         self._remove_left_out(network)
         labels = {name: axis.labels for name, axis in self._namespace.axes.items()}
         return Graph(
@@ -109,18 +99,15 @@ class Assembler:
             self._namespace.inputs,
             self._choices,
             tuple(self._left_out),
-            (
-                *deprecations(self._spec.nodes.values(), self._methods, labels, self._registry),
-                *self._lost.notices(),
-            ),
+            deprecations(self._spec.nodes.values(), self._methods, labels, self._registry),
         )
 
     def _node(self, spec: NodeSpec) -> GraphNode:
-        resolved = self._lost.rewired(self._methods[spec.name])
+        resolved = self._methods[spec.name]
         labels = self._namespace.axes[spec.name].labels if spec.has_alternatives else ("",)
         every = [method for each in resolved if (method := self._method(spec, each)) is not None]
         methods = {method.label: method for method in every if method.label in labels}
-        gathers = any(method.gathers for method in methods.values())
+        gathers = any(method.gathers for method in every)
         if spec.over and methods and not gathers:
             self._problems.add(spec.over[0][1], f"{spec.name}: 'over' needs a port that gathers")
         sources = (source for method in methods.values() for source in method.references())
@@ -133,7 +120,7 @@ class Assembler:
         is_certain = gathers and spec.name not in self._incomplete
         axes, gathered = node_axes(
             spec,
-            methods.values(),
+            every,
             self._nodes,
             self._namespace.axes,
             self._problems if is_certain else self._ignored,
@@ -141,7 +128,6 @@ class Assembler:
         node = GraphNode(
             spec.name, spec.place, methods, spec.has_alternatives, axes, gathered, spec.prefix
         )
-        self._lost.add(node, self._nodes, every)
         if gathers:
             self._check_gathered_names(node)
         self._combinations.add(node, self._nodes)
@@ -230,7 +216,7 @@ class Assembler:
                 continue
             if any(item.labels.keys() <= set(node.axes) for node in self._nodes.values()):
                 rules.append(item)
-            elif not self._lost.explains(item, self._nodes.values()):
+            else:
                 names = " and ".join(item.labels)
                 self._problems.add(item.place, f"skip: no node has the axes {names} together")
         return tuple(rules)

@@ -30,6 +30,7 @@ def node_axes(
     ----------
     spec
     methods
+        All of them, so that the graph keeps its axes when a command leaves out some.
     nodes
         Those that feed it.
     order
@@ -114,11 +115,12 @@ class CombinationCounter:
         count = self._count(node.axes) if node.axes else 1
         gathered = 1
         if node.gathered:
-            gathered = max(
+            sums = (
                 sum(self._gathered(source, node, nodes) for source in gather.sources.values())
                 for method in node.methods.values()
                 for gather in method.gathers
             )
+            gathered = max(sums, default=1)
             count *= gathered
         self._total += count
         if count > self._largest:

@@ -173,6 +173,21 @@ def test_an_unknown_axis_or_label(
     assert instead in problems[0].instead
 
 
+def test_axes_of_methods_that_the_command_leaves_out_stay(run_of: Callable[..., Run]) -> None:
+    text = TEXT + (
+        "  f: {in: b, alternatives: {hold: {use: fill.hold}, scale: "
+        "{use: fill.scale, with: {power: $k}}}}\n"
+        "  x: {use: compare.table, in: {scores: {from: f, at: {i: 1, k: 200, f: $first}}}}\n"
+        "skip: [{j: 10, k: 200}]\n"
+    )
+    run = run_of(text, only={"f": ("hold",)})
+    assert run.plan.graph.nodes["f"].axes == ("i", "j", "k", "f")
+    at_20 = [step for labels, step in run.plan.cells["f"].items() if labels[:2] == (1, 20)]
+    assert len(at_20) == 2
+    assert len(set(at_20)) == 1
+    assert pairs(run["x"].value.scores) == [((20,), run["f"].at(i=1, j=20, k=200, f="hold"))]
+
+
 def test_what_does_not_depend_on_an_axis_runs_once(
     run_of: Callable[..., Run], calls: list[str]
 ) -> None:
