@@ -234,6 +234,10 @@ def _messages(
             continue
         names.add(name)
         value = detail["input"]
+        if detail["type"] == "value_error":  # of a check that the node's author has written
+            text = f"{detail['ctx']['error']}".rstrip(".")
+            yield name, f"{where}: setting {name!r} of {node.name} is not valid: {text}", ""
+            continue
         reason = _REASONS.get(detail["type"]) or f"{_clause(detail['msg'])}, got {value!r}"
         setting = node.settings.get(name)
         unit = f", {setting.unit}" if setting is not None and setting.unit else ""

@@ -7,10 +7,11 @@ import re
 import warnings
 from dataclasses import replace
 from importlib import import_module
+from types import NoneType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from nodegraph import NodegraphError, Refusal, nearest, node
 from nodegraph_mocap import Origin, Trajectories
@@ -53,10 +54,17 @@ def impute(recording: Trajectories, imputer: Any) -> Trajectories:
     return _filled(recording, positions)
 
 
-def regress(recording: Trajectories, regressor: object) -> Trajectories:
-    """Return a recording whose gaps a regressor has predicted from other markers."""
-    from sklearn.base import clone
+def regress(recording: Trajectories, regressor: Any) -> Trajectories:
+    """Return a recording whose gaps a regressor has predicted from other markers.
 
+    A regressor of one output is fitted to each coordinate by itself.
+    """
+    from sklearn.base import clone
+    from sklearn.multioutput import MultiOutputRegressor
+    from sklearn.utils import get_tags
+
+    if not get_tags(regressor).target_tags.multi_output:
+        regressor = MultiOutputRegressor(regressor)
     present = recording.present
     positions = recording.positions.copy()
     fitted: dict[tuple[int, bytes], Any] = {}
@@ -101,6 +109,13 @@ def project(recording: Trajectories, transformer: Any) -> Trajectories:
     return replace(recording, positions=positions, sigma=sigma)
 
 
+def apply_inner(recording: Trajectories, estimator: Any) -> Trajectories:
+    """Return what an estimator made of others does: predict if it is a regressor, else project."""
+    from sklearn.base import is_regressor
+
+    return (regress if is_regressor(estimator) else project)(recording, estimator)
+
+
 def _rows(
     recording: Trajectories, frames: NDArray[np.bool_], markers: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
@@ -130,15 +145,20 @@ _HOW: dict[Callable[[Trajectories, Any], Trajectories], str] = {
     "keeps of a complete frame takes its place. Frames with a missing sample stay as they are, "
     "counted in a warning.",
 }
+_HOW[apply_inner] = (
+    f"If it ends in a regressor, it fills: {_HOW[regress][0].lower()}{_HOW[regress][1:]} "
+    f"Else it smooths: {_HOW[project][0].lower()}{_HOW[project][1:]}"
+)
 
 
 def node_of_estimator(name: str) -> Callable[..., object]:
     """Return the node that applies an estimator to a recording.
 
     An imputer or a regressor fills gaps and leaves present samples as they are; a transformer
-    that has an inverse smooths. The settings are the parameters of the estimator, with its
-    defaults; ``random_state`` is called ``seed`` and 0, so that the same graph gives the same
-    answer.
+    that has an inverse smooths; what is made of other estimators, such as a pipeline, does what
+    they do. The settings are the parameters of the estimator, with its defaults and checked by
+    its rules; ``random_state`` is called ``seed`` and 0, so that the same graph gives the same
+    answer. An estimator as a setting is its name, or a mapping of its name to its parameters.
 
     Parameters
     ----------
@@ -156,10 +176,8 @@ def node_of_estimator(name: str) -> Callable[..., object]:
 
     @node("sklearn.estimator", cite="pedregosa2011scikit", lookahead=None)
     def estimator(recording: Trajectories, **parameters: Any) -> Trajectories:
-        if "seed" in parameters:
-            parameters[_SEED] = parameters.pop("seed")
         with np.errstate(all="ignore"):  # what is no number is counted as missing
-            return apply(recording, kind(**parameters))
+            return apply(recording, _made(kind, parameters))
 
     described: Any = estimator
     recorded = inspect.Parameter(
@@ -197,16 +215,66 @@ def _class_named(name: str) -> type[object]:
 
 def _application(kind: type[object], name: str) -> Callable[[Trajectories, Any], Trajectories]:
     from sklearn.base import RegressorMixin, TransformerMixin
+    from sklearn.pipeline import Pipeline
 
     if issubclass(kind, TransformerMixin) and kind.__module__.startswith("sklearn.impute"):
         return impute
     if issubclass(kind, RegressorMixin):
         return regress
+    if issubclass(kind, Pipeline):
+        return apply_inner
     if issubclass(kind, TransformerMixin) and hasattr(kind, "inverse_transform"):
         return project
     raise NodegraphError(
         f"{name} is neither an imputer nor a regressor nor a transformer with an inverse"
     )
+
+
+def _made(kind: type[object], parameters: dict[str, Any]) -> Any:
+    """Return an estimator with its parameters."""
+    given = _arguments(kind, parameters)
+    if _SEED in inspect.signature(kind).parameters:
+        given.setdefault(_SEED, 0)
+    return kind(**given)
+
+
+def _arguments(kind: type[object], parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters of an estimator, those that are estimators made.
+
+    Raises
+    ------
+    ValueError
+        If the estimator has no such parameter, or refuses its value.
+    """
+    from sklearn.utils._param_validation import validate_parameter_constraints
+
+    known = inspect.signature(kind).parameters
+    given = {
+        _SEED if name == "seed" else name: _parameter(value) for name, value in parameters.items()
+    }
+    for name in given:
+        if name not in known:
+            raise ValueError(f"{kind.__name__} has no parameter {name!r}; {nearest(name, known)}")
+    rules = getattr(kind, "_parameter_constraints", {})
+    checked = {name: value for name, value in given.items() if name in rules}
+    validate_parameter_constraints(rules, checked, kind.__name__)
+    return given
+
+
+def _parameter(value: Any) -> Any:
+    """Return the value of a parameter, with estimators in the place of their names."""
+    match value:
+        case str() if value.startswith("sklearn."):
+            return _made(_class_named(value), {})
+        case dict() if len(value) == 1:
+            ((name, parameters),) = value.items()
+            if name.startswith("sklearn.") and isinstance(parameters, dict):
+                return _made(_class_named(name), parameters)
+        case list():
+            made = [_parameter(part) for part in value]
+            if any(old is not new for old, new in zip(value, made, strict=True)):
+                return [(str(place), part) for place, part in enumerate(made)]
+    return value
 
 
 def _settings(kind: type[object]) -> list[inspect.Parameter]:
@@ -215,28 +283,53 @@ def _settings(kind: type[object]) -> list[inspect.Parameter]:
     for parameter in inspect.signature(kind).parameters.values():
         if parameter.name in _NOT_SET or parameter.kind is parameter.VAR_KEYWORD:
             continue
+        default = parameter.default
         if parameter.name == _SEED:
             settings.append(_setting("seed", 0, Annotated[int, Field(ge=0)]))
-            continue
-        default = parameter.default
-        # what has no default, or is an object, a graph file cannot write
-        if default is not None and not isinstance(default, (bool, int, float, str)):
-            continue
-        settings.append(_setting(parameter.name, default, _hint(default)))
+        elif default is parameter.empty or isinstance(default, (bool, int, float, str, NoneType)):
+            check = AfterValidator(_check(kind, parameter.name))
+            settings.append(_setting(parameter.name, default, Annotated[_hint(default), check]))
     return settings
+
+
+def _check(kind: type[object], parameter: str) -> Callable[[Any], Any]:
+    """Return a function that raises a ValueError if an estimator refuses a parameter's value."""
+
+    def checked(value: Any) -> Any:
+        from sklearn.base import is_regressor
+        from sklearn.pipeline import Pipeline
+
+        try:
+            given = _arguments(kind, {parameter: value})
+            if issubclass(kind, Pipeline) and parameter == "steps":
+                pipeline = kind(**given)
+                useful = is_regressor(pipeline) or hasattr(pipeline, "inverse_transform")
+            else:
+                useful = True
+        except (NodegraphError, TypeError) as error:
+            raise ValueError(str(error)) from error
+        if not useful:
+            raise ValueError(
+                "the last step is no regressor, and not all steps are transformers with an inverse"
+            )
+        return value
+
+    return checked
 
 
 def _setting(name: str, default: object, hint: object) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
-def _hint(default: object) -> object:
+def _hint(default: object) -> Any:
     """Return the type of a setting: what an estimator takes beside its default, it checks."""
     if isinstance(default, bool):
         return bool
     if isinstance(default, str):
         return str | float | None
-    return float | int | str | None
+    if isinstance(default, (int, float)):
+        return float | int | str | None
+    return float | int | str | list[Any] | dict[str, Any] | None
 
 
 def _documentation(

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from pathlib import Path
+from textwrap import indent
 
 import numpy as np
 import pytest
 from sklearn.decomposition import PCA
 from sklearn.impute import KNNImputer
 from sklearn.linear_model import Ridge
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVR
 
 import nodegraph
 from nodegraph import NodegraphError, get_node
@@ -83,6 +88,31 @@ def test_what_cannot_be_filled_stays_missing_and_is_counted(gappy: Trajectories)
         applied("sklearn.linear_model.Ridge", lost)
 
 
+def test_a_regressor_of_one_output_is_fitted_to_each_coordinate(gappy: Trajectories) -> None:
+    filled = applied("sklearn.svm.SVR", gappy, C=10.0)
+    learnt = np.asarray(gappy.present.all(axis=1))
+    others = gappy.positions[:, 1:].reshape(FRAMES, -1)
+    for axis in range(3):
+        fitted = SVR(C=10.0).fit(others[learnt], gappy.positions[learnt, 0, axis])
+        assert np.allclose(filled.positions[5:9, 0, axis], fitted.predict(others[5:9]))
+
+
+def test_a_pipeline_does_what_its_last_step_does(gappy: Trajectories) -> None:
+    scaler, ridge = "sklearn.preprocessing.StandardScaler", "sklearn.linear_model.Ridge"
+    steps = [scaler, {ridge: {"alpha": 0.5}}]
+    filled = applied("sklearn.pipeline.Pipeline", gappy, steps=steps)
+    learnt = np.asarray(gappy.present.all(axis=1))
+    others = gappy.positions[:, 1:].reshape(FRAMES, -1)
+    pipeline = make_pipeline(StandardScaler(), Ridge(alpha=0.5))
+    fitted = pipeline.fit(others[learnt], gappy.positions[learnt, 0])
+    assert np.allclose(filled.positions[5:9, 0], fitted.predict(others[5:9]), rtol=0, atol=1e-12)
+    pca = {"sklearn.decomposition.PCA": {"n_components": 2}}
+    with pytest.warns(UserWarning, match="6 frames"):
+        smooth = applied("sklearn.pipeline.Pipeline", gappy, steps=[scaler, pca])
+    assert np.array_equal(smooth.present, gappy.present)
+    assert not np.allclose(smooth.positions[learnt], gappy.positions[learnt])
+
+
 @pytest.mark.parametrize(
     "name", ["sklearn.impute.KNNImputer", "sklearn.linear_model.Ridge", "sklearn.decomposition.PCA"]
 )
@@ -109,19 +139,50 @@ GRAPH = """\
 nodegraph: 1
 nodes:
   face: {use: synthesize.face, with: {seed: 1, seconds: 1.0}}
-  gaps: {use: gaps.cut, in: face.truth, with: {length: 5, seed: 1}}
-  fill:
-    in: gaps.gappy
-    alternatives:
-      linear: {use: fill.linear}
-      knn: {use: "sklearn:sklearn.impute.KNNImputer", with: {n_neighbors: 3}}
+  gaps: {use: gaps.cut, in: face.truth, with: {length: 5, count: 3, seed: 1}}
   error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
 """
 
 
-def test_an_estimator_stands_beside_other_methods_in_a_graph(tmp_path: Any) -> None:
-    path = tmp_path / "knn.yaml"
-    path.write_text(GRAPH)
+def test_the_rivals_of_the_page_stand_beside_each_other_in_a_graph(tmp_path: Path) -> None:
+    pages = Path(nodegraph.__file__).parent / "site" / "pages"
+    text = (pages / "language.md").read_text(encoding="utf-8")
+    fill = text.split("Five rivals for a fill:\n\n```yaml\n")[1].split("```")[0]
+    path = tmp_path / "rivals.yaml"
+    path.write_text(GRAPH + indent(fill, "  "), encoding="utf-8")
     run = nodegraph.run(path, executor="processes", store=tmp_path / "store")
     assert run.ok
-    assert set(run["error"].frame()["fill"]) == {"linear", "knn"}
+    errors = run["error"].frame()
+    assert errors["rmse"].notna().all()
+    assert len(set(errors["fill"])) == 5
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "message"),
+    [
+        ("impute.KNNImputer", "n_neighbors: 0", "'n_neighbors' parameter of KNNImputer must be"),
+        ("svm.SVR", "C: -1", "'C' parameter of SVR must be"),
+        ("pipeline.Pipeline", "steps: [sklearn.svm.SVC]", "the last step is no regressor"),
+        ("pipeline.Pipeline", "steps: [sklearn.svm.SVX]", "sklearn.svm has no class 'SVX'"),
+        ("pipeline.Pipeline", "steps: 3", "'steps' parameter of Pipeline must be"),
+        (
+            "pipeline.Pipeline",
+            "steps: [{sklearn.linear_model.Ridge: {alpha: -1}}]",
+            "'alpha' parameter of Ridge must be",
+        ),
+        (
+            "pipeline.Pipeline",
+            "steps: [{sklearn.linear_model.Ridge: {alphas: 1}}]",
+            "Ridge has no parameter 'alphas'; did you mean 'alpha'",
+        ),
+    ],
+)
+def test_settings_are_checked_before_the_run(
+    tmp_path: Path, name: str, settings: str, message: str
+) -> None:
+    path = tmp_path / "wrong.yaml"
+    fill = f'  fill: {{use: "sklearn:sklearn.{name}", in: gaps.gappy, with: {{{settings}}}}}\n'
+    path.write_text(GRAPH + fill, encoding="utf-8")
+    with pytest.raises(NodegraphError, match=re.escape(message)) as caught:
+        nodegraph.load(path)
+    assert "wrong.yaml:6:" in str(caught.value)
