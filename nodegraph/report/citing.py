@@ -1,11 +1,11 @@
-"""Texts for a paper: a paragraph on the methods, a table of settings, the references."""
+"""Texts for a paper: paragraphs on the methods, a table of settings, the references."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 
-from nodegraph.report.study import MethodRow, SettingRow, Study
+from nodegraph.report.study import AxisRow, MethodRow, SettingRow, Study
 
 _HEADS = ("node", "method", "setting", "value", "unit")
 _LATEX = str.maketrans(
@@ -21,6 +21,7 @@ _LATEX = str.maketrans(
     }
 )
 _MACHINE = ("python", "numpy", "scipy")
+_MOST_LABELS = 6
 
 
 def cited(study: Study) -> Mapping[str, str]:
@@ -33,15 +34,16 @@ def cited(study: Study) -> Mapping[str, str]:
     Returns
     -------
     mapping of str to str
-        ``methods.md`` and ``methods.tex``, a paragraph that names every method that gave a result,
-        with what differs from its defaults; ``settings.md`` and ``settings.tex``, a table of all
-        settings with units; ``references.bib``, the BibTeX of the methods.
+        ``methods.md`` and ``methods.tex``, paragraphs on what the study ran over, on every method
+        that gave a result with what differs from its defaults, and on the software;
+        ``settings.md`` and ``settings.tex``, a table of all settings with units and of what each
+        method declares; ``references.bib``, the BibTeX of the methods.
     """
     return {
-        "methods.md": _paragraph(study, _Markdown()),
+        "methods.md": _text(study, _Markdown()),
         "settings.md": _markdown_table(study),
         "references.bib": study.bibtex,
-        "methods.tex": _paragraph(study, _Latex()),
+        "methods.tex": _text(study, _Latex()),
         "settings.tex": _latex_table(study),
     }
 
@@ -75,37 +77,118 @@ class _Latex:
 _Form = _Markdown | _Latex
 
 
-def _paragraph(study: Study, form: _Form) -> str:
+def _text(study: Study, form: _Form) -> str:
     if study.without_result and not study.methods:
         return "No step gave a result.\n"
-    steps = (
-        _step(node, list(methods), form)
-        for node, methods in groupby(study.methods, key=lambda method: method.node)
-    )
+    nodes = [list(rows) for _, rows in groupby(study.methods, key=lambda method: method.node)]
+    shown = {part.node for part in study.sections if part.rendered.kind == "figure"}
+    single = [rows[0] for rows in nodes if len(rows) == 1]
+    steps = [row for row in single if row.declared or not (row.keys or row.node in shown)]
+    paragraphs = [
+        _design(study, steps, form),
+        *(_compared(rows, form) for rows in nodes if len(rows) > 1),
+        _comparisons([row for row in single if row.keys and not row.declared], form),
+        _software(study, form),
+    ]
+    return "\n\n".join(filter(None, paragraphs)) + "\n"
+
+
+def _design(study: Study, steps: Sequence[MethodRow], form: _Form) -> str:
+    """Return what the study ran over, and the steps that neither are shown nor compare."""
+    compared = {row.node for row in study.methods if row.label}
+    axes = [
+        f"{form.code(axis.name)} {form.plain(_labels(axis))}"
+        for axis in study.axes
+        if len(axis.labels) > 1 and axis.name not in compared
+    ]
+    texts = [_step(row, form) for row in steps]
+    ran = f"The study ran over {_listed(axes)}." if axes else ""
+    used = f"The steps were {_listed(list(dict.fromkeys(texts)))}." if texts else ""
+    return " ".join(filter(None, [ran, used]))
+
+
+def _compared(rows: Sequence[MethodRow], form: _Form) -> str:
+    """Return the methods of one step: those as published, then those that differ, and how."""
+    shared = _shared(rows)
+    common = [setting for setting in rows[0].settings if setting.name in shared]
+    at = _settings([setting for setting in common if not setting.default], form)
+    each = f", each with {at}" if at else ""
+    head = f"Step {form.code(rows[0].node)} compared {len(rows)} methods{each}"
+    texts = {row: _method(row, shared, form) for row in rows}
+    as_published = [texts[row] for row in rows if not _departure(row)]
+    adapted = [f"{texts[row]} {form.plain(_departure(row))}" for row in rows if _departure(row)]
+    parts = [", ".join(as_published), f"adapted: {'; '.join(adapted)}" if adapted else ""]
+    return f"{head}: {'; '.join(filter(None, parts))}."
+
+
+def _comparisons(steps: Sequence[MethodRow], form: _Form) -> str:
+    """Return the sources of the steps that judge the results."""
+    nodes: dict[MethodRow, list[str]] = {}
+    for row in steps:
+        first = next((known for known in nodes if known.use == row.use), row)
+        nodes.setdefault(first, []).append(form.code(row.node))
+    texts = [
+        f"{form.code(row.use)}{form.cite(row.keys)} for {_listed(of)}" for row, of in nodes.items()
+    ]
+    return f"Results were compared by {_listed(texts)}." if texts else ""
+
+
+def _software(study: Study, form: _Form) -> str:
     versions = dict(study.versions)
     libraries = ", ".join(f"{name} {versions[name]}" for name in _MACHINE if versions.get(name))
     end = f"All of it ran in nodegraph {versions.get('nodegraph', '')}".rstrip()
     rest = "settings that are not named had their defaults"
-    return " ".join([*steps, form.plain(f"{end} ({libraries}); {rest}.")]) + "\n"
+    return form.plain(f"{end} ({libraries}); {rest}.")
 
 
-def _step(node: str, methods: list[MethodRow], form: _Form) -> str:
-    if len(methods) == 1:
-        return f"Step {form.code(node)} used {_method(methods[0], form)}."
-    several = "; ".join(_method(method, form) for method in methods)
-    return f"Step {form.code(node)} compared {len(methods)} methods: {several}."
+def _step(row: MethodRow, form: _Form) -> str:
+    settings = row.settings if row.damages else _changed(row)
+    details = _settings([setting for setting in settings if setting.name != "seed"], form)
+    source = form.cite(row.keys) if row.keys and row.citation else ""
+    return f"{form.code(row.use)}{source}" + (f" ({details})" if details else "")
 
 
-def _method(method: MethodRow, form: _Form) -> str:
-    label = f"{form.code(method.label)}: " if method.label else ""
-    settings = ", ".join(
+def _method(row: MethodRow, shared: Container[str], form: _Form) -> str:
+    name = form.code(row.label)
+    if row.label != row.use.rpartition(".")[2]:
+        name = f"{name} ({form.code(row.use)})"
+    source = form.cite(row.keys) if row.keys and row.citation else ""
+    own = _settings([setting for setting in _changed(row) if setting.name not in shared], form)
+    return f"{name}{source}" + (f" with {own}" if own else "")
+
+
+def _settings(settings: Iterable[SettingRow], form: _Form) -> str:
+    return ", ".join(
         f"{form.code(setting.name)} {form.plain(f'{_printed(setting)} {setting.unit}'.rstrip())}"
-        for setting in method.settings
-        if not setting.default
+        for setting in settings
     )
-    source = form.cite(method.keys) if method.keys and method.citation else ""
-    details = ", ".join([*map(form.plain, method.declared), *filter(None, [settings])])
-    return f"{label}{form.code(method.use)}{source}" + (f" ({details})" if details else "")
+
+
+def _changed(row: MethodRow) -> list[SettingRow]:
+    return [setting for setting in row.settings if not setting.default]
+
+
+def _departure(row: MethodRow) -> str:
+    """Return what a method is adapted from, and what differs."""
+    return next((text[8:] for text in row.declared if text.startswith("adapted ")), "")
+
+
+def _shared(rows: Sequence[MethodRow]) -> frozenset[str]:
+    """Return the names of the settings that all methods have with one value."""
+    values = [{(setting.name, setting.value) for setting in row.settings} for row in rows]
+    return frozenset(name for name, _ in frozenset.intersection(*map(frozenset, values)))
+
+
+def _labels(axis: AxisRow) -> str:
+    labels = axis.labels
+    if len(labels) > _MOST_LABELS:
+        labels = (*labels[:2], "...", labels[-1])
+    shown = f"{', '.join(labels)} {axis.unit}".rstrip()
+    return f"{len(axis.labels)} ({shown})"
+
+
+def _listed(texts: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
 
 
 def _printed(setting: SettingRow) -> str:
@@ -113,10 +196,22 @@ def _printed(setting: SettingRow) -> str:
 
 
 def _rows(study: Study) -> Iterator[tuple[str, ...]]:
-    for method in study.methods:
-        name = f"{method.use} ({method.label})" if method.label else method.use
-        for setting in method.settings:
-            yield method.node, name, setting.name, _printed(setting), setting.unit
+    for node, methods in groupby(study.methods, key=lambda method: method.node):
+        rows = list(methods)
+        shared = _shared(rows) if len(rows) > 1 else frozenset()
+        for setting in rows[0].settings:
+            if setting.name in shared:
+                all_of_them = f"all {len(rows)} methods"
+                yield node, all_of_them, setting.name, _printed(setting), setting.unit
+        for row in rows:
+            name = f"{row.use} ({row.label})" if row.label else row.use
+            for text in row.declared:
+                what, _, value = text.partition(" ")
+                if what == "look-ahead":
+                    yield node, name, what, value, ""
+            for setting in row.settings:
+                if setting.name not in shared:
+                    yield node, name, setting.name, _printed(setting), setting.unit
 
 
 def _markdown_table(study: Study) -> str:

@@ -122,6 +122,7 @@ def _row(used: _MethodRun, texts: Mapping[str, str]) -> MethodRow:
         plugin=method.distribution or method.plugin,
         keys=tuple(method.node.cite),
         declared=describe_declaration(method.node, _settings(used)),
+        damages=method.node.damages and bool(method.node.inputs),
     )
 
 

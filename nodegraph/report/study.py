@@ -158,6 +158,8 @@ class MethodRow:
         Package that provides the method.
     keys : tuple of str
         The BibTeX entries that it cites.
+    damages : bool
+        Whether it damages what it takes, and also gives the truth.
     """
 
     node: str
@@ -169,6 +171,7 @@ class MethodRow:
     plugin: str = ""
     keys: tuple[str, ...] = ()
     declared: tuple[str, ...] = ()
+    damages: bool = False
 
 
 @dataclass(frozen=True, slots=True)

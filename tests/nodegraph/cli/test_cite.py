@@ -15,10 +15,12 @@ def ran(command: Command) -> str:
     return "runs/toy"
 
 
-def test_it_prints_a_paragraph_a_table_and_the_sources(command: Command, ran: str) -> None:
+def test_it_prints_paragraphs_a_table_and_the_sources(command: Command, ran: str) -> None:
     status, out, _ = command("cite", ran, nodes=False)
     assert status == 0
-    assert out.startswith("Step `a` used `toy.number` (`start` 5).")
+    assert out.startswith(
+        "The study ran over `length` 2 (1, 5 frames). The steps were `toy.number`"
+    )
     assert "| gaps | toy.cut | length | 1, 5 | frames |" in out
 
 
@@ -82,8 +84,8 @@ def test_methods_that_gave_no_result_are_not_among_those_that_did(command: Comma
     assert command("run", "toy.yaml")[0] == 1
     status, out, err = command("cite", "runs/toy", nodes=False)
     assert status == 0
-    assert "Step `fill` compared 2 methods: `hold`: `fill.hold`" in out
-    for name in ("bad.boom", "bad.never", "boom1999", "never1999", "Step `z`"):
+    assert "Step `fill` compared 2 methods: `hold` [@hold2001], `strict`" in out
+    for name in ("bad.boom", "bad.never", "boom1999", "never1999"):
         assert name not in out
     assert out.count("hold2001") > 1
     assert err.splitlines() == [
@@ -130,7 +132,7 @@ def test_files_are_named_without_their_folders(command: Command, tmp_path: Path)
     assert command("cite", "runs/toy", "--out", "paper", nodes=False)[0] == 0
     for path in Path("paper").iterdir():
         assert str(tmp_path) not in path.read_text()
-    assert "Step `r` used `read.file` (`path` take.txt)." in Path("paper/methods.md").read_text()
+    assert "`read.file` (`path` take.txt)." in Path("paper/methods.md").read_text()
     assert "| r | read.file | path | take.txt |  |" in Path("paper/settings.md").read_text()
     assert f"{tmp_path}/far away/take.txt" in Path("runs/toy/report.html").read_text()
 

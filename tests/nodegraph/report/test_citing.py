@@ -2,37 +2,64 @@
 
 from __future__ import annotations
 
+from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import MethodRow, SettingRow, Study
 from nodegraph.report.citing import cited
+from nodegraph.report.study import AxisRow, Section
 
 LENGTH = SettingRow("length", "5, 15", "frames", meaning="of the gaps")
 DEFAULT = SettingRow("close_gap", "none", default=True)
+MET = SettingRow("ends", "met")
 STUDY = Study(
     "Which?",
     methods=(
-        MethodRow("gaps", "gaps.cut", settings=(LENGTH, DEFAULT)),
+        MethodRow("gaps", "gaps.cut", settings=(LENGTH, DEFAULT), damages=True),
         MethodRow(
-            "fill", "fill.muscle", label="muscle", citation="Zhang", keys=("zhang", "waters")
+            "fill",
+            "fill.muscle",
+            label="muscle",
+            settings=(MET,),
+            citation="Zhang",
+            keys=("zhang", "waters"),
+            declared=("as published",),
         ),
         MethodRow(
             "fill",
             "fill.lin_ouhyoung",
             label="lin|2",
-            settings=(LENGTH, DEFAULT),
+            settings=(LENGTH, MET),
             declared=("as published", "look-ahead 0 frames"),
         ),
+        MethodRow(
+            "fill",
+            "fill.waters",
+            label="waters",
+            settings=(DEFAULT, MET),
+            declared=("adapted from Waters 1987: at another distance",),
+        ),
+        MethodRow("table", "compare.table", citation="Tukey", keys=("tukey",)),
+        MethodRow("more", "compare.table", citation="Tukey", keys=("tukey",)),
+        MethodRow("picture", "plot.faces"),
     ),
+    axes=(
+        AxisRow("length", ("5", "15"), "frames"),
+        AxisRow("fill", ("muscle", "lin|2", "waters")),
+        AxisRow("trial", ("0",)),
+    ),
+    sections=(Section("Faces", Rendered(html="", text="x", kind="figure"), node="picture"),),
     bibtex="@article{zhang,}",
     versions=(("python", "3.11"), ("nodegraph", "0.1"), ("numpy", "2.4"), ("numba", "1")),
 )
 
 
-def test_the_paragraph_names_methods_sources_and_what_differs_from_the_defaults() -> None:
+def test_paragraphs_name_methods_sources_and_what_differs_from_the_defaults() -> None:
     assert cited(STUDY)["methods.md"] == (
-        "Step `gaps` used `gaps.cut` (`length` 5, 15 frames). "
-        "Step `fill` compared 2 methods: `muscle`: `fill.muscle` [@zhang; @waters]; "
-        "`lin|2`: `fill.lin_ouhyoung` (as published, look-ahead 0 frames, "
-        "`length` 5, 15 frames). "
+        "The study ran over `length` 2 (5, 15 frames). "
+        "The steps were `gaps.cut` (`length` 5, 15 frames, `close_gap` none).\n\n"
+        "Step `fill` compared 3 methods, each with `ends` met: `muscle` [@zhang; @waters], "
+        "`lin|2` (`fill.lin_ouhyoung`) with `length` 5, 15 frames; "
+        "adapted: `waters` from Waters 1987: at another distance.\n\n"
+        "Results were compared by `compare.table` [@tukey] for `table` and `more`.\n\n"
         "All of it ran in nodegraph 0.1 (python 3.11, numpy 2.4); settings that are not named had "
         "their defaults.\n"
     )
@@ -40,7 +67,7 @@ def test_the_paragraph_names_methods_sources_and_what_differs_from_the_defaults(
 
 def test_the_same_in_latex() -> None:
     text = cited(STUDY)["methods.tex"]
-    assert r"\texttt{fill.muscle}~\cite{zhang,waters}; \texttt{lin|2}: " in text
+    assert r"\texttt{muscle}~\cite{zhang,waters}, \texttt{lin|2} (" in text
     assert r"\texttt{fill.lin\_ouhyoung}" in text
 
 
@@ -49,12 +76,14 @@ def test_the_tables_hold_every_setting_with_its_unit() -> None:
     assert lines[2:] == [
         "| gaps | gaps.cut | length | 5, 15 | frames |",
         "| gaps | gaps.cut | close_gap | none |  |",
+        "| fill | all 3 methods | ends | met |  |",
+        r"| fill | fill.lin_ouhyoung (lin\|2) | look-ahead | 0 frames |  |",
         r"| fill | fill.lin_ouhyoung (lin\|2) | length | 5, 15 | frames |",
-        r"| fill | fill.lin_ouhyoung (lin\|2) | close_gap | none |  |",
+        "| fill | fill.waters (waters) | close_gap | none |  |",
     ]
     latex = cited(STUDY)["settings.tex"]
-    assert r"fill & fill.lin\_ouhyoung (lin|2) & close\_gap & none &  \\" in latex
-    assert latex.count(r"\\") == 5
+    assert r"fill & fill.lin\_ouhyoung (lin|2) & length & 5, 15 & frames \\" in latex
+    assert latex.count(r"\\") == 7
 
 
 def test_signs_of_latex_are_shown_and_none_is_obeyed() -> None:
