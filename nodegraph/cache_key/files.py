@@ -13,8 +13,12 @@ _SETTLED = 2_000_000_000
 """Nanoseconds after which an edit gets another time, on any file system."""
 
 
+_READ: dict[tuple[str, Callable[[str], Any]], tuple[list[int], Any]] = {}
+"""What this process has read, with the size, time and number of the file."""
+
+
 class FileMemo:
-    """Data found in files, each kept until the file changes.
+    """Data found in files, each kept until the file changes, by this process for every memo.
 
     Parameters
     ----------
@@ -43,10 +47,13 @@ class FileMemo:
         match self.remembered.get(path):
             case [known, data] if known == mark:
                 return data
-        data = read(path)
+        known, data = _READ.get((path, read), (None, None))
+        if known != mark:
+            data = read(path)
         # a file that was written just now may be written again within one tick of its clock
         if time.time_ns() - status.st_mtime_ns > _SETTLED:
             self.remembered[path] = [mark, data]
+            _READ[path, read] = mark, data
         return data
 
 

@@ -12,7 +12,7 @@ import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from importlib import metadata
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, resolve_name
@@ -380,12 +380,9 @@ class Modules:
         try:
             return {name: metadata.version(name) for name in self.distributions[top]}
         except (KeyError, metadata.PackageNotFoundError):
-            names = self.distributions[top] = sorted(set(self._installed.get(top, ())))
+            installed = _installed(tuple((path, _changed(path)) for path in sys.path))
+            names = self.distributions[top] = sorted(set(installed.get(top, ())))
             return {name: metadata.version(name) for name in names}
-
-    @cached_property
-    def _installed(self) -> Mapping[str, list[str]]:
-        return metadata.packages_distributions()
 
 
 def _absolute(package: str, references: Iterable[str]) -> Iterator[At]:
@@ -397,6 +394,25 @@ def _absolute(package: str, references: Iterable[str]) -> Iterator[At]:
             yield resolve_name(module, package), "" if name == "*" else name
         except ImportError:  # a relative import outside of any package fails when it is run
             continue
+
+
+@lru_cache(maxsize=1)
+def _installed(paths: tuple[tuple[str, int], ...]) -> Mapping[str, list[str]]:
+    """Return the distributions that install each top-level module, looked up once.
+
+    Parameters
+    ----------
+    paths
+        Where they lie, with the times at which these folders last changed.
+    """
+    return metadata.packages_distributions()
+
+
+def _changed(path: str) -> int:
+    try:
+        return os.stat(path or ".").st_mtime_ns
+    except OSError:
+        return 0
 
 
 @cache
