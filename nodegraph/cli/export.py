@@ -76,5 +76,5 @@ def _files(value: object, out: Path, registry: Registry) -> Mapping[Path, bytes]
     names = portable_paths(rest)
     for name, path in names.items():
         if fold(path) == fold(out.name):
-            names[name] = portable_name(name, exact=False)
+            names[name] = portable_name(name, digest=True)
     return {out: files[first], **{out.parent / names[name]: files[name] for name in rest}}

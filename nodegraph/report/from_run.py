@@ -5,7 +5,7 @@ from __future__ import annotations
 import traceback
 import warnings
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import NamedTuple
@@ -14,9 +14,8 @@ from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.execute import Run
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Values
-from nodegraph.filenames import clashes, file_stem, fold, portable_paths
+from nodegraph.filenames import file_stem, fold, portable_paths
 from nodegraph.formatting import labels_of, size_text
-from nodegraph.graph import Graph
 from nodegraph.graphfile.spec import ReportEntry
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label
@@ -179,7 +178,9 @@ class _Shown:
     def __init__(self, run: Run, write: Write) -> None:
         graph = run.plan.graph
         self._run = run
-        self._names = _FileNames(graph)
+        used = graph.spec.included
+        own = (RECORD, STEPS, EVENTS, STUDY, REPORT, graph_name(used), *used)
+        self._own_files = {fold(path.partition("/")[0]) for path in own}
         self._write = write
         self.sections: list[Section] = []
         self.answer: list[str] = []
@@ -202,8 +203,16 @@ class _Shown:
         except Exception as error:  # a result that cannot be shown must not cost the others
             self._add_error(result, error)
 
+    def _stem(self, result: _Result, suffixes: Iterable[str]) -> str:
+        """Return the name that the files of a result have before their suffixes."""
+        words: list[list[object]] = [[name] for name in (result.node, result.output) if name]
+        words += [[axis, label] for axis, label in result.labels.items()]
+        stem = file_stem(words)
+        meets = any(fold(f"{stem}{suffix}") in self._own_files for suffix in suffixes)
+        return file_stem(words, digest=True) if meets else stem
+
     def _add_rendered(self, result: _Result, rendered: Rendered) -> None:
-        stem = self._names.stem(result, rendered.files)
+        stem = self._stem(result, rendered.files)
         files = {f"{stem}{suffix}": content for suffix, content in rendered.files.items()}
         lost = self._write_all(result, files)
         links = (Link(path.rpartition(".")[2].upper(), path) for path in files if path not in lost)
@@ -213,7 +222,7 @@ class _Shown:
         self._add(result, replace(rendered, files={}), links)
 
     def _add_files(self, result: _Result, value: Files) -> None:
-        folder = self._names.stem(result, [""])
+        folder = self._stem(result, [""])
         paths = {name: f"{folder}/{path}" for name, path in portable_paths(value.content).items()}
         lost = self._write_all(
             result, {paths[name]: content for name, content in value.content.items()}
@@ -261,48 +270,6 @@ class _Shown:
             caption=result.entry.caption,
         )
         self.sections.append(section)
-
-
-_Words = list[list[object]]
-
-
-class _FileNames:
-    """The names of the files beside the report.
-
-    The name of a combination does not depend on which others there are; only where a disk could
-    take two labels of an axis, or two nodes, for one, some of them get a digest.
-    """
-
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
-        used = graph.spec.included
-        own = (RECORD, STEPS, EVENTS, STUDY, REPORT, graph_name(used), *used)
-        self._owners: dict[str, _Words] = {fold(path.partition("/")[0]): [] for path in own}
-        self._nodes = clashes(graph.nodes)
-        self._labels = {
-            name: clashes([*axis.labels, *axis.removed]) for name, axis in graph.axes.items()
-        }
-
-    def stem(self, result: _Result, suffixes: Collection[str]) -> str:
-        """Return the name that the files of a result have before their suffixes."""
-        words: _Words = [[name] for name in (result.node, result.output) if name]
-        words += [[axis, label] for axis, label in result.labels.items()]
-        for exact in (self._is_exact(result), False):
-            stem = file_stem(words, exact=exact)
-            names = {fold(f"{stem}{suffix}") for suffix in suffixes}
-            # a result that is listed twice has its files once
-            if all(self._owners.get(name, words) == words for name in names):
-                break
-        self._owners |= dict.fromkeys(names, words)
-        return stem
-
-    def _is_exact(self, result: _Result) -> bool:
-        outputs = clashes(self._graph.nodes[result.node].outputs)
-        return (
-            result.node not in self._nodes
-            and result.output not in outputs
-            and all(label not in self._labels[axis] for axis, label in result.labels.items())
-        )
 
 
 def _timings(run: Run) -> tuple[TimingRow, ...]:

@@ -55,7 +55,7 @@ def graph_name(used: Iterable[str]) -> str:
     used
         The paths of the graph files that it uses, which keep their names.
     """
-    return portable_name(_GRAPH, exact=_GRAPH not in map(fold, used))
+    return portable_name(_GRAPH, digest=_GRAPH in map(fold, used))
 
 
 def content_of(path: Path, most: int = _MOST_BYTES) -> bytes:

@@ -7,7 +7,7 @@ from pathlib import Path
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from nodegraph.filenames import clashes, file_stem, fold, portable_name, portable_paths
+from nodegraph.filenames import file_stem, fold, portable_name, portable_paths
 from tests.nodegraph.cli.portable import check_portable
 
 LETTERS = st.sampled_from("aAbB1_-. /<?\u00e9\u0301\u00c9\u00df\u6f22\ud800\0")
@@ -22,19 +22,19 @@ ANY_DURATION = settings(deadline=None, suppress_health_check=[HealthCheck.too_sl
 
 @ANY_DURATION
 @given(st.lists(LABELS, unique=True), st.lists(LABELS, unique=True, min_size=1, max_size=3))
-@example(["a", "A", "a_b", "a-b", "<5", ">5"], ["x", "x_y-z"])
+@example(["a", "A", "a_b", "a-b", "<5", ">5", 5, "5", "p" * 60], ["x", "x_y-z", "q" * 60])
+@example(["a b", file_stem([["a b"]])], ["x"])
 def test_combinations_have_names_of_their_own(first: list[object], second: list[object]) -> None:
-    apart = clashes(first), clashes(second)
     names = [
-        file_stem(
-            [["node"], ["x", label], ["y", other]],
-            exact=label not in apart[0] and other not in apart[1],
-        )
-        for label in first
-        for other in second
+        file_stem([["node"], ["x", label], ["y", other]]) for label in first for other in second
     ]
     check_portable(f"{name}.csv" for name in names)
     assert len({fold(name) for name in names}) == len(names)
+
+
+def test_plain_labels_stand_in_a_name_as_they_are() -> None:
+    words = [["a_table"], ["fill", "lin_ouhyoung"], ["actor", "me_2"], ["size", -5], ["g", 0.25]]
+    assert file_stem(words) == "a-table_fill-lin-ouhyoung_actor-me-2_size--5_g-0.25"
 
 
 @ANY_DURATION
