@@ -1,254 +1,250 @@
-"""The JSON Schema of graph files that use the installed nodes, for editors and other programs."""
+"""The JSON Schema of graph files that use the installed nodes, for editors and other programs.
+
+An editor completes and explains what may stand at each place, and marks words that can stand
+nowhere. What depends on several places, such as the settings that alternatives share, is left to
+`nodegraph check`: the schema never refuses what the loader accepts.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+from urllib.parse import quote
 
-from nodegraph.graphfile.definitions import (
-    NAME,
-    TEXT,
-    Schema,
-    fixed_or,
-    one_of,
-    properties,
-    ref,
-    shared_definitions,
+from nodegraph.graphfile.keys import (
+    FIXED_REFERENCE,
+    FORMAT,
+    IDENTIFIER,
+    IDENTIFIER_HINT,
+    METHOD,
+    MOST_LABELS,
+    NODE,
+    PASS,
+    REFERENCE,
+    REFERENCE_HINT,
+    REPORT_ENTRY,
+    TOP_LEVEL,
+    Form,
+    Key,
 )
-from nodegraph.graphfile.keys import FAMILY, FORMAT, METHOD, NODE, PASS, TOP_LEVEL, Form
-from nodegraph.graphfile.node_schema import NodeSchema, node_schemas
-from nodegraph.plugin.registry import Registry
+from nodegraph.graphfile.settings_schema import VARIABLE, Schema, settings_schema
+from nodegraph.node.decorator import Node
+from nodegraph.node.description import describe_declaration, meanings
+from nodegraph.node.ports import Port
+from nodegraph.plugin.registry import Registered, Registry
 
-_GRAPH_FILE = r"\.ya?ml$"
-_FAMILY_NAME = r"\.\*$"
-_NO_SETTING: Schema = {"properties": {"with": {"maxProperties": 0}}}
-_NEEDS_USE: Schema = {"required": ["use"]}
+_TEXT: Schema = {"type": ["string", "number", "boolean", "null"]}
+_WORD: Schema = {"pattern": f"^{REFERENCE}$", "patternErrorMessage": REFERENCE_HINT}
+_REFERENCE: Schema = {"type": ["string", "object"], **_WORD}
+_MAPPING: Schema = {"type": ["object", "null"]}
 
 
 def graph_schema(registry: Registry) -> Schema:
     """Return the JSON Schema of graph files that use the nodes of a registry."""
-    nodes = node_schemas(registry)
+    names = _names(registry)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "description": "A graph of nodes with alternatives side by side.",
         "type": "object",
         "required": ["nodegraph", "nodes"],
-        "properties": properties(TOP_LEVEL, _top_level_forms()),
+        "properties": _properties(TOP_LEVEL),
         "additionalProperties": False,
         "$defs": {
-            **shared_definitions(),
-            "node name": {"oneOf": _names(nodes, registry)},
-            "method name": {"anyOf": [ref("node name"), {"const": PASS}]},
-            "node": _node(nodes),
-            **_methods(nodes),
-            **{f"whole {family}": _whole(family, nodes) for family in _families(nodes)},
-            **{
-                f"own {setting}": _own(setting)
-                for setting in sorted({name for node in nodes for name in node.settings})
+            "variable": {
+                "description": "The value of an input or an axis: $name, or $axis.field.",
+                "type": "string",
+                "pattern": VARIABLE,
+                "patternErrorMessage": "$name or $axis.field stands for an input or an axis",
             },
-            **{key: part for node in nodes for key, part in node.definitions.items()},
+            "label": {
+                "description": "A label on an axis: a word, a number or a boolean.",
+                "type": ["string", "number", "boolean"],
+                "minLength": 1,
+            },
+            "reference": {**_REFERENCE, **_keys(FIXED_REFERENCE), "required": ["from"]},
+            "axis": _axis(),
+            "node name": _node_names(names, registry),
+            "method name": {"anyOf": [_ref("node name"), {"const": PASS}]},
+            "method": {"anyOf": [_ref("method name"), {**_MAPPING, **_keys(METHOD), **_NODES}]},
+            "node": {
+                "type": "object",
+                **_keys(NODE),
+                "oneOf": [{"required": ["use"]}, {"required": ["alternatives"]}],
+                **_NODES,
+            },
+            "alternatives": _alternatives(
+                {f"{node.node.family}.*" for node in names if not node.node.deprecated}
+            ),
+            "nodes": {
+                "allOf": [{}, *(_when_used(known, node.node) for node, known in names.items())]
+            },
         },
     }
 
 
-def _top_level_forms() -> dict[Form, Schema]:
-    combination = {
-        "type": "object",
-        "minProperties": 1,
-        "additionalProperties": {"anyOf": [ref("label"), {"type": "array", "items": ref("label")}]},
-    }
-    return {
-        Form.NUMBER: {"const": FORMAT},
-        Form.TEXT: TEXT,
-        Form.INPUTS: _named(True),
-        Form.AXES: _named(ref("axis")),
-        Form.NODES: {**_named(ref("node")), "type": "object", "minProperties": 1},
-        Form.COMBINATIONS: {"type": ["array", "null"], "items": combination},
-        Form.REFERENCES: ref("references"),
-        Form.REPORT: ref("report"),
-        Form.DISTRIBUTIONS: {"type": ["array", "null"], "items": {"type": "string"}},
-        Form.OUTPUTS: _named(ref("reference")),
-    }
+def _ref(name: str) -> Schema:
+    return {"$ref": f"#/$defs/{quote(name)}"}
+
+
+_NODES: Schema = {"allOf": [_ref("nodes")]}
+_FEEDS: Schema = {**_REFERENCE, "type": ["string", "object", "null"]}
+_COMBINATION: Schema = {
+    "type": "object",
+    "minProperties": 1,
+    "additionalProperties": {"anyOf": [_ref("label"), {"type": "array", "items": _ref("label")}]},
+}
 
 
 def _named(each: Schema | bool) -> Schema:
-    return {"type": ["object", "null"], "propertyNames": NAME, "additionalProperties": each}
+    names = {"pattern": f"^{IDENTIFIER}$", "patternErrorMessage": IDENTIFIER_HINT}
+    return {**_MAPPING, "propertyNames": names, "additionalProperties": each}
 
 
-def _names(nodes: list[NodeSchema], registry: Registry) -> list[Schema]:
-    """Return a constant for each node, so that an editor shows its description beside it.
-
-    A graph file is allowed as well, and so is a node with its plugin or with a scheme; an editor
-    need not offer these.
-    """
-    full_names = [name for node in nodes for name in node.names[1:]]
-    patterns = [_GRAPH_FILE, *([one_of(full_names)["pattern"]] if full_names else [])]
-    patterns += [f"^{re.escape(scheme)}:." for scheme in registry.hooks.node_finders]
-    message = "no installed node has this name; nodegraph show lists them"
-    rest = {"type": "string", "pattern": "|".join(patterns), "patternErrorMessage": message}
-    return [*(node.constant() for node in nodes), rest]
+def _listed(each: Schema) -> Schema:
+    return {"type": ["array", "null"], "items": each}
 
 
-def _node(nodes: list[NodeSchema]) -> Schema:
-    """Return the schema of one node.
+def _keys(keys: Mapping[str, Key]) -> Schema:
+    return {"properties": _properties(keys), "additionalProperties": False}
 
-    Chains of if/then rather than oneOf: validators and editors then name the wrong setting alone,
-    and editors complete what belongs to the branch that ``use`` selects.
-    """
+
+def _properties(keys: Mapping[str, Key]) -> Schema:
+    """Return a schema for each key of a table: its meaning, and what stands there."""
     forms: dict[Form, Schema] = {
-        Form.NODE_NAME: ref("node name"),
-        Form.WIRING: ref("wiring"),
-        Form.SETTINGS: ref("settings"),
-        Form.ALTERNATIVES: _alternatives(nodes),
+        Form.NUMBER: {"const": FORMAT},
+        Form.TEXT: _TEXT,
+        Form.INPUTS: _named(True),
+        Form.AXES: _named(_ref("axis")),
+        Form.NODES: {**_named(_ref("node")), "type": "object", "minProperties": 1},
+        Form.COMBINATIONS: _listed(_COMBINATION),
+        Form.REFERENCES: _listed(_ref("reference")),
+        Form.DISTRIBUTIONS: _listed({"type": "string"}),
+        Form.OUTPUTS: _named(_ref("reference")),
+        Form.NODE_NAME: _ref("method name") if keys is METHOD else _ref("node name"),
+        Form.WIRING: _FEEDS,
+        Form.SETTINGS: _MAPPING,
+        Form.ALTERNATIVES: _ref("alternatives"),
         Form.AXIS_NAMES: {"type": "array", "items": {"type": "string"}},
+        Form.SOURCE: {**_WORD, "type": "string"},
+        Form.LABELS: {"type": "object", "additionalProperties": _ref("label")},
     }
-    single = [node.when_used({"allOf": [ref(node.key), node.alone()]}) for node in nodes]
-    return {
-        "type": "object",
-        "properties": properties(NODE, forms),
-        "additionalProperties": False,
-        "if": {"required": ["alternatives"]},
-        "then": {"allOf": [{"properties": {"use": False}}, *_shared(nodes)]},
-        "else": {"allOf": [_NEEDS_USE, *single]},
-    }
+    if keys is TOP_LEVEL:
+        entry = _properties(FIXED_REFERENCE) | _properties(REPORT_ENTRY)
+        forms[Form.REPORT] = _listed(
+            {**_REFERENCE, "properties": entry, "additionalProperties": False}
+        )
+    return {name: {"description": key.meaning, **forms[key.form]} for name, key in keys.items()}
 
 
-def _alternatives(nodes: Iterable[NodeSchema]) -> Schema:
+def _alternatives(families: Iterable[str]) -> Schema:
     """Return the schema of ``alternatives``: a family, a list, or labels."""
-    families = _families(nodes)
-    family = {"type": "string", "enum": families}
-    listed = {
-        "type": "array",
-        "minItems": 1,
-        "items": {"anyOf": [ref("method name"), family]},
-        "contains": {"not": {"const": PASS}},
-    }
-    labels = {
-        "type": "object",
-        "minProperties": 1,
-        "propertyNames": {"if": {"pattern": _FAMILY_NAME}, "then": {"enum": families}},
-        "properties": {PASS: ref(PASS), **{name: ref("family") for name in families}},
-        "additionalProperties": ref("method"),
-    }
-    return {"anyOf": [family, listed, labels]}
-
-
-def _families(nodes: Iterable[NodeSchema]) -> list[str]:
-    return sorted({node.family for node in nodes if not node.node.deprecated})
-
-
-def _methods(nodes: Iterable[NodeSchema]) -> dict[str, Schema]:
-    """Return the definitions of what stands at a label among alternatives."""
-    forms: dict[Form, Schema] = {
-        Form.NODE_NAME: ref("method name"),
-        Form.WIRING: ref("wiring"),
-        Form.SETTINGS: ref("settings"),
-    }
-    uses_pass = {**_NEEDS_USE, "properties": {"use": {"const": PASS}}}
-    method = {
-        "type": "object",
-        "properties": properties(METHOD, forms),
-        "additionalProperties": False,
-        "allOf": [
-            *(node.when_used(ref(node.key)) for node in nodes),
-            {"if": uses_pass, "then": _NO_SETTING},
-        ],
-    }
-    pass_alone = {"if": _NEEDS_USE, "else": _NO_SETTING}
-    return {
-        "method of": method,
-        "method": {"anyOf": [ref("method name"), {"allOf": [ref("method of"), _NEEDS_USE]}]},
-        PASS: {
-            "description": "The input as it is, named as the output of its siblings.",
-            "anyOf": [
-                {"type": "null"},
-                ref("method name"),
-                {"allOf": [ref("method of"), pass_alone]},
-            ],
-        },
-        "family": {
-            "description": "Every installed method of the family.",
-            "type": ["object", "null"],
-            "properties": properties(FAMILY, forms),
-            "additionalProperties": False,
-        },
-    }
-
-
-def _whole(family: str, nodes: Iterable[NodeSchema]) -> Schema:
-    """Match alternatives that take a whole family.
-
-    Another family next to it may replace some of its methods, and so may a node of another family
-    in a list; this does not match such alternatives.
-    """
-    names = [name for node in nodes if node.family == family for name in node.names]
-    alone = {"anyOf": [{"const": family}, {"not": {"pattern": _FAMILY_NAME}}]}
-    listed = {"contains": {"const": family}, "items": one_of([family, PASS, *names])}
+    family = {"type": "string", "enum": sorted(families)}
+    listed = {"anyOf": [_ref("method name"), family]}
     return {
         "anyOf": [
-            {"const": family},
-            {"type": "array", **listed},
-            {"type": "object", "required": [family], "propertyNames": alone},
+            family,
+            {"type": "array", "minItems": 1, "items": listed},
+            {"type": "object", "minProperties": 1, "additionalProperties": _ref("method")},
         ]
     }
 
 
-def _own(setting: str) -> Schema:
-    """Match alternatives of which at least one has its own value of this setting."""
-    has_setting = {"type": "object", "required": [setting]}
-    method = {"type": "object", "required": ["with"], "properties": {"with": has_setting}}
-    return {"type": "object", "not": {"additionalProperties": {"not": method}}}
+def _names(registry: Registry) -> dict[Registered, list[str]]:
+    """Return the names under which graph files may call each node, the one to offer first.
+
+    They are ``family.method`` where one plugin alone has it, and ``plugin:family.method``.
+    """
+    counts = Counter(name for node in registry for name in (node.node.name, node.full_name))
+    names = {
+        node: [name for name in (node.node.name, node.full_name) if counts[name] == 1]
+        for node in registry
+    }
+    return {node: known for node, known in names.items() if known}
 
 
-def _shared(nodes: Iterable[NodeSchema]) -> Iterator[Schema]:
-    """Yield what ``in`` and ``with`` of a node must be, depending on its alternatives."""
-    for node in nodes:
-        parts = {"in": _shared_ports(node), "with": _only(node.settings)}
-        values = [_shared_value(node, setting) for setting in node.settings]
-        yield _when(_some_use(node), {"properties": parts, **({"allOf": values} if values else {})})
-        if not node.node.deprecated:  # a family leaves it out
-            own = {"properties": {node.family: ref(node.key)}}
-            family = {"type": "object", **_in_family(node)}
-            yield _when(family, {"properties": {"alternatives": own}})
+def _node_names(names: Mapping[Registered, Sequence[str]], registry: Registry) -> Schema:
+    """Return a constant for each node, so that an editor shows its description beside it.
+
+    A node with its plugin is allowed as well, and so are a graph file and a node of a scheme; an
+    editor does not offer these.
+    """
+    patterns = [r"\.ya?ml$", *(f"^{re.escape(scheme)}:." for scheme in registry.hooks.node_finders)]
+    patterns += [f"^{re.escape(name)}$" for _, *more in names.values() for name in more]
+    message = "no installed node has this name; nodegraph show lists them"
+    rest = {"type": "string", "pattern": "|".join(patterns), "patternErrorMessage": message}
+    return {"oneOf": [*(_constant(first, node) for node, (first, *_) in names.items()), rest]}
 
 
-def _some_use(node: NodeSchema) -> Schema:
-    """Match alternatives of which at least one uses this node."""
-    used = {"required": ["use"], "properties": {"use": node.named}}
-    labelled = {**node.named, "type": ["string", "object"], **used}
-    forms: list[Schema] = [
-        {"type": "array", "contains": node.named},
-        {"type": "object", "not": {"additionalProperties": {"not": labelled}}},
-    ]
-    return {"anyOf": forms if node.node.deprecated else [*forms, _in_family(node)]}
+def _constant(name: str, registered: Registered) -> Schema:
+    node = registered.node
+    lines = [node.summary or node.name]
+    if node.deprecated:
+        lines.append(f"Deprecated: {node.deprecated}.")
+    if node.inputs:
+        lines.append(f"In: {', '.join(map(str, node.inputs))}.")
+    lines.append(f"Out: {', '.join(map(str, node.outputs))}.")
+    if declared := "; ".join(describe_declaration(node)):
+        lines.append(f"{declared[0].upper()}{declared[1:]}.")
+    lines.append(f"Plugin: {registered.plugin}. Cite: {', '.join(node.cite) or 'nothing'}.")
+    schema: Schema = {"const": name, "title": name, "description": "\n\n".join(lines)}
+    return {**schema, "deprecated": True} if node.deprecated else schema
 
 
-def _in_family(node: NodeSchema) -> Schema:
-    """Match alternatives that take this node as one of its family."""
-    replaced = {"type": "object", "required": [node.label]}
-    return {**ref(f"whole {node.family}"), "not": replaced}
+def _when_used(names: Sequence[str], node: Node) -> Schema:
+    """Return what may stand beside the ``use`` of a node: its ports and settings."""
+    documented = meanings(node)
+    ports = {port.name: _port(port, documented.get(port.name, "")) for port in node.inputs}
+    feeds = {**_FEEDS, "properties": {**_properties(FIXED_REFERENCE), **ports}}
+    parts = {
+        "in": {**feeds, "additionalProperties": False},
+        "with": {**_MAPPING, "properties": settings_schema(node), "additionalProperties": False},
+    }
+    used = {"required": ["use"], "properties": {"use": {"enum": names}}}
+    return {"if": used, "then": {"properties": parts}}
 
 
-def _when(alternatives: Schema, then: Schema) -> Schema:
-    return {"if": {"properties": {"alternatives": alternatives}}, "then": then}
+def _port(port: Port, meaning: str) -> Schema:
+    form = _REFERENCE if port.across else _ref("reference")
+    return {"title": str(port), **({"description": meaning} if meaning else {}), **form}
 
 
-def _only(names: Iterable[str]) -> Schema:
-    return {"properties": dict.fromkeys(names, True), "additionalProperties": False}
-
-
-def _shared_ports(node: NodeSchema) -> Schema:
-    if not node.node.inputs:
-        return {"type": ["object", "null"], "maxProperties": 0}
-    return fixed_or(_only(port.name for port in node.node.inputs))
-
-
-def _shared_value(node: NodeSchema, setting: str) -> Schema:
-    """Return what a shared setting must be where no alternative has its own value of it."""
-    value = ref(f"{node.key}/properties/with/properties/{setting}")
-    settings: Schema = {"properties": {setting: value}}
-    then: Schema = {"properties": {"with": settings}}
-    if node.node.settings[setting].required:
-        settings.update(type="object", required=[setting])
-        then["required"] = ["with"]
-    return {"if": {"properties": {"alternatives": ref(f"own {setting}")}}, "else": then}
+def _axis() -> Schema:
+    count = {"type": "integer", "minimum": 1, "maximum": MOST_LABELS}
+    numbers = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+    file = {"type": "string", "minLength": 1}
+    generators: dict[str, tuple[str, Any, str]] = {
+        "count": ("How many labels: 0, 1, ... count - 1.", count, "20"),
+        "range": ("[first, last, step]", numbers, "[5, 60, 5]"),
+        "files": (
+            "A file per label, which is its name without the suffix.", file, '"data/*.csv"',
+        ),
+    }  # fmt: skip
+    return {
+        "type": ["array", "object"],
+        "minItems": 1,
+        "uniqueItems": True,
+        "items": _ref("label"),
+        "minProperties": 1,
+        "propertyNames": {"minLength": 1},
+        # a mapping of this one key is a generator; beside other keys it is a label like them
+        "if": {"type": "object", "maxProperties": 1},
+        "then": {
+            "properties": {
+                name: {"description": meaning, **form}
+                for name, (meaning, form, _) in generators.items()
+            }
+        },
+        "defaultSnippets": [
+            {"label": "[5, 15, 45]", "description": "labels", "bodyText": "[${1:5, 15, 45}]"},
+            *(
+                {
+                    "label": f"{{{name}: {example}}}",
+                    "description": meaning,
+                    "bodyText": f"{{{name}: ${{1:{example}}}}}",
+                }
+                for name, (meaning, _, example) in generators.items()
+            ),
+        ],
+    }

@@ -33,7 +33,13 @@ def test_combinations_have_names_of_their_own(first: list[object], second: list[
 
 
 def test_plain_labels_stand_in_a_name_as_they_are() -> None:
-    words = [["a_table"], ["fill", "lin_ouhyoung"], ["actor", "me_2"], ["size", -5], ["g", 0.25]]
+    words: list[list[object]] = [
+        ["a_table"],
+        ["fill", "lin_ouhyoung"],
+        ["actor", "me_2"],
+        ["size", -5],
+        ["g", 0.25],
+    ]
     assert file_stem(words) == "a-table_fill-lin-ouhyoung_actor-me-2_size--5_g-0.25"
 
 

