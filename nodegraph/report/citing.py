@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
+
+from markupsafe import Markup, escape
 
 from nodegraph.report.study import AxisRow, MethodRow, SettingRow, Study
 
@@ -74,7 +77,50 @@ class _Latex:
         return rf"~\cite{{{','.join(keys)}}}"
 
 
-_Form = _Markdown | _Latex
+class _Html:
+    """HTML, in which sources are numbered as they come.
+
+    Attributes
+    ----------
+    numbers : dict of str to int
+        The number of each BibTeX key.
+    """
+
+    def __init__(self) -> None:
+        self.numbers: dict[str, int] = {}
+
+    def code(self, text: str) -> str:
+        return Markup("<code>{}</code>").format(text)
+
+    def plain(self, text: str) -> str:
+        return escape(text)
+
+    def cite(self, keys: Iterable[str]) -> str:
+        numbers = [self.numbers.setdefault(key, len(self.numbers) + 1) for key in keys]
+        return f" [{', '.join(map(str, numbers))}]"
+
+
+_Form = _Markdown | _Latex | _Html
+
+
+@dataclass(frozen=True)
+class Printed:
+    """The methods of a study as they are printed: paragraphs of HTML, and the numbered sources."""
+
+    paragraphs: tuple[Markup, ...]
+    references: tuple[str, ...]
+
+
+def printed(study: Study) -> Printed:
+    """Return what a print of the report says of the methods."""
+    form = _Html()
+    paragraphs = tuple(map(Markup, _text(study, form).strip().split("\n\n")))
+    texts = {
+        key: text
+        for row in study.methods
+        for key, text in zip(row.keys, row.citation.splitlines(), strict=False)
+    }
+    return Printed(paragraphs, tuple(texts.get(key, key) for key in form.numbers))
 
 
 def _text(study: Study, form: _Form) -> str:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from nodegraph.formatting import duration
+from nodegraph.report.citing import printed
 from nodegraph.report.descriptions import descriptions, shared_meanings
 from nodegraph.report.facts import fold_facts, head_facts
 from nodegraph.report.notes import note_kinds
@@ -104,6 +105,7 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
             shared=shared,
             shared_texts={(setting.name, setting.meaning) for setting in shared},
             kinds=kinds,
+            printed=printed(study),
             failed=any(kind.kind is Kind.FAILED for kind in kinds),
             notes=_markdown(study.notes_markdown) if study.notes_markdown else "",
             policy=policy(trusted, *scripts, connect=server != _NO_SERVER),

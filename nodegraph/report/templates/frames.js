@@ -28,11 +28,4 @@ nodegraph.define("frames", [], () => {
   };
   addEventListener("hashchange", unfold);
   unfold();
-  // Paper does not unfold.
-  let closed = [];
-  addEventListener("beforeprint", () => {
-    closed = [...document.querySelectorAll("details:not([open])")];
-    for (const fold of closed) fold.open = true;
-  });
-  addEventListener("afterprint", () => { for (const fold of closed) fold.open = false; });
 });
