@@ -48,6 +48,8 @@ class Gathered:
         entry differs along all axes.
     methods : mapping of axis to mapping of label to Declared
         What the alternatives of an axis declare.
+    fields : mapping of ``axis.field`` to mapping of label to label
+        The fields of the labels of those `sources`; see `Axis.fields`.
     """
 
     axes: tuple[str, ...]
@@ -56,7 +58,9 @@ class Gathered:
     known: tuple[tuple[Label, ...], ...]
     sources: tuple[str, ...]
     unused: tuple[tuple[str, ...], ...]
-    methods: Mapping[str, Mapping[Label, Declared]] = field(compare=False)  # entries imply it
+    # entries imply both
+    methods: Mapping[str, Mapping[Label, Declared]] = field(compare=False)
+    fields: Mapping[str, Mapping[Label, Label]] = field(compare=False)
 
     def skipped(self) -> tuple[Absent, ...]:
         """Return the combinations left out as a node sees them."""
@@ -283,7 +287,15 @@ class _Planner:
             for name, axis in zip(names, axes, strict=True)
             if (declared := self._declared(axis))
         }
-        return Gathered(names, tuple(entries), tuple(absent), known, sources, unused, methods)
+        fields = {
+            f"{name}.{field}": of
+            for name, axis in zip(names, axes, strict=True)
+            if name in sources and axis in self._graph.axes
+            for field, of in self._graph.axes[axis].fields.items()
+        }
+        return Gathered(
+            names, tuple(entries), tuple(absent), known, sources, unused, methods, fields
+        )
 
     def _declared(self, axis: str) -> Mapping[Label, Declared]:
         """Return the declarations of the alternatives of an axis; empty for other axes."""

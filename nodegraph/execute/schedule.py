@@ -308,6 +308,7 @@ class Schedule:
             source.sources,
             tuple(unused),
             source.methods,
+            source.fields,
         )
 
     def _lend(self, output: Output) -> object:

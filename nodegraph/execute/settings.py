@@ -27,6 +27,7 @@ Bool = Annotated[bool, Strict()]
 Label = Annotated[str | Int | Float | Bool, Field(union_mode="left_to_right")]
 
 _DEFAULT = HowToRun()
+_BRACES = re.compile(r"{\s*files\s*:\s*([^\"'\s].*}.*)}\s*")
 _GENERATOR = re.compile(r"(?:{\s*(?=\w+[:=]\S))?(count|range|files)\s*[:=]")
 
 
@@ -146,8 +147,12 @@ def read_axis(option: str, text: str) -> Any:
     Raises
     ------
     NodegraphError
-        If it is no YAML, or a generator without braces or a blank, which would be a label.
+        If it is no YAML, a generator without braces or a blank, which would be a label, or a
+        pattern with fields that is not in quotes.
     """
+    if match := _BRACES.fullmatch(text):
+        instead = shlex.quote(f"{option.removeprefix('--axis ')}={{files: {_yaml(match[1])}}}")
+        raise NodegraphError(f"{option}: braces in a pattern need quotes; write --axis {instead}")
     if match := _GENERATOR.match(text):
         value = text[match.end() :].strip(" }")
         meant = {"count": value, "range": f"[{value.strip('[]')}]", "files": _yaml(value)}[match[1]]

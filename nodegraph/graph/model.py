@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest
-from nodegraph.graphfile.axes import axis_from_option, is_pattern
+from nodegraph.graphfile.axes import FILE, axis_from_option, is_label, is_pattern
 from nodegraph.graphfile.spec import GraphSpec, Reference, ReportEntry
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label
@@ -84,6 +84,17 @@ class Axis:
     labels: tuple[Label, ...]
     values: Mapping[Label, object] = field(default_factory=dict)
     removed: frozenset[Label] = frozenset()
+
+    @cached_property
+    def fields(self) -> Mapping[str, Mapping[Label, Label]]:
+        """The fields that every label has, such as its actor, but for the file: field -> values."""
+        fields: dict[str, dict[Label, Label]] = {}
+        for label in self.labels:
+            value = self.values.get(label)
+            for name, each in value.items() if isinstance(value, dict) else ():
+                if name != FILE and is_label(each):
+                    fields.setdefault(str(name), {})[label] = each
+        return {name: of for name, of in fields.items() if len(of) == len(self.labels)}
 
 
 @dataclass(frozen=True)

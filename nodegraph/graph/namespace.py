@@ -7,7 +7,7 @@ from pathlib import Path
 
 from nodegraph.errors import Place, Problems, nearest
 from nodegraph.graph.model import Axis, Choices
-from nodegraph.graphfile.axes import axis_from_option
+from nodegraph.graphfile.axes import FILE, axis_from_option
 from nodegraph.graphfile.spec import GraphSpec, Variable, Written
 from nodegraph.node.ports import Label, Port
 
@@ -115,6 +115,9 @@ class Namespace:
         name, axis = variable.name, self.axes.get(variable.name)
         value = axis.values.get(labels[name]) if axis is not None else self.inputs.get(name)
         if not variable.field:
+            # a label with fields stands for its file, where it has one
+            if axis is not None and isinstance(value, dict) and FILE in value:
+                return value[FILE]
             return value
         if not isinstance(value, dict) or variable.field not in value:
             fields = list(value) if isinstance(value, dict) else []

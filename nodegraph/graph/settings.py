@@ -303,7 +303,7 @@ class _NameCheck:
 
     def check(self, mark: ColumnOf | LabelOf) -> None:
         if isinstance(mark, ColumnOf):
-            self._check_columns(self._labels if mark.or_axis else {})
+            self._check_columns(self._axes if mark.or_axis else ())
             self._check_apart(mark.apart_from)
             if mark.independent:
                 self._check_independent()
@@ -372,6 +372,18 @@ class _NameCheck:
         for source in sources_of(self.method.inputs[self.port]):
             for method in self.graph.nodes[source.node].methods.values():
                 yield method.node.output(source.port) or method.node.outputs[0]
+
+    @property
+    def _axes(self) -> tuple[str, ...]:
+        """The axes that the port gathers, and their fields, by the names that the node sees."""
+        axes = {self.node.local_name(axis): axis for axis in self.node.gathered}
+        fields = (
+            f"{name}.{field}"
+            for name in self._labels
+            if name in axes
+            for field in self.graph.axes[axes[name]].fields
+        )
+        return (*self._labels, *fields)
 
     @cached_property
     def _labels(self) -> Mapping[str, tuple[str, ...]]:

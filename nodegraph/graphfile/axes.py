@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
+import re
+from fnmatch import translate
 from glob import iglob
 from itertools import islice
 from pathlib import Path, PurePath
 
 from nodegraph.errors import Place, Problems
-from nodegraph.graphfile.keys import AXIS_HINT, MOST_LABELS
+from nodegraph.graphfile.keys import AXIS_HINT, IDENTIFIER, MOST_LABELS
 from nodegraph.graphfile.spec import AxisSpec
 from nodegraph.graphfile.yaml_text import Located, located
 from nodegraph.node.ports import Label
+
+FILE = "file"
+"""The field that stands for a whole value: ``$recording`` is that of the label."""
+_FIELD = re.compile(r"\{([^{}]*)\}")
 
 _Entries = list[tuple[Label, object, Place]]
 """Labels, the value behind each, and where it was written."""
@@ -116,33 +122,61 @@ def _from_range(item: Located, problems: Problems) -> _Entries | None:
 
 
 def _from_files(item: Located, folder: Path, problems: Problems) -> _Entries | None:
-    """Return a label for each file: its name without the suffix."""
+    """Return a label for each file: its name without the suffix, or the fields of the pattern.
+
+    With fields, ``{actor}_{take}.c3d``, the value is a mapping of these and of the file.
+    """
     pattern = item.value
     if not isinstance(pattern, str) or not pattern:
         problems.add(item.place, 'files must be a pattern, such as {files: "data/*.csv"}')
         return None
-    try:
-        # relative to the folder, as the settings that name the files are
-        matches = iglob(pattern, root_dir=folder, recursive=True)
-        names = sorted(PurePath(name).as_posix() for name in islice(matches, MOST_LABELS + 1))
-    except (OSError, ValueError) as error:
-        problems.add(item.place, f"files: {pattern!r} cannot be searched: {error}")
+    fields = _FIELD.findall(pattern)
+    wrong = [name for name in fields if not re.fullmatch(IDENTIFIER, name) or name == FILE]
+    if wrong or len(set(fields)) < len(fields):
+        name = wrong[0] if wrong else max(fields, key=fields.count)
+        message = f"files: {{{name}}} {'cannot be a field' if wrong else 'stands twice'}"
+        problems.add(item.place, message, 'write names: {files: "data/{actor}_{take}.c3d"}')
         return None
-    if not names:
-        hint = f"the folder is {(folder / pattern).parent}"
-        problems.add(item.place, f"no file matches {pattern!r}", hint)
-        return None
-    if len(names) > MOST_LABELS:
-        problems.add(item.place, f"more than {MOST_LABELS:,} files match {pattern!r}")
-        return None
-    stems: dict[str, str] = {}
-    for name in names:
-        first = stems.setdefault(PurePath(name).stem, name)
+    entries: dict[str, tuple[str, object]] = {}
+    for name in _matches(item, pattern, folder, problems):
+        match = re.fullmatch(_expression(pattern), name) if fields else None
+        of = match.groupdict() if match else {}
+        label, value = "_".join(of.values()) or PurePath(name).stem, {FILE: name, **of}
+        first, _ = entries.setdefault(label, (name, value if of else name))
         if first != name:
             message = f"{first} and {name} would have one label"
             problems.add(item.place, message, "narrow the pattern, or write {label: file, ...}")
             return None
-    return [(stem, name, item.place) for stem, name in stems.items()]
+    return [(label, value, item.place) for label, (_, value) in entries.items()] or None
+
+
+def _matches(item: Located, pattern: str, folder: Path, problems: Problems) -> list[str]:
+    """Return the files that match a pattern, in order; none where that is a problem."""
+    try:
+        # relative to the folder, as the settings that name the files are
+        matches = iglob(_FIELD.sub("?*", pattern), root_dir=folder, recursive=True)
+        names = sorted(PurePath(name).as_posix() for name in islice(matches, MOST_LABELS + 1))
+    except (OSError, ValueError) as error:
+        problems.add(item.place, f"files: {pattern!r} cannot be searched: {error}")
+        return []
+    if not names:
+        hint = f"the folder is {(folder / pattern).parent}"
+        problems.add(item.place, f"no file matches {pattern!r}", hint)
+    if len(names) > MOST_LABELS:
+        problems.add(item.place, f"more than {MOST_LABELS:,} files match {pattern!r}")
+        return []
+    return names
+
+
+def _expression(pattern: str) -> str:
+    """Return the regular expression of a pattern: a field is long, and no more than one folder."""
+    parts = _FIELD.split(PurePath(pattern).as_posix())
+    plain = [
+        "(?:.*/)?".join(translate(piece)[len("(?s:") : -len(r")\Z")] for piece in part.split("**/"))
+        for part in parts[::2]
+    ]
+    named = [f"(?P<{name}>[^/]+)" for name in parts[1::2]]
+    return plain[0] + "".join(map("".join, zip(named, plain[1:], strict=True)))
 
 
 def _is_range(bounds: object) -> bool:

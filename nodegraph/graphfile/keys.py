@@ -69,8 +69,9 @@ TOP_LEVEL: Mapping[str, Key] = {
     ),
     "axes": Key(
         Form.AXES,
-        "A list, labels with values, {count: n}, {range: [first, last, step]} or {files: pattern}."
-        " A node runs once for each label of the axes that reach it.",
+        "A list, labels with values, {count: n}, {range: [first, last, step]} or {files: pattern},"
+        " where {actor}_{take}.c3d gives fields, $axis.actor. A node runs once for each"
+        " label of the axes that reach it.",
     ),
     "nodes": Key(Form.NODES, "What is done, by name."),
     "skip": Key(Form.COMBINATIONS, "Combinations to leave out: [{axis: label or labels}]."),

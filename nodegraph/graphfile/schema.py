@@ -218,7 +218,8 @@ def _axis() -> Schema:
         "count": ("How many labels: 0, 1, ... count - 1.", count, "20"),
         "range": ("[first, last, step]", numbers, "[5, 60, 5]"),
         "files": (
-            "A file per label, which is its name without the suffix.", file, '"data/*.csv"',
+            "A file per label: its name without the suffix, or the fields in {actor}_{take}.c3d.",
+            file, '"data/*.csv"',
         ),
     }  # fmt: skip
     return {

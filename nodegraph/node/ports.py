@@ -120,6 +120,8 @@ class Across(Generic[T_co]):
         where every entry depends on all axes.
     methods : mapping of axis to mapping of label to Declared
         What the alternatives of a gathered axis declare.
+    fields : mapping of ``axis.field`` to mapping of label to label
+        What the labels of an axis among `sources` have in common, such as ``recording.actor``.
     """
 
     axes: tuple[str, ...]
@@ -129,6 +131,7 @@ class Across(Generic[T_co]):
     sources: tuple[str, ...] | None = None
     unused: tuple[tuple[str, ...], ...] = ()
     methods: Mapping[str, Mapping[Label, Declared]] = field(default_factory=dict)
+    fields: Mapping[str, Mapping[Label, Label]] = field(default_factory=dict)
 
     @staticmethod
     def of(

@@ -636,7 +636,7 @@ def _decode_dict(decoder: Decoder, *plain: object) -> dict[object, object]:
 
 
 def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
-    axes, entries, absent, known, sources, unused, methods = decoder.all(plain)
+    axes, entries, absent, known, sources, unused, methods, fields = decoder.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
         and all(isinstance(labels, dict) for labels, _ in entries)
@@ -645,10 +645,11 @@ def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
         and (sources is None or isinstance(sources, tuple))
         and isinstance(unused, tuple)
         and isinstance(methods, dict)
+        and isinstance(fields, dict)
     )
     if not whole:
         raise Unreadable("corrupt Across value: wrong field types")
-    return Across(axes, entries, absent, known, sources, unused, methods)
+    return Across(axes, entries, absent, known, sources, unused, methods, fields)
 
 
 def _decode_absent(decoder: Decoder, *plain: object) -> Absent:

@@ -51,6 +51,8 @@ class Group:
         The rows of the group among those of all tables, and the block of each.
     taken : tuple of int
         In how many blocks each method takes the value of another; empty where none may.
+    recording : (B,) array of int or None
+        Which recording each block is of; None where that is the cluster.
     """
 
     labels: tuple[Label, ...]
@@ -66,6 +68,7 @@ class Group:
     rows: NDArray[np.intp]
     block: NDArray[np.intp]
     taken: tuple[int, ...] = ()
+    recording: NDArray[np.intp] | None = None
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -118,6 +121,14 @@ class Columns:
             number = number * len(labels) + codes
         return number
 
+    def joined(self, alike: Iterable[tuple[tuple[Label, ...], ...]]) -> NDArray[np.intp]:
+        """Return `combined`, with one number for all combinations of a set."""
+        number = self.combined()
+        for combinations in alike:
+            of = [self.number(combination) for combination in combinations]
+            number[np.isin(number, of)] = of[0]
+        return number
+
     def number(self, combination: tuple[Label, ...]) -> int:
         """Return the number of one combination of labels."""
         number = 0
@@ -149,7 +160,9 @@ def groups(
     within = columns_of(scores, question.within)
     compare = columns_of(scores, question.compared)
     block = columns_of(scores, question.identity).combined()
-    cluster = columns_of(scores, question.clusters).combined()
+    cluster = columns_of(scores, question.clusters).joined(question.alike.clusters)
+    known = question.sources or question.clusters
+    recording = columns_of(scores, known).joined(question.alike.recordings)
     drawn = columns_of(scores, question.drawn)
     draw, draws = drawn.combined(), math.prod(map(len, drawn.labels))
     times = [_times(scores, name) for name in ("start", "frames")]
@@ -186,20 +199,35 @@ def groups(
             frames,
             rows,
             of,
+            recording=recording[first],
         )
         result.append(group)
     return tuple(result)
 
 
 def columns_of(scores: Across[Table], names: tuple[str, ...]) -> Columns:
-    """Return gathered axes, or columns, of all rows of all tables."""
+    """Return gathered axes, their fields, or columns, of all rows of all tables."""
     lengths = [len(table) for table in scores.values()]
     columns = [
-        _axis(scores, name, lengths) if name in scores.axes else _column(scores, name)
+        _field(scores, name, lengths)
+        if name in scores.fields
+        else _axis(scores, name, lengths)
+        if name in scores.axes
+        else _column(scores, name)
         for name in names
     ]
     labels, codes = tuple(labels for labels, _ in columns), tuple(codes for _, codes in columns)
     return Columns(names, labels, codes, sum(lengths))
+
+
+def _field(
+    scores: Across[Table], name: str, lengths: list[int]
+) -> tuple[tuple[Label, ...], NDArray[np.intp]]:
+    """Return what the labels of an axis have in common, of all rows."""
+    labels, codes = _axis(scores, name.partition(".")[0], lengths)
+    of = [scores.fields[name].get(label, "") for label in labels]
+    order = tuple(dict.fromkeys(of))
+    return order, np.array([order.index(each) for each in of], dtype=np.intp)[codes]
 
 
 def _axis(

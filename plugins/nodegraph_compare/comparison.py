@@ -99,6 +99,8 @@ def prepare(
         clusters=clusters,
         better=better,
     )
+    if question.alike.warning:
+        warnings.warn(question.alike.warning, stacklevel=3)
     gathered = groups(scores, question)
     methods = _compared_labels(scores, question, gathered)
     return Comparison(scores, question, gathered, methods, fallback_label(methods, fallback))

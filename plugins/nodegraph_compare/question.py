@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,6 +12,7 @@ from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
 from nodegraph import Across, ColumnOf, Label, LabelOf, Value, listed, nearest
+from nodegraph_compare.actors import Alike, clusters_of, find_alike, label_at
 from nodegraph_tables import BetterEnd, info_of
 
 if TYPE_CHECKING:
@@ -104,7 +105,7 @@ def check_known(scores: Across[Table], name: str, *, what: str = "axis or column
     ValueError
         If a table has no such column; the message names it, and what there is instead.
     """
-    axes = () if what == "metric" else scores.axes
+    axes = () if what == "metric" else (*scores.axes, *scores.fields)
     if name in axes:
         return
     for labels, table in scores:
@@ -176,7 +177,13 @@ class Question:
     averaged : tuple of str
         Gathered axes that are none of these: a block's value is the mean over them.
     drawn : tuple of str
-        Gathered axes among the blocks that are not clusters: repetitions on the same data.
+        Gathered axes among the blocks along which the data do not differ, and that are not
+        clusters: repetitions on the same data.
+    sources : tuple of str
+        Gathered axes along which the data differ, but for those that are compared or distinguish
+        groups: their combinations are the recordings.
+    alike : Alike
+        Recordings that count as one.
     better : str
         Which end of the metric is better: ``lower``, ``higher`` or ``none``.
     """
@@ -190,6 +197,8 @@ class Question:
     averaged: tuple[str, ...]
     drawn: tuple[str, ...]
     better: BetterEnd = "lower"
+    sources: tuple[str, ...] = ()
+    alike: Alike = field(default_factory=Alike)
 
     @property
     def compared(self) -> tuple[str, ...]:
@@ -230,8 +239,8 @@ def ask(
         Default: the other gathered axes, and the first column where it identifies the unit of a
         row.
     clusters
-        Default: the gathered axes along which the data differ, but for those in `compare` and
-        `within`.
+        Default: see `clusters_of`; of the gathered axes along which the data differ, but for those
+        in `compare` and `within`.
     better
         Which end of the metric is the better one; ``declared``: see `better_end`.
 
@@ -255,13 +264,16 @@ def ask(
     sources = tuple(axis for axis in scores.sources or () if axis not in taken)
     if clusters:
         check_clusters(scores, clusters, taken, sources)
-    clusters = clusters or sources
+    clusters = clusters or clusters_of(scores, sources)
     identity = tuple(dict.fromkeys((*units, *clusters, *sources)))
     averaged = tuple(axis for axis in scores.axes if axis not in (*named, *identity))
-    drawn = tuple(name for name in units if name in scores.axes and name not in clusters)
+    known = (*clusters, *sources)
+    drawn = tuple(name for name in units if name in scores.axes and name not in known)
     value = _metric(scores, metric)
     end = better_end(scores, value, better)
-    return Question(value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
+    alike = find_alike(scores, clusters, sources)
+    asked = (value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
+    return Question(*asked, sources, alike)
 
 
 def unit_of(scores: Across[Table], metric: str) -> str:
@@ -326,7 +338,7 @@ def check_clusters(
     for at, table in scores:
         recording = tuple(at.get(axis, "") for axis in sources)
         columns = (
-            [at.get(name, "")] if name in scores.axes else table[name].unique().tolist()
+            table[name].unique().tolist() if name in table else [label_at(scores, name, at)]
             for name in clusters
         )
         for cluster in product(*columns):
@@ -339,6 +351,8 @@ def check_clusters(
 
 
 def _labels_of(scores: Across[Table], name: str) -> tuple[Label, ...]:
+    if name in scores.fields:
+        return tuple(dict.fromkeys(scores.fields[name].values()))
     if name in scores.axes:
         return scores.labels(name)
     columns = (table[name].unique().tolist() for table in scores.values())

@@ -55,7 +55,7 @@ class Units:
         repetitions on the same data, or ``runs`` of blocks in their order where they have no
         place in time; ``nothing`` where there is no such unit.
     clusters : int
-        Number of clusters, 1 without any.
+        Number of clusters; for other kinds, of recordings; 1 without any.
     means : (N, K) array of float64
         Over the blocks of each unit; of the kind ``nothing``, of each cluster.
     place : (B,) array of int
@@ -143,6 +143,10 @@ def _of_kept(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_])
     if count > MOST_RECORDINGS:
         means, blocks = _means(values, cluster, count)
         return Units("clusters", count, means, cluster, fewest=int(blocks.min()))
+    # of one or two actors: their recordings, as nothing can be said of further actors
+    if group.recording is not None:
+        names, cluster = np.unique(group.recording[kept], return_inverse=True)
+        count = len(names)
     overall, _ = _means(values, cluster, count)
     start, frames, draw = group.start[kept], group.frames[kept], group.draw[kept]
     if np.isfinite(start).all() and len(start):

@@ -84,7 +84,7 @@ def clusters_name(question: Question) -> str:
     names = question.clusters
     if len(names) > 1:
         return f"combinations of {' and '.join(names)}"
-    return f"{names[0]}s" if names else ""
+    return f"{names[0].rpartition('.')[2]}s" if names else ""
 
 
 def scope_of(units: Units, question: Question, blocks: str) -> Scope:

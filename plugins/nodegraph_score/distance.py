@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,9 +95,14 @@ def distance(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
-    return with_info(
-        table, TableInfo(title="Distances", notes=sentences, units=UNITS, better=BETTER)
+    info = TableInfo(
+        title="Distances",
+        notes=sentences,
+        units=UNITS,
+        better=BETTER,
+        poses=poses_of(reference.markers, reference.positions),
     )
+    return with_info(table, info)
 
 
 def _apart(

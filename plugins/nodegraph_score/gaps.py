@@ -12,7 +12,7 @@ from nodegraph import Columns, Refusal, RunningForm, Truth, node
 from nodegraph_mocap import MarkerFrame, Mask, Table, Trajectories
 from nodegraph_mocap.suspect import impulses
 from nodegraph_score.hidden_errors import columns, hidden_errors
-from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables import BetterEnd, Poses, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -146,7 +146,8 @@ def gaps(
     some = np.flatnonzero(mask.any(axis=1))
     error, jumps = error[some], impulses(truth.positions[:, some]).T
     markers = [truth.markers[column] for column in some]
-    return _table(_find(mask[some]), error, np.isfinite(error[..., 0]), jumps, markers)
+    has, poses = np.isfinite(error[..., 0]), poses_of(truth.markers, truth.positions)
+    return _table(_find(mask[some]), error, has, jumps, markers, poses)
 
 
 @dataclass(frozen=True)
@@ -179,6 +180,7 @@ def _table(
     has: NDArray[np.bool_],
     jumps: NDArray[np.float64],
     markers: list[str],
+    poses: Poses,
 ) -> Table:
     from pandas import DataFrame
 
@@ -206,9 +208,9 @@ def _table(
             f"In {sum(map(bool, suspect))} of {len(suspect)} gaps the truth itself has an impulse "
             "(column 'suspect'): there the errors are not a measure of the estimate."
         )
-    return with_info(
-        table, TableInfo(title="Errors in gaps", notes=tuple(notes), units=UNITS, better=BETTER)
-    )
+    title = "Errors in gaps"
+    info = TableInfo(title, notes=tuple(notes), units=UNITS, better=BETTER, poses=poses)
+    return with_info(table, info)
 
 
 def _suspect(jumps: NDArray[np.float64], gaps: _Gaps) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -112,9 +112,14 @@ def impulses(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
-    return with_info(
-        table, TableInfo(title="Impulses", notes=sentences, units=UNITS, better=BETTER)
+    info = TableInfo(
+        title="Impulses",
+        notes=sentences,
+        units=UNITS,
+        better=BETTER,
+        poses=poses_of(truth.markers, truth.positions),
     )
+    return with_info(table, info)
 
 
 def _columns(

@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -71,9 +71,14 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
-    return with_info(
-        table, TableInfo(title="Roughness", notes=sentences, units=UNITS, better=BETTER)
+    info = TableInfo(
+        title="Roughness",
+        notes=sentences,
+        units=UNITS,
+        better=BETTER,
+        poses=poses_of(recording.markers, recording.positions),
     )
+    return with_info(table, info)
 
 
 def _variances(

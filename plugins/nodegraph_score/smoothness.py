@@ -11,7 +11,7 @@ import numpy as np
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
-from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,9 +92,14 @@ def smoothness(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
-    return with_info(
-        table, TableInfo(title="Smoothness", notes=sentences, units=UNITS, better=BETTER)
+    info = TableInfo(
+        title="Smoothness",
+        notes=sentences,
+        units=UNITS,
+        better=BETTER,
+        poses=poses_of(truth.markers, truth.positions),
     )
+    return with_info(table, info)
 
 
 def _errors(

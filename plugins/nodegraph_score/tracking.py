@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, with_info
+from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -87,7 +87,14 @@ def tracking(
     table = DataFrame(rows, columns=list(UNITS))
     table.insert(0, "marker", np.array(truth.markers, dtype=object))
     notes = tuple(_notes(estimate, track))
-    return with_info(table, TableInfo(title="Tracks", notes=notes, units=UNITS, better=BETTER))
+    info = TableInfo(
+        title="Tracks",
+        notes=notes,
+        units=UNITS,
+        better=BETTER,
+        poses=poses_of(truth.markers, truth.positions),
+    )
+    return with_info(table, info)
 
 
 def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:

@@ -19,7 +19,7 @@ from nodegraph_mocap import (
     Trajectories,
     Weights,
 )
-from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.streams import Seed, random_for
 from nodegraph_synthesize.activation import activations
 from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on
@@ -58,6 +58,7 @@ def synthesize_face(
     impulses: Annotated[float, Field(ge=0, le=0.2)] = 0.005,
     head_motion: bool = True,
     seed: Annotated[int, Field(ge=0)] = 0,
+    take: Annotated[int, Field(ge=0)] = 0,
 ) -> SyntheticFace:
     """Make a face that speaks, blinks and moves its head, and record it with known damage.
 
@@ -92,6 +93,8 @@ def synthesize_face(
     seed
         Of the actor, the performance and the damage, each drawn by itself: another `noise`
         changes neither the performance nor the gaps.
+    take
+        Another number is another performance, with other damage, of the same actor.
 
     Returns
     -------
@@ -132,17 +135,18 @@ def synthesize_face(
     actor = draw_actor(seed)
     head, marker_set = head_of(actor, markers)
     points = head.vertices[head.marker_vertices]
-    weights = activations(random_for("activations", seed), actor.habits, frames, rate)
-    motion = _motion(seed, actor, frames, rate) if head_motion else HeadMotion.still(frames)
-    aligned = _aligned(seed, actor, points, weights, rate)
+    drawn: Seed = (seed, take) if take else seed
+    weights = activations(random_for("activations", drawn), actor.habits, frames, rate)
+    motion = _motion(drawn, actor, frames, rate) if head_motion else HeadMotion.still(frames)
+    aligned = _aligned(drawn, actor, points, weights, rate)
     truth = _recording(moved(aligned, motion), marker_set, rate)
-    hidden = occlusions(random_for("occlusions", seed), missing, frames, points)
-    hit, jumps = impulses_on(random_for("impulses", seed), impulses, ~hidden)
-    shaken = noise * random_for("noise", seed).standard_normal(jumps.shape)
+    hidden = occlusions(random_for("occlusions", drawn), missing, frames, points)
+    hit, jumps = impulses_on(random_for("impulses", drawn), impulses, ~hidden)
+    shaken = noise * random_for("noise", drawn).standard_normal(jumps.shape)
     captured = _captured(truth, shaken + jumps, hidden)
     return SyntheticFace(
         captured=captured,
-        detections=unlabelled(random_for("order", seed), captured),
+        detections=unlabelled(random_for("order", drawn), captured),
         neutral=_recording(points[None], marker_set, rate),
         marker_set=marker_set,
         model=model_of(head),
@@ -163,13 +167,13 @@ def _frames(seconds: float, rate: float) -> int:
     return frames
 
 
-def _motion(seed: int, actor: Actor, frames: int, rate: float) -> HeadMotion:
+def _motion(seed: Seed, actor: Actor, frames: int, rate: float) -> HeadMotion:
     length = actor.proportions.face_length
     return motion_of_head(random_for("head motion", seed), frames, rate, length)
 
 
 def _aligned(
-    seed: int,
+    seed: Seed,
     actor: Actor,
     points: NDArray[np.float64],
     weights: NDArray[np.float64],

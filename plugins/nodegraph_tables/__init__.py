@@ -7,6 +7,7 @@ from nodegraph_tables.comparisons import comparisons, differences, name_differen
 from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
 from nodegraph_tables.info import BetterEnd, TableInfo, info_of, with_info
 from nodegraph_tables.lead import Card, Lead
+from nodegraph_tables.poses import Poses, difference, poses_of
 from nodegraph_tables.style import figure_text
 from nodegraph_tables.types import Figure, Table
 
@@ -15,13 +16,16 @@ __all__ = [
     "Card",
     "Figure",
     "Lead",
+    "Poses",
     "StoredFigure",
     "Table",
     "TableInfo",
+    "difference",
     "differences",
     "figure_text",
     "info_of",
     "name_differences",
+    "poses_of",
     "with_info",
 ]
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic.dataclasses import dataclass
 
 from nodegraph_tables.lead import Lead
+from nodegraph_tables.poses import Poses
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -56,6 +57,9 @@ class TableInfo:
     cells : mapping of column to mapping of {"low", "high", "p"} to column
         The columns that are shown within the cells of another, as ``mean [low, high]``, with a
         dagger where p is below 0.05.
+    poses : Poses, optional
+        Of the recording that is scored, without its damage where that is known: comparisons tell
+        by it takes of one person, which are not independent.
 
     Raises
     ------
@@ -77,6 +81,7 @@ class TableInfo:
     sequences: tuple[str, ...] = ()
     compared: str = ""
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
+    poses: Poses | None = None
 
 
 def with_info(table: pd.DataFrame, info: TableInfo) -> pd.DataFrame:

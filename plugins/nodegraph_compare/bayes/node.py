@@ -98,7 +98,7 @@ def bayes(
         tables where it identifies the unit of a row.
     clusters
         Axes, or columns, whose combinations are the independent units. Default: the axes along
-        which the data differ, but for those in `compare` and `within`.
+        which the data differ, but for those in `compare` and `within`; see `compare.table`.
     better
         Which end of the metric is the better one: ``lower`` or ``higher``. ``declared``: as the
         scores declare it, else ``lower``.

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Across, ColumnOf, Label, listed, node
+from nodegraph_compare.actors import clusters_of
 from nodegraph_compare.comparison import fallback_label
 from nodegraph_compare.curve.answer import answer, losses, notes
 from nodegraph_compare.curve.curves import Curves
@@ -88,7 +89,8 @@ def axes_of(
     if clusters:
         check_clusters(scores, clusters, (x, *filter(None, [compare])), sources)
     else:
-        clusters = tuple(axis for axis in sources if not (apart and axis in free))
+        known = clusters_of(scores, sources)
+        clusters = tuple(name for name in known if not (apart and name.partition(".")[0] in free))
     blocks = blocks or clusters
     free = [axis for axis in free if axis not in blocks]
     metric = _first_number(scores, x) if metric is None else metric

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from nodegraph_compare.actors import label_at
 from nodegraph_compare.blocks import label_order
 from nodegraph_compare.inference import FEWEST, arithmetic_interval, mean_interval
 from nodegraph_compare.ties import tied
@@ -223,8 +224,8 @@ def _gathered(scores: Across[Table], name: str | None) -> list[Label]:
     """Return the label of all rows in an axis, or column; nothing where there is no name."""
     gathered: list[Label] = []
     for labels, table in scores:
-        if name is None or name in scores.axes:
-            gathered += [labels.get(name, "") if name else ""] * len(table)
+        if name is None or name in scores.axes or name in scores.fields:
+            gathered += [label_at(scores, name, labels) if name else ""] * len(table)
         else:
             column = table[name]
             gathered += column.where(column.notna(), "missing").tolist()

@@ -106,7 +106,7 @@ def ranks(
         unit of a row.
     clusters
         Axes, or columns, whose combinations are the independent units. Default: the axes along
-        which the data differ, but for those in `compare` and `within`.
+        which the data differ, but for those in `compare` and `within`; see `compare.table`.
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
         rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.

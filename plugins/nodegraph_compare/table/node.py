@@ -141,7 +141,9 @@ def table(
     clusters
         Axes, or columns, whose combinations are the independent units that claims are about.
         Default: the axes along which the data themselves differ, that is, which a node without
-        inputs reads or makes its data by, but for those in `compare` and `within`.
+        inputs reads or makes its data by, but for those in `compare` and `within`; the axis
+        ``actor`` alone, or a field of that name, ``recording.actor``, where there is one.
+        Recordings that look like one person's count as one where nothing says who is recorded.
     better
         Which end of the metric is the better one: ``lower``, ``higher``, or ``none`` (a lag is
         best at zero). ``declared``: as the scores declare it, where they do not, ``lower``.

@@ -75,9 +75,10 @@ def test_an_axis_keeps_its_labels(labels: object) -> None:
         ("range:5,60,5", "k={range: [5,60,5]}"),
         ("range:[5, 60, 5]", "k={range: [5, 60, 5]}"),
         ("files:takes/*.c3d", 'k={files: "takes/*.c3d"}'),
+        ("{files: {actor}/*.c3d}", 'k={files: "{actor}/*.c3d"}'),
     ],
 )
-def test_a_generator_without_braces_is_no_label(text: str, instead: str) -> None:
+def test_a_generator_without_braces_or_quotes_is_no_label(text: str, instead: str) -> None:
     with pytest.raises(NodegraphError, match=f"write --axis '{re.escape(instead)}'") as caught:
         read_axis("--axis k", text)
     word = shlex.split(str(caught.value).partition("write ")[2])[1]

@@ -49,7 +49,18 @@ def test_a_label_per_file_that_matches(tmp_path: Path) -> None:
     assert not problems
     assert (axis.labels, axis.values) == (("a", "b"), ("a.csv", "b.csv"))
     assert read("{files: '**/c.csv'}", tmp_path)[0].values == ("deep/c.csv",)
+    for name in ("anna_b_1.csv", "ben_2.csv", "_3.csv"):
+        (tmp_path / "deep" / name).touch()
+    for start in ("deep/", "**/", "./de*/"):
+        axis, _ = read(f"{{files: '{start}{{actor}}_{{take}}.csv'}}", tmp_path)
+        assert dict(zip(axis.labels, axis.values, strict=True)) == {
+            "anna_b_1": {"file": "deep/anna_b_1.csv", "actor": "anna_b", "take": "1"},
+            "ben_2": {"file": "deep/ben_2.csv", "actor": "ben", "take": "2"},
+        }
     for text, message in (
+        ("{files: '{a}_{a}.csv'}", "t.yaml:1:9: files: {a} stands twice"),
+        ("{files: '{file}.csv'}", "files: {file} cannot be a field"),
+        ("{files: '{d}/{actor}.trc'}", "no file matches"),
         ("{files: '*.trc'}", "t.yaml:1:9: no file matches '*.trc'"),
         ("{files: 'a.*'}", "a.c3d and a.csv would have one label"),
         ("{files: [a]}", "files must be a pattern"),

@@ -190,6 +190,7 @@ def test_what_was_gathered_comes_back() -> None:
         (Absent({"fill": "muscle", "trial": 4}, "refused", "no complete frame"),),
         sources=("trial",),
         methods={"fill": {"linear": {"lookahead": None, "ends": True}}},
+        fields={"trial.actor": {3: "anna", True: "ben"}},
     )
     assert there_and_back(gathered) == gathered
     assert there_and_back(Absent({"a": 1}, "failed", "x")) == Absent({"a": 1}, "failed", "x")

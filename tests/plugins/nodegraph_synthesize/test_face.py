@@ -260,6 +260,16 @@ def test_the_same_seed_gives_the_same_face_and_another_seed_another() -> None:
         assert _bytes(getattr(first, port)) != _bytes(getattr(other, port))
 
 
+def test_another_take_is_another_performance_of_the_same_actor() -> None:
+    first, other = synthesize_face(), synthesize_face(take=1)
+    for port in ("neutral", "model", "head"):
+        assert _bytes(getattr(first, port)) == _bytes(getattr(other, port))
+    assert first.marker_set == other.marker_set
+    for port in ("truth", "weights", "head_motion", "impulses"):
+        assert _bytes(getattr(first, port)) != _bytes(getattr(other, port))
+    assert (first.captured.origin != other.captured.origin).any()
+
+
 def test_markers_watch_the_same_performance() -> None:
     few, many = _face(markers=30), _face(markers=100)
     assert _bytes(few.weights) == _bytes(many.weights)
