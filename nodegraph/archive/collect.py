@@ -214,17 +214,16 @@ def _used_graphs(names: Iterable[str]) -> dict[str, str]:
 def _lock_mismatch(path: Path, graph: str, text: str, record: Record) -> str:
     """Return why a lock does not belong to a run of this graph; empty if it does."""
     try:
-        study = read_lock(path).study
+        lock = read_lock(path)
     except NodegraphError as error:
         return str(error)
-    if study.text != {graph: text, **record.included}:
+    if lock.text != {graph: text, **record.included}:
         return f"{path}: the lock is of another graph, or of another version of it"
-    if study.graph != graph:
+    if lock.record.settings.graph != graph:
         return f"{path}: the lock was not written beside {graph}"
-    axes = {name: list(labels) for name, labels in study.axes.items()}
     for part, was, now in (
-        ("inputs", study.inputs, record.inputs),
-        ("axes", axes, record.axes),
+        ("inputs", lock.record.inputs, record.inputs),
+        ("axes", lock.record.axes, record.axes),
     ):
         names = {**was, **now}
         changed = [name for name in names if _base(was.get(name)) != _base(now.get(name))]

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
 from nodegraph.plugin.hook_types import Comparison
-from nodegraph.runs.diff import value_differences
+from nodegraph.runs.compare import value_differences
 from nodegraph.store import Packed, Packer, Unstorable
 
 _SAME_NUMBERS = "equal numbers with other bits or another layout in memory"

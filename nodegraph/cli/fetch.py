@@ -34,7 +34,8 @@ def fetch(arguments: Namespace) -> int:
                 if arguments.axis or arguments.only:
                     raise NodegraphError("a lock has its labels: --axis and --only are for graphs")
                 registry = Registry.installed(arguments.plugin)
-                unlocked(read_lock(arguments.graph), registry, input_values(arguments))
+                path = arguments.graph
+                unlocked(read_lock(path), path, registry, input_values(arguments))
             else:
                 graph_of(arguments)
         finally:

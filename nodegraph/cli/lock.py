@@ -27,7 +27,7 @@ def lock(arguments: Namespace) -> int:
     """Run a graph, and write its lock."""
     from nodegraph.cli.graphs import graph_of, run_of
     from nodegraph.lock.lockfile import SUFFIX, is_lock, lock_text
-    from nodegraph.lock.provenance import FileNames
+    from nodegraph.lock.portable import FileNames
 
     graph = graph_of(arguments)
     path = arguments.out or arguments.graph.with_suffix(SUFFIX)

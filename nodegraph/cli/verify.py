@@ -5,21 +5,23 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_executor, add_pairs, add_plugin, add_store, input_values
-from nodegraph.cli.output import MOST, columns, counted, few, first_and_more, say
+from nodegraph.cli.differences import origins
+from nodegraph.cli.output import columns, counted, few, say
 from nodegraph.state import State
 
 if TYPE_CHECKING:
     from nodegraph.audit.audit import Audited
     from nodegraph.execute import Run
     from nodegraph.graph import Graph
-    from nodegraph.lock.compare import Compared, Moved
     from nodegraph.lock.conclusions import Reported
     from nodegraph.lock.lockfile import Lock
-    from nodegraph.lock.results import Results, StoredValues
+    from nodegraph.runs.compare import Spread
+    from nodegraph.runs.record import RecordedStep
     from nodegraph.store import Store
 
 HELP = "Run a frozen study and compare its results with those in the lock."
@@ -68,15 +70,15 @@ def verify(arguments: Namespace) -> int:
         )
     lock = read_lock(path)
     registry = Registry.installed(arguments.plugin)
-    graph = unlocked(lock, registry, input_values(arguments))
-    for text in edited_files(lock):
+    graph = unlocked(lock, path, registry, input_values(arguments))
+    for text in edited_files(lock, path):
         say(text)
     if arguments.repeat:
         return _repeat(arguments, graph)
     store = open_store(registry, arguments.store, say)
     with _store_for_run(store, rerun=arguments.rerun) as run_store:
         run = run_of(arguments, graph, store=run_store)
-        status = _compare(lock, run, store)
+        status = _compare(lock, path, run, store)
         if not arguments.rerun:
             run.tidy()
         return status
@@ -95,115 +97,80 @@ def _store_for_run(store: Store, *, rerun: bool) -> Iterator[Store]:
         yield StoreWithoutResults(Path(folder), store, say)
 
 
-def _compare(lock: Lock, run: Run, store: Store) -> int:
+def _compare(lock: Lock, path: Path, run: Run, store: Store) -> int:
     """Print the verdict and the reasons for it; return the exit status."""
-    from nodegraph.lock.changes import Changes
-    from nodegraph.lock.compare import compare, verdict
     from nodegraph.lock.conclusions import conclusion_changes, reported_by
-    from nodegraph.lock.results import Results, StoredValues
+    from nodegraph.lock.portable import FileNames, portable
+    from nodegraph.lock.results import Results
+    from nodegraph.lock.verdict import BySketch, changes_everywhere, verdict
+    from nodegraph.runs.compare import compare
+    from nodegraph.runs.recorded_value import StoredValues
 
     not_stored = run.not_stored()  # before results that are not stored are computed again
-    results, reported, stored = Results(run), list(reported_by(run)), StoredValues(store)
-    compared = compare(lock, run, results)
-    conclusions = lock.study.conclusions
-    changed = list(conclusion_changes(conclusions, reported))
-    outcome = verdict(compared, bool(conclusions), changed)
-    print(f"{outcome.text}: {lock.path}: {_counts(compared, lock)}")
-    for line in (*Changes(lock.study, run).everywhere(), *_notes(compared), *not_stored):
+    results, reported = Results(run), list(reported_by(run))
+    now = portable(run, FileNames(run.plan.graph), results)
+    spread = compare(lock.record, now, BySketch(lock, results))
+    changed = list(conclusion_changes(lock.conclusions, reported))
+    outcome = verdict(spread, bool(lock.conclusions), changed)
+    print(f"{outcome.text}: {path}: {_counts(spread, lock)}")
+    for line in (*changes_everywhere(lock.record, now), *_notes(spread), *not_stored):
         print(f"    {line}")
-    _print_origins(lock, run, compared, results, stored)
-    if compared.followers:
-        print(f"\nwhat follows from that: {counted(compared.followers)}")
-    for line in (*few(changed), *_table_changes(lock, compared, reported)):
+    stores = StoredValues(store), StoredValues(run.cache.store if run.cache else store)
+    registry = run.plan.graph.registry
+    for line in origins(spread, registry, stores, partial(_unexplained, run)):
         print(line)
-    count = sum(map(len, conclusions.values()))
-    if compared.beyond and not changed and count:
+    if spread.followers:
+        print(f"\nwhat follows from that: {counted(spread.followers)}")
+    for line in (*few(changed), *_table_changes(lock, spread, reported)):
+        print(line)
+    count = sum(map(len, lock.conclusions.values()))
+    if spread.beyond and not changed and count:
         print(f"all conclusions are the same ({count})")
     return 0 if outcome.holds else 1
 
 
-def _print_origins(
-    lock: Lock, run: Run, compared: Compared, results: Results, stored: StoredValues
-) -> None:
-    """Print the combinations with which differences begin, and what explains them."""
-    from nodegraph.lock.compare import group_by_change
-
-    for index, moved in enumerate(group_by_change(compared.origins)[:MOST]):
-        cell = moved[0].cell
-        name = first_and_more(cell.name, len(moved), cell.group)
-        print(f"\n{'also' if index else 'first'}: {name}")
-        for line in (*_explanation(moved[0], run), *_values(moved, lock, results, stored)):
-            print(f"    {line}")
+def _counts(spread: Spread, lock: Lock) -> str:
+    parts = [f"{spread.same} of {spread.compared} results identical{_ended(spread)}"]
+    if spread.near:
+        pair, judged = max(spread.near, key=lambda item: item[1].distance)
+        distance = judged.distance
+        size = f"up to {distance:.1g}, {pair.cell.name}" if distance else "but for their form"
+        parts.append(f"{len(spread.near)} within {lock.tolerance:g} of their size ({size})")
+    return ", ".join([*parts, f"{spread.beyond} beyond"] if spread.beyond else parts)
 
 
-def _counts(compared: Compared, lock: Lock) -> str:
-    parts = [f"{compared.identical} of {compared.count} results identical{_ended(compared)}"]
-    if compared.near and compared.farthest:
-        cell, distance = compared.farthest
-        size = f"up to {distance:.1g}, {cell.name}" if distance else "but for their form"
-        parts.append(f"{compared.near} within {lock.study.tolerance:g} of their size ({size})")
-    return ", ".join([*parts, f"{compared.beyond} beyond"] if compared.beyond else parts)
-
-
-def _ended(compared: Compared) -> str:
+def _ended(spread: Spread) -> str:
     """Return how many of the identical results are failures or refusals."""
     counts = [
         f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
-        for state, count in compared.without_value.items()
+        for state, count in spread.endings.items()
     ]
     return f" (of these {' and '.join(counts)}, as before)" if counts else ""
 
 
-def _notes(compared: Compared) -> Iterator[str]:
-    if compared.drawn.total():
-        yield f"drawn otherwise from the same numbers: {counted(compared.drawn)}"
-    if compared.unknown:
-        yield f"cannot be stored, so not compared: {counted(compared.unknown)}"
-    for what, names in (("the lock", compared.only_locked), ("this run", compared.only_now)):
-        if names:
-            more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
-            yield f"only in {what}: {'; '.join(names[:MOST])}{more}"
+def _notes(spread: Spread) -> Iterator[str]:
+    if spread.redrawn:
+        yield f"drawn otherwise from the same numbers: {counted(spread.redrawn)}"
+    if spread.unknown:
+        yield f"cannot be stored, so not compared: {counted(spread.unknown)}"
+    for what, cells in (("the lock", spread.only_was), ("this run", spread.only_now)):
+        if cells:
+            yield f"only in {what}: {'; '.join(few([cell.name for cell in cells]))}"
 
 
-def _explanation(moved: Moved, run: Run) -> Iterator[str]:
-    own, around = moved.change.own, moved.change.around
-    if not own and not around:
-        step = run.plan.steps[moved.cell.index]
-        doubt = run.cache.distrusted(step) if run.cache else ""
-        reason = f", and {doubt}" if doubt else ": another processor, or a method that varies"
-        yield f"code, settings, files and libraries are the same{reason}"
-    yield from few(own, "changes")
-    yield from around
+def _unexplained(run: Run, recorded: RecordedStep) -> str:
+    step = run.plan.steps[recorded.step]
+    doubt = run.cache.distrusted(step) if run.cache else ""
+    reason = f", and {doubt}" if doubt else ": another processor, or a method that varies"
+    return f"code, settings, files and libraries are the same{reason}"
 
 
-def _values(
-    moved: list[Moved], lock: Lock, results: Results, stored: StoredValues
-) -> Iterator[str]:
-    """Yield how much results differ, and in which places if the locked values are stored."""
-    from nodegraph.runs.diff import value_differences
-
-    first = moved[0]
-    if first.match.text:
-        yield first.match.text
-    largest = max(moved, key=lambda other: other.match.distance)
-    if largest.match.distance:
-        most = "" if len(moved) == 1 else f", {largest.cell.name} most"
-        yield f"by {largest.match.distance:.2g} times their usual size (root mean square{most})"
-    if results.ending(first.cell.index):
-        return
-    digest = lock.study.results[first.cell.group].steps[first.cell.at].digest
-    values = results.value_pairs(first.cell.index, digest, stored)
-    for name, (was, now) in values.items():
-        texts = value_differences(was, now, results.comparisons)
-        yield from (f"{name}: {text}" for text in texts[:MOST])
-
-
-def _table_changes(lock: Lock, compared: Compared, reported: list[Reported]) -> Iterator[str]:
+def _table_changes(lock: Lock, spread: Spread, reported: list[Reported]) -> Iterator[str]:
     """Yield how the numbers of tables changed, if by more than rounding."""
     from nodegraph.lock.conclusions import table_changes
 
-    if compared.beyond:
-        changed = table_changes(lock.study.tables, reported, lock.study.tolerance)
+    if spread.beyond:
+        changed = table_changes(lock.tables, reported, lock.tolerance)
         yield from few(list(changed))
 
 

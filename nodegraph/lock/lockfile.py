@@ -1,50 +1,125 @@
-"""The file of a lock: a comment, its format, a checksum, and the locked study as YAML."""
+"""The file of a lock: what a study concluded and from what, and the record of its run.
+
+People read the conclusions, tables, versions, methods and graph. What only programs compare, a few
+digests for each step, is the last key: JSON, compressed, as base64.
+"""
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import json
 import re
-from dataclasses import dataclass
+import textwrap
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 from zipfile import is_zipfile
 
-from pydantic import ValidationError
+import yaml
+from pydantic import Field, ValidationError
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
-from nodegraph.graphfile.yaml_text import read_yaml
 from nodegraph.lock.conclusions import reported_by
-from nodegraph.lock.document import LockedChoices, LockedResults, LockedStudy
-from nodegraph.lock.provenance import FileNames, provenance, refuse_paths, relative
-from nodegraph.lock.results import Results, cells_of, recorded, scales
+from nodegraph.lock.portable import FileNames, portable, refuse_paths, relative
+from nodegraph.lock.results import Results
 from nodegraph.lock.sketch import TOLERANCE
-from nodegraph.lock.yaml_lines import yaml_lines
+from nodegraph.runs.record import Cell, Record, RecordedStep
 from nodegraph.validation_errors import first_error
 
-FORMAT = 1
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
+
+FORMAT = 2
 SUFFIX = ".lock"
 _HEAD = """\
-# What decided the results of a study, and what they were. `nodegraph verify` checks it.
+# What a study concluded, and what decided it. `nodegraph verify` checks it.
 # It is written by `nodegraph lock`, and an edit by hand makes it useless.
 nodegraph_lock: """
+_FIRST = re.compile(r"(?:#.*\n)*nodegraph_lock: (.*)\n")
 _END = "# end of the lock\n"
 _CHECKSUM = re.compile(r"checksum: ([0-9a-f]{64})\n")
 _MOST_BYTES = 200_000_000
 _ENCODING = "utf-8-sig"
 """The encoding that also reads the byte order mark that some editors write."""
+_WIDTH = 100
+_LONG = 40
+_READABLE = ("inputs", "axes", "removed", "versions")
+"""Fields of the record that have a key of their own, as those of its settings have."""
+
+
+_SETTINGS = ("graph", "set", "axis", "only")
 
 
 @dataclass(frozen=True)
 class Lock:
-    """A lock with its place."""
+    """A frozen study.
 
-    path: Path
-    study: LockedStudy
+    Attributes
+    ----------
+    conclusions : dict of reported value to list of str
+    tables : dict of reported value to str
+        As CSV.
+    tolerance : float
+        Relative size of differences that do not count.
+    text : dict of file to str
+        The graph file, and those that it includes.
+    sizes : dict of node or alternative to (dict of place to float)
+        Usual size of the floats at each place of its values.
+    record : Record
+        Of the run that was locked; without the texts of included graphs.
+    """
 
-    @property
-    def graph(self) -> Path:
-        """The graph file, if it is still there."""
-        return self.path.parent / self.study.graph
+    conclusions: dict[str, list[str]]
+    tables: dict[str, str]
+    tolerance: Annotated[float, Field(gt=0, lt=1)]
+    text: Annotated[dict[str, str], Field(min_length=1)]
+    sizes: dict[str, dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]]]
+    record: Record
+
+    def graph(self, path: Path) -> Path:
+        """Return the graph file of a lock with this path, if it is still there."""
+        return path.parent / self.record.settings.graph
+
+
+def lock_of(run: Run, path: Path) -> Lock:
+    """Return the lock of a run, to be written to `path`."""
+    spec = run.plan.graph.spec
+    file = Path(spec.file).name
+    results, reported = Results(run), list(reported_by(run))
+    record = portable(run, FileNames(run.plan.graph), results)
+    sizes = results.usual_sizes(record.steps)
+    graph = relative(spec.folder / file, path.parent)
+    return Lock(
+        conclusions={
+            value.name: list(value.conclusions) for value in reported if value.conclusions
+        },
+        tables={value.name: value.table for value in reported},
+        tolerance=TOLERANCE,
+        text={file: spec.text, **spec.included},
+        sizes=sizes,
+        record=replace(
+            record,
+            settings=replace(record.settings, graph=graph),
+            included={},
+            title=spec.title or file,
+            steps=[_locked(step, results, sizes) for step in record.steps],
+        ),
+    )
+
+
+def _locked(
+    step: RecordedStep, results: Results, sizes: Mapping[str, Mapping[str, float]]
+) -> RecordedStep:
+    """Return a step with the sketch of its values, without the key of its store."""
+    sketch = results.sketch(step.step) if step.has_result else None
+    text = sketch.text(sizes[step.cells[0].group]) if sketch else ""
+    return replace(step, inputs={}, key="", sketch=text)
 
 
 def lock_text(run: Run, path: Path) -> str:
@@ -55,26 +130,26 @@ def lock_text(run: Run, path: Path) -> str:
     NodegraphError
         If it would contain an absolute path of this machine.
     """
-    spec = run.plan.graph.spec
-    names = FileNames(run.plan.graph)
-    file = Path(spec.file).name
-    reported, results = list(reported_by(run)), Results(run)
-    study = LockedStudy(
-        graph=relative(spec.folder / file, path.parent),
-        title=spec.title or file,
-        tolerance=TOLERANCE,
-        choices=_choices(run, names),
-        **dict(provenance(run, names)),
-        conclusions={
-            value.name: list(value.conclusions) for value in reported if value.conclusions
-        },
-        tables={value.name: value.table for value in reported},
-        results=_results(run, results),
-        text={file: spec.text, **spec.included},
-    )
-    data = study.model_dump(by_alias=True, exclude_defaults=True)
-    body = "".join(f"{line}\n" for line in yaml_lines(data)) + _END
-    refuse_paths(body, (spec.folder, Path.home()))
+    lock = lock_of(run, path)
+    record = _adapter(Record).dump_python(lock.record, mode="json", exclude_defaults=True)
+    settings = record.pop("settings")
+    head = {
+        "title": record.pop("title"),
+        "graph": settings.pop("graph"),
+        "conclusions": lock.conclusions,
+        "tables": lock.tables,
+        "tolerance": lock.tolerance,
+        **settings,
+        **{name: record.pop(name, {}) for name in _READABLE},
+        "methods": dict(_methods(lock.record)),
+        "text": lock.text,
+    }
+    head = {name: value for name, value in head.items() if value}
+    content = json.dumps({"sizes": lock.sizes, **record}, separators=(",", ":"))
+    refuse_paths(f"{_dump(head)}{content}", (run.plan.graph.spec.folder, Path.home()))
+    packed = base64.b64encode(zlib.compress(content.encode(), 9)).decode()
+    head["record"] = "".join(f"{line}\n" for line in textwrap.wrap(packed, _WIDTH - 2))
+    body = f"{_dump(head)}{_END}"
     checksum = hashlib.sha256(body.encode()).hexdigest()
     return f"{_HEAD}{FORMAT}\nchecksum: {checksum}\n{body}"
 
@@ -82,7 +157,7 @@ def lock_text(run: Run, path: Path) -> str:
 def is_lock(path: Path) -> bool:
     """Return whether a file is a lock, even a damaged one or one of another format."""
     with path.open(encoding=_ENCODING, errors="replace") as file:
-        return file.read(len(_HEAD)) == _HEAD
+        return bool(_FIRST.match(file.read(len(_HEAD) + _WIDTH)))
 
 
 def read_lock(path: Path) -> Lock:
@@ -95,50 +170,123 @@ def read_lock(path: Path) -> Lock:
     """
     text = _text(path)
     _check(path, text)
-    return Lock(path, study_from(read_yaml(text, str(path)).plain(), path))
-
-
-def study_from(data: object, path: Path) -> LockedStudy:
-    """Return the study of a lock from its data.
-
-    Raises
-    ------
-    NodegraphError
-        With the key of the first value that is not valid.
-    """
     try:
-        return LockedStudy.model_validate(data)
+        data = yaml.load(text, yaml.CSafeLoader)
+        packed = json.loads(_unpacked(data["record"]))
+        packed |= {name: data.get(name, {}) for name in _READABLE}
+        packed["title"] = data["title"]
+        packed["settings"] = {name: data[name] for name in _SETTINGS if name in data}
+        lock = {name: data.get(name, {}) for name in ("conclusions", "tables")}
+        lock |= {name: data[name] for name in ("tolerance", "text")}
+        lock |= {"sizes": packed.pop("sizes"), "record": packed}
+        read: Lock = _adapter(Lock).validate_python(lock)
     except ValidationError as error:
-        raise NodegraphError(f"{path}: not a valid lock: {first_error(error, data)}") from error
+        raise NodegraphError(f"{path}: not a valid lock: {first_error(error, lock)}") from error
+    except KeyError as error:
+        raise NodegraphError(f"{path}: not a valid lock: {error.args[0]} is missing") from error
+    except (yaml.YAMLError, zlib.error, ValueError, TypeError, AttributeError, RecursionError) as e:
+        raise NodegraphError(f"{path}: not a valid lock: {e}") from e
+    return read
 
 
-def _results(run: Run, results: Results) -> dict[str, LockedResults]:
-    cells = list(cells_of(run))
-    usual = scales(cells, results, run)
-    by_group: dict[str, LockedResults] = {}
-    for cell in cells:
-        scale = usual.get(cell.group, {})
-        along = [axis for axis in cell.labels if axis != cell.node]
-        group = by_group.setdefault(cell.group, LockedResults(along=along, scale=scale, steps={}))
-        group.steps[cell.at] = recorded(cell, results, scale)
-    return by_group
+def _methods(record: Record) -> Iterator[tuple[str, object]]:
+    """Yield each method with what people want to know of it."""
+    by_group: dict[str, list[tuple[Cell, RecordedStep]]] = {}
+    for step in record.steps:
+        for cell in step.cells:
+            by_group.setdefault(cell.group, []).append((cell, step))
+    for name, node in record.nodes.items():
+        for label, method in node.methods.items():
+            group = f"{name}={label}" if name in node.axes else name
+            pairs = by_group.get(group, [])
+            endings = Counter(step.ending for _, step in pairs)
+            digests = "\n".join(digest for _, step in pairs for digest in step.digests)
+            yield (
+                group,
+                {
+                    "use": method.use,
+                    "from": f"{method.plugin} of {method.distribution or 'a file'}",
+                    "settings": _InLine(_settings(pairs)),
+                    "results": ", ".join(f"{count} {how}" for how, count in endings.items()),
+                    "digest": hashlib.sha256(digests.encode()).hexdigest()[:10],
+                },
+            )
 
 
-def _choices(run: Run, names: FileNames) -> LockedChoices:
-    choices = run.plan.graph.choices
-    return LockedChoices(
-        inputs=names.portable(choices.inputs),
-        axis={name: _axis(value, names) for name, value in choices.axes.items()},
-        only={name: list(labels) for name, labels in choices.only.items()},
+def _settings(pairs: list[tuple[Cell, RecordedStep]]) -> Iterator[tuple[str, object]]:
+    """Yield each setting with its value, or its values by the labels of an axis."""
+    for name in pairs[0][1].settings if pairs else ():
+        values = [step.settings.get(name) for _, step in pairs]
+        if all(value == values[0] for value in values):
+            yield name, values[0]
+            continue
+        for axis in pairs[0][0].labels:
+            labels = [cell.labels[axis] for cell, _ in pairs]
+            by_label = dict(zip(labels, values, strict=True))
+            if [by_label[label] for label in labels] == values:
+                yield name, f"${axis}" if list(by_label) == list(by_label.values()) else by_label
+                break
+        else:
+            yield name, "of several axes"
+
+
+class _InLine(dict[str, object]):
+    """A mapping that is written without a line for each key."""
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes YAML for people: texts of several lines as they are, and short lists in a line."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        return True
+
+
+def _represent_text(dumper: _Dumper, text: str) -> yaml.Node:
+    style = "|" if "\n" in text else None
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+
+
+def _represent_list(dumper: _Dumper, items: list[Any]) -> yaml.Node:
+    long = any(isinstance(item, str) and len(item) > _LONG for item in items)
+    return dumper.represent_sequence(
+        "tag:yaml.org,2002:seq", items, flow_style=False if long else None
     )
 
 
-def _axis(value: object, names: FileNames) -> object:
-    """Return the value of an axis, with the same labels though their files are renamed."""
-    renamed = names.portable(value)
-    if isinstance(value, list) and renamed != value:
-        return dict(zip(map(str, value), renamed, strict=True))
-    return renamed
+def _represent_in_line(dumper: _Dumper, items: _InLine) -> yaml.Node:
+    return dumper.represent_mapping("tag:yaml.org,2002:map", items.items(), flow_style=True)
+
+
+_Dumper.add_representer(_InLine, _represent_in_line)
+_Dumper.add_representer(str, _represent_text)
+_Dumper.add_representer(list, _represent_list)
+
+
+def _dump(data: object) -> str:
+    # leaves in one line
+    text: str = yaml.dump(
+        data,
+        Dumper=_Dumper,
+        default_flow_style=None,
+        sort_keys=False,
+        allow_unicode=True,
+        width=_WIDTH,
+    )
+    return text
+
+
+def _unpacked(text: str) -> bytes:
+    content = zlib.decompressobj().decompress(base64.b64decode(text), _MOST_BYTES + 1)
+    if len(content) > _MOST_BYTES:
+        raise ValueError("its record is too large")
+    return content
+
+
+@cache
+def _adapter(kind: type) -> TypeAdapter[Any]:
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(kind)
 
 
 def _text(path: Path) -> str:
@@ -161,14 +309,15 @@ def _text(path: Path) -> str:
 
 def _check(path: Path, text: str) -> None:
     """Raise an error if the text is not that of a lock of this format, as it was written."""
-    if not text.startswith(_HEAD):
+    first = _FIRST.match(text)
+    if first is None:
         raise NodegraphError(f"{path}: this is not a lock; `nodegraph lock GRAPH` writes one")
-    version, _, rest = text[len(_HEAD) :].partition("\n")
-    if version != str(FORMAT):
+    if first[1] != str(FORMAT):
         raise NodegraphError(
-            f"{path}: the format of the lock is {version}, but this version of nodegraph reads "
-            f"{FORMAT}; use the version that wrote it, or a newer one"
+            f"{path}: the format of the lock is {first[1]}, and this version of nodegraph reads "
+            f"{FORMAT}; write it again with `nodegraph lock`, or use the version that wrote it"
         )
+    rest = text[first.end() :]
     match = _CHECKSUM.match(rest)
     body = rest[match.end() :] if match else ""
     if match is None or hashlib.sha256(body.encode()).hexdigest() != match[1]:

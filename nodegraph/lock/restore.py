@@ -11,21 +11,22 @@ from nodegraph.execute.resume import AUDITED
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.graphfile.spec import is_graph_file
-from nodegraph.lock.document import LockedMethod
 from nodegraph.lock.lockfile import Lock
 from nodegraph.plugin.registry import Registered, Registry
+from nodegraph.runs.record import RecordedMethod
 from nodegraph.store import Store
 
 _BUILT_IN = "pass"
 _FAMILY = re.compile(r"(?<![\w.])([A-Za-z_]\w*)\.\*")
 
 
-def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, object]) -> Graph:
+def unlocked(lock: Lock, path: Path, registry: Registry, inputs: Mapping[str, object]) -> Graph:
     """Return the graph of a lock: its text and choices, without nodes that were added later.
 
     Parameters
     ----------
-    lock
+    lock, path
+        A lock and its file.
     registry
     inputs
         Values that replace inputs of the lock; relative paths start in the working directory.
@@ -36,46 +37,53 @@ def unlocked(lock: Lock, registry: Registry, inputs: Mapping[str, object]) -> Gr
         If plugins are missing or of other versions, such that the graph cannot be built, or if
         a file that it reads is missing.
     """
-    _refuse_missing(lock, registry)
-    (_, text), *included = lock.study.text.items()
+    _refuse_missing(lock, path, registry)
+    (_, text), *included = lock.text.items()
+    file = lock.graph(path)
     try:
-        spec = read_graph_text(text, str(lock.graph), lock.graph.parent, dict(included))
+        spec = read_graph_text(text, str(file), file.parent, dict(included))
         then = registry.without(_LockedNames(lock, registry).is_later)
-        return build(spec, then, _choices(lock, inputs))
+        return build(spec, then, _choices(lock, file.parent, inputs))
     except GraphError as error:
-        lines = [f"the graph in {lock.path} cannot be run:", str(error)]
-        lines += _missing_files(lock, error, inputs)
+        lines = [f"the graph in {path} cannot be run:", str(error)]
+        lines += _missing_files(lock, file.parent, error, inputs)
         lines += [f"{text}, which may explain it" for text in _other_versions(lock, registry)]
         raise NodegraphError("\n".join(lines)) from error
 
 
-def edited_files(lock: Lock) -> Iterator[str]:
-    """Yield a text per graph file that is missing or not as in the lock."""
-    for name, text in lock.study.text.items():
-        path = lock.graph.parent / name
+def edited_files(lock: Lock, path: Path) -> Iterator[str]:
+    """Yield a text per graph file that is missing or not as in the lock of this path."""
+    for name, text in lock.text.items():
+        file = lock.graph(path).parent / name
         try:
-            if path.read_text(encoding="utf-8") != text:
-                yield f"{path} was edited; the text in the lock is verified"
+            if file.read_text(encoding="utf-8") != text:
+                yield f"{file} was edited; the text in the lock is verified"
         except (OSError, ValueError):
-            yield f"{path} is missing; the text in the lock is verified"
+            yield f"{file} is missing; the text in the lock is verified"
 
 
-def _missing_files(lock: Lock, error: GraphError, inputs: Mapping[str, object]) -> Iterator[str]:
+def _missing_files(
+    lock: Lock, folder: Path, error: GraphError, inputs: Mapping[str, object]
+) -> Iterator[str]:
     """Yield where missing files of inputs were looked for, and how to pass their new paths."""
-    for name, value in {**lock.study.inputs, **inputs}.items():
+    for name, value in {**lock.record.inputs, **inputs}.items():
         ending = f"no such file: {value}"
         if isinstance(value, str) and any(p.message.endswith(ending) for p in error.problems):
-            folder = Path.cwd() if name in inputs else lock.graph.parent.resolve()
-            yield f"{value} was looked for in {folder}; pass its path with --set {name}=FILE"
+            place = Path.cwd() if name in inputs else folder.resolve()
+            yield f"{value} was looked for in {place}; pass its path with --set {name}=FILE"
+
+
+def _methods(lock: Lock) -> Iterator[RecordedMethod]:
+    return (method for node in lock.record.nodes.values() for method in node.methods.values())
 
 
 class _LockedNames:
     """The names that the graph of a lock could use when it was locked."""
 
     def __init__(self, lock: Lock, registry: Registry) -> None:
-        methods = [method for method in lock.study.methods.values() if method.plugin]
-        labels = [*lock.study.axes.values(), *lock.study.removed.values()]
-        self._text = "\n".join(lock.study.text.values())
+        methods = [method for method in _methods(lock) if method.plugin]
+        labels = [*lock.record.axes.values(), *lock.record.removed.values()]
+        self._text = "\n".join(lock.text.values())
         self._families = set(_FAMILY.findall(self._text))
         self._names = {method.use for method in methods}
         self._full_names = {method.full_name for method in methods}
@@ -97,21 +105,21 @@ class _LockedNames:
         return in_family and name not in self._text
 
 
-def _choices(lock: Lock, inputs: Mapping[str, object]) -> Choices:
-    choices = lock.study.choices
+def _choices(lock: Lock, folder: Path, inputs: Mapping[str, object]) -> Choices:
+    choices = lock.record.settings
     return Choices(
-        {**choices.inputs, **inputs},
+        {**choices.set, **inputs},
         choices.axis,
         {name: tuple(labels) for name, labels in choices.only.items()},
-        lock.graph.parent,
+        folder,
         dict.fromkeys(inputs, Path.cwd()),
     )
 
 
-def _refuse_missing(lock: Lock, registry: Registry) -> None:
+def _refuse_missing(lock: Lock, path: Path, registry: Registry) -> None:
     """Raise an error with the nodes of the lock that are not installed, by plugin."""
     by_reason: dict[str, list[str]] = {}
-    for method in lock.study.methods.values():
+    for method in _methods(lock):
         try:
             if method.use != _BUILT_IN and not is_graph_file(method.use):
                 registry.find(method.full_name)
@@ -120,10 +128,10 @@ def _refuse_missing(lock: Lock, registry: Registry) -> None:
             nodes += [method.use] if method.use not in nodes else []
     if by_reason:
         lines = [f"{reason}: {', '.join(nodes)}" for reason, nodes in by_reason.items()]
-        raise NodegraphError("\n".join([f"{lock.path} needs what is not installed:", *lines]))
+        raise NodegraphError("\n".join([f"{path} needs what is not installed:", *lines]))
 
 
-def _reason(registry: Registry, method: LockedMethod) -> str:
+def _reason(registry: Registry, method: RecordedMethod) -> str:
     """Return why a node is missing, and what to install."""
     name, was = method.plugin, method.distribution
     plugin = next((plugin for plugin in registry.loaded if plugin.name == name), None)
@@ -139,8 +147,7 @@ def _reason(registry: Registry, method: LockedMethod) -> str:
 def _other_versions(lock: Lock, registry: Registry) -> Iterator[str]:
     """Yield a text per plugin of another version."""
     loaded = {plugin.name: plugin.distribution for plugin in registry.loaded}
-    methods = lock.study.methods.values()
-    for name, was in {method.plugin: method.distribution for method in methods}.items():
+    for name, was in {method.plugin: method.distribution for method in _methods(lock)}.items():
         if loaded.get(name, was) != was:
             yield f"plugin {name} is {loaded[name]} here and was {was}"
 

@@ -39,6 +39,7 @@ COUNT = 4
 LARGE = 2.0**896
 """Sums of numbers below it do not overflow, however many memory holds."""
 
+_EXACT_DIGITS = 8
 _BLOCK = 65_536
 _STEP = np.sqrt(3.0) / 2**15
 _UPPER = slice(2, 8)
@@ -78,30 +79,6 @@ def distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
         return np.inf
     # divided by the largest, so that no square overflows
     return largest * float(np.sqrt(np.mean((differences / largest) ** 2))) if largest else 0.0
-
-
-def as_text(projections: NDArray[np.float64]) -> str:
-    """Return projections as a word of letters."""
-    content = projections.astype("<f8").view(np.uint8).reshape(-1, 8)[:, _UPPER]
-    return base64.b64encode(content.tobytes()).decode("ascii")
-
-
-def from_text(text: str) -> NDArray[np.float64]:
-    """Return the projections of a word, to eleven digits.
-
-    Raises
-    ------
-    ValueError
-        If the word has another form.
-    """
-    content = np.zeros((COUNT, 8), np.uint8)
-    content[:, _UPPER] = np.frombuffer(base64.b64decode(text, validate=True), np.uint8).reshape(
-        COUNT, 6
-    )
-    projections = content.view("<f8").ravel().astype(np.float64)
-    if not np.isfinite(projections).all():
-        raise ValueError("a projection is not a finite number")
-    return projections
 
 
 def _key(name: str) -> int:
@@ -156,6 +133,32 @@ class Sketch:
     exact: str
     leaves: Mapping[str, Leaf]
 
+    def text(self, scales: Mapping[str, float]) -> str:
+        """Return the sketch in units of these sizes as a word."""
+        exact = self.exact[:_EXACT_DIGITS]
+        return f"{exact}-{_letters(self.against(scales).projections)}" if self.leaves else exact
+
+    def compared(self, text: str, scales: Mapping[str, float]) -> tuple[bool, float]:
+        """Compare with the word of another sketch in units of the same sizes.
+
+        Returns
+        -------
+        bool
+            Whether everything but the floats is equal.
+        float
+            The distance of the floats, relative to the value or its usual size.
+
+        Raises
+        ------
+        ValueError
+            If the word has another form.
+        """
+        exact, _, letters = text.partition("-")
+        same = exact == self.exact[:_EXACT_DIGITS]
+        if not (letters and self.leaves):
+            return same, 0.0
+        return same, self.against(scales).apart(_projections(letters))
+
     def against(self, scales: Mapping[str, float]) -> Measured:
         """Return the value in units of these sizes, one for each place."""
         projections, size = np.zeros(COUNT), 0.0
@@ -198,6 +201,20 @@ def sketch(outputs: Mapping[str, Packed]) -> Sketch:
     text = json.dumps(exact, separators=(",", ":"), sort_keys=True)
     digest = hashlib.sha256(text.encode()).hexdigest()
     return Sketch(digest, {place: _leaf(place, arrays) for place, arrays in floats.items()})
+
+
+def _letters(projections: NDArray[np.float64]) -> str:
+    content = projections.astype("<f8").view(np.uint8).reshape(-1, 8)[:, _UPPER]
+    return base64.b64encode(content.tobytes()).decode("ascii")
+
+
+def _projections(letters: str) -> NDArray[np.float64]:
+    """Return the projections of a word, to eleven digits."""
+    content = np.zeros((COUNT, 8), np.uint8)
+    content[:, _UPPER] = np.frombuffer(base64.b64decode(letters, validate=True), np.uint8).reshape(
+        COUNT, 6
+    )
+    return content.view("<f8").ravel().astype(np.float64)
 
 
 def _below(size: float) -> float:

@@ -7,22 +7,29 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any
 
 from pydantic import Field
 
+from nodegraph.cache_key import UNKNOWN, Reached
 from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
+from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.results import Run
-from nodegraph.execute.settings import Bool, Float, Int, Label, RunSettings
+from nodegraph.execute.resume import StoredSteps
+from nodegraph.execute.settings import Bool, Float, Int, Label, RunSettings, settings_of
+from nodegraph.formatting import name_at
 from nodegraph.graph import Graph, GraphNode
-from nodegraph.plan import Output, Step, StepInput, skip_reason
+from nodegraph.plan import Output, Plan, Step, StepInput, skip_reason
 from nodegraph.state import State
 
-FORMAT = 1
+FORMAT = 2
 Labels = dict[str, Label]
+
+_DIGITS = 10
+"""Digits of the digests of code that a record holds."""
 
 _LIBRARIES = ("nodegraph", "numpy", "scipy", "pandas", "numba", "scikit-learn", "matplotlib")
 
@@ -42,6 +49,12 @@ class RecordedMethod:
     use: str
     plugin: str
     outputs: Annotated[list[str], Field(min_length=1)]
+    distribution: str = ""
+
+    @property
+    def full_name(self) -> str:
+        """The name with the plugin, if it comes from one."""
+        return f"{self.plugin}:{self.use}" if self.plugin else self.use
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +72,14 @@ class RecordedCode:
 
     Attributes
     ----------
-    units : dict of str to str
-        Digests of functions, classes and constants by name.
-    versions : dict of str to str
-        Versions of distributions.
+    units : list of str
+        Names of modules and functions, whose digests are in the record's `units`.
+    distributions : list of str
+        Names of distributions, whose versions are in the record's `versions`.
     """
 
-    units: dict[str, str] = field(default_factory=dict)
-    versions: dict[str, str] = field(default_factory=dict)
+    units: list[str] = field(default_factory=list)
+    distributions: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +105,22 @@ class Cell:
 
     node: str
     labels: Labels
+
+    @property
+    def name(self) -> str:
+        """Node and labels: ``fill(fill=muscle, length=5)``."""
+        return name_at(self.node, self.labels)
+
+    @property
+    def group(self) -> str:
+        """The node, or node and alternative: ``fill=muscle``."""
+        return f"{self.node}={self.labels[self.node]}" if self.node in self.labels else self.node
+
+    @property
+    def key(self) -> tuple[str, tuple[tuple[str, str], ...]]:
+        """What is the same in all runs that have the combination."""
+        labels = sorted((axis, str(label)) for axis, label in self.labels.items())
+        return self.node, tuple(labels)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +182,9 @@ class RecordedStep:
     place : str
         Where in the code of the node it failed.
     digests : list of str
-        A digest per output.
+        A digest per output; its first ten digits in a lock.
+    sketch : str
+        In a lock, a summary of the values by which other values are measured.
     repeat : str
         The command that repeats a failed step.
     key : str
@@ -182,6 +213,7 @@ class RecordedStep:
     key: Annotated[str, Field(pattern="^([0-9a-f]{64})?$")] = ""
     files: dict[str, str] = field(default_factory=dict)
     also: list[Cell] = field(default_factory=list)
+    sketch: Annotated[str, Field(pattern="^([0-9a-f]{8}(-[A-Za-z0-9+/]{32})?)?$")] = ""
 
     @property
     def has_result(self) -> bool:
@@ -192,6 +224,11 @@ class RecordedStep:
     def cells(self) -> tuple[Cell, ...]:
         """The combinations that the step computes."""
         return (Cell(self.node, self.labels), *self.also)
+
+    @property
+    def ending(self) -> str:
+        """How the step ended, with its reason if it has no result."""
+        return f"{self.state}: {self.reason}" if self.reason else self.state
 
     def sources(self) -> Iterator[tuple[str, tuple[Source, ...]]]:
         """Yield each port with what feeds it."""
@@ -220,9 +257,9 @@ class Failure:
     repeat: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Record:
-    """Everything about a run but its values.
+    """Everything about a run but its values, as ``run.json`` and a lock hold it.
 
     Attributes
     ----------
@@ -232,8 +269,14 @@ class Record:
         The working directory, from which relative paths in the settings start.
     included : dict of str to str
         The texts of the graph files that the graph uses.
+    removed : dict of axis to list
+        Labels of the graph that the command left out.
     code : dict of str to RecordedCode
         By plugin and name of the method; empty if nothing was stored.
+    units : dict of str to str
+        Digests of the modules and functions that methods reach.
+    versions : dict of str to str
+        Of Python, the platform, plugins, and the distributions that methods reach.
     not_kept : dict of str to int
         Why results were not stored, and how many.
     """
@@ -249,6 +292,7 @@ class Record:
     axes: dict[str, list[Label]]
     nodes: dict[str, RecordedNode]
     code: dict[str, RecordedCode]
+    units: dict[str, str]
     known: list[str]
     left_out: list[LeftOut]
     counts: dict[str, Int]
@@ -260,7 +304,13 @@ class Record:
     not_shown: list[NotShown] = field(default_factory=list)
     not_written: list[NotWritten] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
+    removed: dict[str, list[Label]] = field(default_factory=dict)
     steps: list[RecordedStep] = field(default_factory=list)
+
+    @cached_property
+    def by_index(self) -> Mapping[int, RecordedStep]:
+        """The steps by their index in the plan."""
+        return {step.step: step for step in self.steps}
 
     def method(self, step: RecordedStep) -> RecordedMethod:
         """Return the method of a step."""
@@ -272,6 +322,7 @@ def record(run: Run) -> Record:
     """Return the record of a run."""
     graph = run.plan.graph
     steps = _steps(run)
+    reached = _reached(run)
     rules = {
         skip_reason(item): {axis: list(labels) for axis, labels in item.labels.items()}
         for item in graph.spec.skip
@@ -290,8 +341,19 @@ def record(run: Run) -> Record:
         included=dict(graph.spec.included),
         inputs=plain(graph.inputs),
         axes={name: list(axis.labels) for name, axis in graph.axes.items()},
+        removed={
+            name: sorted(axis.removed, key=str) for name, axis in graph.axes.items() if axis.removed
+        },
         nodes={name: _node(node) for name, node in graph.nodes.items()},
-        code=_code(run),
+        code={
+            name: RecordedCode(list(code.units), list(code.versions))
+            for name, code in reached.items()
+        },
+        units={
+            name: digest[:_DIGITS]
+            for code in reached.values()
+            for name, digest in code.units.items()
+        },
         known=[str(reference) for reference in graph.spec.known],
         left_out=[LeftOut(node, reason) for node, reason in graph.reasons_left_out().items()],
         counts=run.counts(),
@@ -301,13 +363,27 @@ def record(run: Run) -> Record:
             Skipped(reason, dict(counts), rules.get(reason, {}))
             for reason, counts in run.plan.skipped_together().items()
         ],
-        versions=versions(graph),
+        versions=_all_versions(graph, reached),
         failures=_failures(steps),
         notices=[
             Notice(str(notice.place), notice.message, notice.instead) for notice in graph.notices
         ],
         steps=steps,
     )
+
+
+def expected(plan: Plan, cache: StoredSteps) -> Record:
+    """Return the record that a run would have if every step that is not stored succeeded.
+
+    Those steps have no digests.
+    """
+    outcomes = {
+        step.index: cache.known.get(step.index)
+        or Outcome(State.DONE, key=cache.expected_key(step.index))
+        for step in plan.steps
+    }
+    settings = settings_of(plan.graph, HowToRun(), [], cache.store)
+    return record(Run(plan, outcomes, {}, 0.0, cache, cache.store.packer, settings))
 
 
 def versions(graph: Graph) -> dict[str, str]:
@@ -335,23 +411,31 @@ def _version(name: str) -> str:
 def _node(node: GraphNode) -> RecordedNode:
     methods = {
         label or node.first.node.name: RecordedMethod(
-            method.node.name, method.plugin, [port.name for port in method.node.outputs]
+            method.node.name,
+            method.plugin,
+            [port.name for port in method.node.outputs],
+            method.distribution,
         )
         for label, method in node.methods.items()
     }
     return RecordedNode(list(node.axes), list(node.gathered), methods)
 
 
-def _code(run: Run) -> dict[str, RecordedCode]:
+def _reached(run: Run) -> dict[str, Reached]:
+    """Return the code that each method reaches; nothing if nothing was stored."""
     if run.cache is None:
         return {}
-    reached = {
+    return {
         f"{step.method.plugin}:{step.method.node.name}": run.cache.digest_of(step).code
         for step in run.plan.steps
     }
-    return {
-        name: RecordedCode(dict(code.units), dict(code.versions)) for name, code in reached.items()
-    }
+
+
+def _all_versions(graph: Graph, reached: Mapping[str, Reached]) -> dict[str, str]:
+    numbers = {name: number for code in reached.values() for name, number in code.versions.items()}
+    numbers |= versions(graph)
+    names = sorted((name for name in numbers if numbers[name] != UNKNOWN), key=str.lower)
+    return {name: numbers[name] for name in names}
 
 
 def _steps(run: Run) -> list[RecordedStep]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError, nearest
@@ -11,7 +13,7 @@ from nodegraph.execute.value_table import value_table
 from nodegraph.formatting import name_at
 from nodegraph.plan import Combination
 from nodegraph.runs.record import Cell, Record, RecordedStep
-from nodegraph.store import DamagedEntry, Store
+from nodegraph.store import DamagedEntry, Entry, Store, Upkeep
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,13 +54,41 @@ def recorded_value(record: Record, name: str, at: Mapping[str, object], store: S
     return _rows(record, node, port, at, cells, store)
 
 
-def stored_values(step: RecordedStep, store: Store) -> tuple[object, ...]:
-    """Return the values of a step; nothing if they are not stored."""
-    entry = store.find(step.key) if step.key else None
-    try:
-        return store.load(entry) if entry is not None else ()
-    except DamagedEntry:
-        return ()
+class StoredValues:
+    """The stored values of recorded steps, found by their key or, in a lock, by their digests.
+
+    Parameters
+    ----------
+    store
+        Listed when the first step without a key is looked for.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+
+    def of(self, step: RecordedStep) -> tuple[object, ...]:
+        """Return the values of a step; nothing if they are not stored."""
+        entry = self._store.find(step.key) if step.key else self._by_digests(step)
+        try:
+            return self._store.load(entry) if entry is not None else ()
+        except DamagedEntry:
+            return ()
+
+    def _by_digests(self, step: RecordedStep) -> Entry | None:
+        known = (entry for entry in self._by_node.get(step.use, ()) if any(step.digests))
+        return next((entry for entry in known if _begin(entry.digests, step.digests)), None)
+
+    @cached_property
+    def _by_node(self) -> Mapping[str, list[Entry]]:
+        by_node: dict[str, list[Entry]] = defaultdict(list)
+        for kept in Upkeep(self._store.folder).entries():
+            by_node[kept.entry.node].append(kept.entry)
+        return by_node
+
+
+def _begin(digests: Sequence[str], starts: Sequence[str]) -> bool:
+    pairs = zip(digests, starts, strict=False)
+    return len(digests) == len(starts) and all(whole.startswith(start) for whole, start in pairs)
 
 
 def _value(record: Record, cell: Cell, step: RecordedStep, port: str, store: Store) -> object:
@@ -69,7 +99,7 @@ def _value(record: Record, cell: Cell, step: RecordedStep, port: str, store: Sto
     if port and port not in outputs:
         raise NodegraphError(f"{step.use} has no output {port!r}; {nearest(port, outputs)}")
     position = outputs.index(port) if port else 0
-    values = stored_values(step, store)
+    values = StoredValues(store).of(step)
     if position >= len(values):
         raise NodegraphError(
             f"{place}: its value is not in the store {store.folder}; to compute it again, run: "

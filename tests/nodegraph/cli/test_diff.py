@@ -39,7 +39,7 @@ def test_a_setting_explains_the_first_difference(command: Command) -> None:
     assert status == 1
     assert "input start was 5, now 6" in out
     first = out.split("\n\n")[1]
-    assert first == "a\n    start was 5, now 6\n    value: 5.0 and 6.0"
+    assert first == "first: a\n    start was 5, now 6\n    output: 5.0 and 6.0"
     assert "what follows from that: gaps (2), fill (4), one (1), total (1)" in out
 
 
@@ -50,9 +50,9 @@ def test_an_edited_method_and_its_outputs_are_named(command: Command) -> None:
     assert status == 1
     first = out.split("\n\n")[1]
     assert first.splitlines() == [
-        "gaps(length=1) and 1 more of gaps",
+        "first: gaps(length=1) and 1 more of gaps",
         "    code: toys was edited",
-        "    gappy: value: 4.0 and 3.0",
+        "    gappy: 4.0 and 3.0",
     ]
 
 
@@ -82,7 +82,7 @@ def test_a_step_that_failed_in_one_run_only(command: Command) -> None:
     status, out = compared(command)
     assert status == 1
     assert out.split("\n\n")[2].splitlines() == [
-        "fill(length=1, fill=strict) and 1 more of fill",
+        "also: fill(length=1, fill=strict) and 1 more of fill=strict",
         "    was done, now failed (too far)",
     ]
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import yaml
 
 from nodegraph.cli.main import main
 from nodegraph.lock.lockfile import read_lock
@@ -37,37 +38,55 @@ def test_a_lock_lies_beside_the_graph_and_says_everything(locked: Locked) -> Non
     assert status == 0
     assert out.splitlines()[0] == "10 steps: 10 done"
     assert re.fullmatch(r"study\.lock \([\d.]+ KB\)", out.splitlines()[1])
-    study = read_lock(Path("study.lock")).study
-    assert study.graph == "study.yaml"
-    assert study.axes == {"length": [2, 5], "fill": ["mean", "shift"]}
-    assert study.methods["cut"].settings == {"length": "$length"}
-    assert study.methods["fill=mean"].use == "fill.mean"
-    assert study.files.keys() == {"numbers.txt"}
-    assert "numpy" in study.versions
-    assert len(study.code["study"]) == 10
-    assert study.conclusions == {"order": ["mean < shift"]}
-    assert study.tables["order"].splitlines()[0] == "fill,mean"
-    assert study.text == {"study.yaml": frozen.GRAPH}
-    assert study.tolerance == 1e-9
+    lock = read_lock(Path("study.lock"))
+    record = lock.record
+    assert record.settings.graph == "study.yaml"
+    assert record.axes == {"length": [2, 5], "fill": ["mean", "shift"]}
+    assert [step.settings for step in record.steps if step.node == "cut"] == [
+        {"length": 2},
+        {"length": 5},
+    ]
+    assert record.nodes["fill"].methods["mean"].use == "fill.mean"
+    assert next(step for step in record.steps if step.node == "sheet").files.keys() == {"path"}
+    assert "numpy" in record.versions
+    assert len(record.units["study"]) == 10
+    assert lock.conclusions == {"order": ["mean < shift"]}
+    assert lock.tables["order"].splitlines()[0] == "fill,mean"
+    assert lock.text == {"study.yaml": frozen.GRAPH}
+    assert lock.tolerance == 1e-9
+
+
+def test_what_people_read_in_a_lock_is_plain_yaml(locked: Locked) -> None:
+    locked("--axis", "length=2,12")
+    data = yaml.safe_load(Path("study.lock").read_text())
+    assert list(data)[:3] == ["nodegraph_lock", "checksum", "title"]
+    assert data["tables"]["order"].splitlines()[1].startswith("mean,")
+    assert data["axis"] == {"length": [2, 12]}
+    assert data["methods"]["cut"]["settings"] == {"length": "$length"}
+    fill = data["methods"]["fill=shift"]
+    assert (fill["use"], fill["from"]) == ("fill.shift", "study of a file")
+    assert fill["results"] == "1 done, 1 refused: a gap of 12.0 cells"
+    assert data["text"]["study.yaml"] == frozen.GRAPH
+    assert max(map(len, data["record"].splitlines())) < 100
 
 
 def test_every_combination_has_a_result_with_its_digest(locked: Locked) -> None:
     locked()
-    study = read_lock(Path("study.lock")).study
-    results = {group: locked.steps for group, locked in study.results.items()}
-    assert {group: list(steps) for group, steps in results.items()} == {
-        "sheet": ["only"],
-        "cut": ["2", "5"],
-        "fill=mean": ["2", "5"],
-        "fill=shift": ["2", "5"],
-        "order": ["only"],
-        "picture": ["only"],
-        "written": ["only"],
-    }
-    assert results["sheet"]["only"].digest
-    assert results["sheet"]["only"].projections is not None
-    assert not results["picture"]["only"].digest
-    assert results["picture"]["only"].opaque
+    steps = read_lock(Path("study.lock")).record.steps
+    assert sorted(cell.name for step in steps for cell in step.cells) == [
+        "cut(length=2)",
+        "cut(length=5)",
+        "fill(length=2, fill=mean)",
+        "fill(length=2, fill=shift)",
+        "fill(length=5, fill=mean)",
+        "fill(length=5, fill=shift)",
+        "order",
+        "picture",
+        "sheet",
+        "written",
+    ]
+    assert {len(digest) for step in steps for digest in step.digests} == {10}
+    assert {step.node for step in steps if not step.sketch} == {"picture", "written"}
 
 
 def test_the_same_study_gives_the_same_lock_wherever_it_lies(
@@ -95,17 +114,17 @@ def test_an_edit_of_the_graph_shows_in_few_lines(locked: Locked) -> None:
 
 def test_choices_are_part_of_a_lock(locked: Locked) -> None:
     locked("--axis", "length=3", "--only", "fill=mean", "--out", "less.lock")
-    study = read_lock(Path("less.lock")).study
-    assert study.choices.axis == {"length": [3]}
-    assert study.choices.only == {"fill": ["mean"]}
-    assert study.axes == {"length": [3], "fill": ["mean"]}
+    record = read_lock(Path("less.lock")).record
+    assert record.settings.axis == {"length": [3]}
+    assert record.settings.only == {"fill": ["mean"]}
+    assert record.axes == {"length": [3], "fill": ["mean"]}
 
 
 def test_the_texts_of_graphs_that_it_uses_are_part_of_a_lock(locked: Locked) -> None:
     Path("inner.yaml").write_text(frozen.INNER)
     Path("study.yaml").write_text(frozen.OUTER)
     assert locked()[0] == 0
-    assert read_lock(Path("study.lock")).study.text["inner.yaml"] == frozen.INNER
+    assert read_lock(Path("study.lock")).text["inner.yaml"] == frozen.INNER
 
 
 def test_what_fails_or_is_refused_is_part_of_a_lock(locked: Locked) -> None:
@@ -118,9 +137,9 @@ def test_what_fails_or_is_refused_is_part_of_a_lock(locked: Locked) -> None:
     assert status == 1
     assert "1 refused, 1 failed" in out
     assert "some steps failed" in err
-    steps = read_lock(Path("study.lock")).study.results["fill=shift"].steps
-    assert steps["12"].ending == "refused: a gap of 12.0 cells"
-    assert steps["99"].ending == "failed"
+    steps = read_lock(Path("study.lock")).record.steps
+    endings = {step.labels["length"]: step.ending for step in steps if step.use == "fill.shift"}
+    assert endings == {2: "done", 12: "refused: a gap of 12.0 cells", 99: "failed"}
 
 
 def test_a_file_that_is_no_lock_is_left_alone(locked: Locked) -> None:
@@ -202,7 +221,7 @@ def test_a_file_that_the_command_names_is_called_by_how_it_lies_to_the_graph(
     Path("data").mkdir()
     frozen.write_numbers("data/mine.txt")
     assert locked("--set", f"file={tmp_path / 'data' / 'mine.txt'}")[0] == 0
-    study = read_lock(Path("study.lock")).study
-    assert study.choices.inputs == {"file": "data/mine.txt"}
-    assert study.inputs == {"file": "data/mine.txt"}
-    assert study.files.keys() == {"data/mine.txt"}
+    record = read_lock(Path("study.lock")).record
+    assert record.settings.set == {"file": "data/mine.txt"}
+    assert record.inputs == {"file": "data/mine.txt"}
+    assert record.steps[0].settings == {"path": "data/mine.txt"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -164,9 +165,9 @@ def test_an_edited_constant_is_named_with_its_node_and_how_far_results_differ(
     lines = out.splitlines()
     assert status == 1
     assert lines[0].startswith("diverged: study.lock: 6 of 10 results identical, 4 beyond")
-    assert lines[1].startswith("    the code digests of ")
+    assert lines[1].startswith("    the code of ")
     assert lines[3] == f"first: {SHIFTED}"
-    assert lines[4] == "    code: study has another digest"
+    assert lines[4] == "    code: study was edited"
     assert lines[5].startswith("    by ")
     assert "times their usual size (root mean square, fill(length=5, fill=shift) most)" in lines[5]
     assert lines[6] == ""
@@ -185,7 +186,7 @@ def test_locked_values_that_are_stored_are_compared_exactly(verified: Verified) 
     frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
     lines = verified()[1].splitlines()
     assert lines[3] == f"first: {SHIFTED}"
-    assert lines[6] == "    output: value.cells[0, 0]: 1001.0 and 1001.5 (2 such places)"
+    assert lines[6] == "    output.cells[0, 0]: 1001.0 and 1001.5 (2 such places)"
 
 
 def test_an_edit_without_effect_is_none(verified: Verified) -> None:
@@ -275,7 +276,7 @@ def test_a_family_that_has_grown_is_taken_as_it_was(verified: Verified) -> None:
     Path("study.py").write_text(text.replace("mean, shift, rank", "mean, other, shift, rank"))
     assert verified()[1].splitlines() == [
         "identical: study.lock: 10 of 10 results identical",
-        "    the code digests of 7 of 7 methods differ",
+        "    the code of 7 of 7 methods differs",
     ]
 
 
@@ -340,7 +341,7 @@ def test_a_picture_drawn_otherwise_is_no_other_result(verified: Verified) -> Non
     assert status == 0
     assert out.splitlines() == [
         "identical: study.lock: 10 of 10 results identical",
-        "    the code digests of 7 of 7 methods differ",
+        "    the code of 7 of 7 methods differs",
         "    drawn otherwise from the same numbers: picture (1)",
     ]
 
@@ -352,7 +353,7 @@ def test_a_file_with_other_bytes_is_another_result(verified: Verified) -> None:
     assert status == 1
     assert lines[3:6] == [
         "first: written",
-        "    code: study has another digest",
+        "    code: study was edited",
         "    the bytes of its files differ",
     ]
 
@@ -387,8 +388,8 @@ def test_a_lock_may_be_verified_from_any_folder(
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ("tolerance: 1e-09", "tolerance: 1e-01", "checksum"),
-        ("nodegraph_lock: 1", "nodegraph_lock: 2", "format of the lock is 2"),
+        ("tolerance: 1.0e-09", "tolerance: 1.0e-01", "checksum"),
+        ("nodegraph_lock: 2", "nodegraph_lock: 1", "format of the lock is 1, .* `nodegraph lock`"),
         ("# end of the lock", "", "truncated"),
         ("nodegraph_lock", "nodegraph", "not a lock"),
     ],
@@ -399,7 +400,7 @@ def test_a_lock_that_is_not_as_it_was_written_is_refused(
     frozen.edit("study.lock", old, new)
     status, out, err = verified()
     assert (status, out) == (2, "")
-    assert reason in err
+    assert re.search(reason, err)
 
 
 @pytest.mark.parametrize(
@@ -430,23 +431,19 @@ def test_a_mark_that_an_editor_sets_before_the_text_changes_nothing(verified: Ve
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ("removed: {}", "taken: {}", "removed: field required"),
-        ("removed: {}", "removed: {fill: 3}", "removed.fill: "),
-        ("choices: {}", "choices: {set: [3]}", "choices.set: "),
-        ("choices: {}", "choices: {only: {fill: mean}}", "choices.only.fill: "),
+        ("title: A frozen toy\n", "", "title is missing"),
         ("  length: [2, 5]", "  length: 2", "axes.length: "),
-        ("    use: toy.cut\n", "", "methods.cut.use: field required"),
-        ("use: toy.cut\n", "use: [toy.cut]\n", "methods.cut.use: "),
-        ("  cut:\n    use", "  cut: 4\n  more:\n    use", "methods.cut: "),
+        ("versions: {", "versions: {toys: 3, ", "versions.toys: "),
+        ("tolerance: 1.0e-09", "tolerance: much", "tolerance: "),
+        ("tolerance: 1.0e-09", "tolerance: -1.0", "tolerance: "),
+        ("tolerance: 1.0e-09", "tolerance: .inf", "tolerance: "),
+        ("conclusions:\n  order: [", "conclusions:\n  order: [3, ", "conclusions.order.0: "),
         ("text:\n", "text: {}\nrest:\n", "text: "),
-        ("text:\n", "text: {study.yaml: 3}\nrest:\n", "text.study.yaml: "),
-        ("tolerance: 1e-09", "tolerance: much", "tolerance: "),
-        ("tolerance: 1e-09", "tolerance: -1e-09", "tolerance: "),
-        ("tolerance: 1e-09", "tolerance: .inf", "tolerance: "),
-        ("results:\n", "results: {sheet: {steps: {only: a b c}}}\nrest:\n",
-         "results.sheet.steps.only: "),
+        ("record: |\n  ", "record: |\n  AAAA", "while decompressing"),
+        ("record: |", "record: [1]\nrest: |", "not a valid lock: "),
+        ("title: ", "title: [", "not a valid lock: "),
     ],
-)  # fmt: skip
+)
 def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_right(
     verified: Verified, old: str, new: str, reason: str
 ) -> None:

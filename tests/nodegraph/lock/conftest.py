@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -20,10 +21,26 @@ nodes:
 """
 
 
+class Frozen(NamedTuple):
+    run: Run
+    lock: Lock
+    path: Path
+
+
 @pytest.fixture
-def frozen(run_of: Callable[..., Run], tmp_path: Path) -> tuple[Run, Lock]:
+def freeze(run_of: Callable[..., Run], tmp_path: Path) -> Callable[[str], Frozen]:
+    """Run a graph, and lock it."""
+
+    def call(text: str) -> Frozen:
+        run = run_of(text, store=tmp_path / "store")
+        path = tmp_path / "toy.lock"
+        path.write_text(lock_text(run, path))
+        return Frozen(run, read_lock(path), path)
+
+    return call
+
+
+@pytest.fixture
+def frozen(freeze: Callable[[str], Frozen]) -> Frozen:
     """A run and its lock."""
-    run = run_of(TEXT, store=tmp_path / "store")
-    path = tmp_path / "toy.lock"
-    path.write_text(lock_text(run, path))
-    return run, read_lock(path)
+    return freeze(TEXT)

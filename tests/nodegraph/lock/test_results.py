@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,9 @@ import pytest
 
 from nodegraph import node
 from nodegraph.execute import Run
-from nodegraph.lock.results import Results, StoredValues, cells_of, scales
+from nodegraph.lock.results import Results
+from nodegraph.runs.record import record
+from nodegraph.runs.recorded_value import StoredValues
 
 RunOf = Callable[..., Run]
 PAIR = "nodes: {{a: {{use: read.number, with: {{start: {0}}}}}, b: {{use: strict.less, in: a}}}}"
@@ -27,44 +30,31 @@ def draws(x: float) -> float:
     return x + float(np.random.default_rng().normal())
 
 
-def test_combinations_are_named_by_node_alternative_and_labels(frozen: tuple[Run, object]) -> None:
-    names = [(cell.group, cell.at, cell.name) for cell in cells_of(frozen[0])]
-    assert names[0] == ("a", "only", "a")
-    assert ("fill=hold", "7", "fill(length=7, fill=hold)") in names
-
-
-def test_a_reason_contains_no_path_of_this_machine(run_of: RunOf, tmp_path: Path) -> None:
-    @node("strict.refuses")
-    def refuses() -> float:
-        from nodegraph import Refusal
-
-        raise Refusal(f"{tmp_path}/deep/some.txt  is empty")
-
-    run = run_of("nodes: {a: {use: strict.refuses}}", more=[refuses])
-    assert Results(run).ending(0) == "refused: some.txt is empty"
-
-
 def test_a_random_step_that_is_not_stored_runs_once(run_of: RunOf) -> None:
     text = (
         "nodes: {a: {use: read.number}, b: {use: strict.draws, in: a}, c: {use: fill.hold, in: b}}"
     )
     run = run_of(text, more=[draws])
-    [cell] = [cell for cell in cells_of(run) if cell.node == "b"]
+    [index] = [step.index for step in run.plan.steps if step.node == "b"]
     results = Results(run)
-    digest = results.digest(cell.index)
-    assert results.sketch(cell.index) is not None
-    assert Results(run).digest(cell.index) != digest  # computed again
-    assert results.digest(cell.index) == digest
+    digests = results.digests(index)
+    assert results.sketch(index) is not None
+    assert Results(run).digests(index) != digests  # computed again
+    assert results.digests(index) == digests
 
 
 def test_stored_values_are_loaded_by_their_digest(run_of: RunOf, tmp_path: Path) -> None:
     store = tmp_path / "store"
-    was, now = (run_of(PAIR.format(start), more=[less], store=store) for start in (2.0, 4.0))
-    assert now.cache is not None
-    stored = StoredValues(now.cache.store)
-    digest = Results(was).digest(0)
-    assert Results(now).value_pairs(0, digest, stored) == {"output": (2.0, 4.0)}
-    assert Results(now).value_pairs(0, "0" * 10, stored) == {}
+    run = run_of(PAIR.format(2.0), more=[less], store=store)
+    assert run.cache is not None
+    step, other = record(run).steps
+    values = StoredValues(run.cache.store)
+    assert values.of(step) == (2.0,)
+    locked = replace(step, key="", digests=[digest[:10] for digest in step.digests])
+    assert values.of(locked) == (2.0,)
+    assert values.of(replace(locked, digests=["0" * 10])) == ()
+    assert values.of(replace(locked, use=other.use)) == ()
+    assert values.of(replace(locked, digests=[""])) == ()
 
 
 @node("strict.numbers")
@@ -73,7 +63,7 @@ def numbers(*, size: float = 1.0) -> np.ndarray:
 
 
 def usual(run: Run) -> dict[str, dict[str, float]]:
-    return scales(list(cells_of(run)), Results(run), run)
+    return Results(run).usual_sizes(record(run).steps)
 
 
 def test_values_below_the_rounding_of_their_inputs_have_its_size(

@@ -11,7 +11,7 @@ import pytest
 from nodegraph.execute import Run, StoredSteps, open_store
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
-from nodegraph.runs.record import Record, RecordedCode, record
+from nodegraph.runs.record import Record, record
 from nodegraph.runs.why import Why
 
 WhyOf = Callable[..., list[tuple[str, ...]]]
@@ -94,14 +94,28 @@ def without_keys(earlier: Record) -> Record:
 
 def test_versions_and_edited_functions_are_named(why_of: WhyOf) -> None:
     def older(earlier: Record) -> Record:
-        code = earlier.code["toys:fill.hold"]
-        [hold] = [name for name in code.units if name.endswith("conftest")]
-        changed = RecordedCode({**code.units, hold: "another"}, {**code.versions, "python": "2.7"})
-        return replace(without_keys(earlier), code={**earlier.code, "toys:fill.hold": changed})
+        [hold] = [name for name in earlier.units if name.endswith("conftest")]
+        return replace(
+            without_keys(earlier),
+            units={**earlier.units, hold: "another"},
+            versions={**earlier.versions, "platform": "Plan 9"},
+        )
 
     [_, changes, _] = why_of(TEXT, TEXT, "c", older)
-    assert any(text.startswith("fill.hold: python was 2.7, now 3.") for text in changes)
+    assert any(text.startswith("fill.hold: platform was Plan 9, now ") for text in changes)
     assert any(text.endswith("conftest was edited") for text in changes)
+
+
+def test_code_is_not_compared_across_versions_of_python(why_of: WhyOf) -> None:
+    def older(earlier: Record) -> Record:
+        units = dict.fromkeys(earlier.units, "another")
+        return replace(
+            without_keys(earlier), units=units, versions={**earlier.versions, "python": "2.7.1"}
+        )
+
+    [_, changes, _] = why_of(TEXT, TEXT, "c", older)
+    assert any(text.startswith("fill.hold: python was 2.7.1, now 3.") for text in changes)
+    assert not any("edited" in text for text in changes)
 
 
 def test_a_run_that_stored_nothing_has_no_code_to_compare(why_of: WhyOf) -> None:

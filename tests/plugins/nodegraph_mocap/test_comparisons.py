@@ -9,7 +9,7 @@ import pytest
 from pandas import DataFrame
 
 from nodegraph.plugin.registry import default_registry
-from nodegraph.runs.diff import value_differences
+from nodegraph.runs.compare import value_differences
 from nodegraph_mocap import Mask, Origin, StoredFigure, Trajectories, Weights
 
 MARKERS = ("brow", "nose", "chin")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import nodegraph as ng
-from nodegraph import NodegraphError
-from nodegraph.lock.lockfile import lock_text
-from nodegraph.lock.provenance import refuse_paths, relative
+from nodegraph import NodegraphError, Refusal, node
+from nodegraph.execute import Run
+from nodegraph.lock.lockfile import lock_of
+from nodegraph.lock.portable import FileNames, portable, refuse_paths, relative
+from nodegraph.lock.results import Results
 
 
 @pytest.mark.parametrize(
@@ -59,6 +62,18 @@ def test_what_is_not_installed_is_no_version(tmp_path: Path) -> None:
     graph = tmp_path / "graph.yaml"
     graph.write_text("nodegraph: 1\nnodes: {a: {use: half.number}}\n")
     run = ng.run(ng.load(graph, plugins=[tmp_path / "half.py"]), store=tmp_path / "store")
-    text = lock_text(run, tmp_path / "graph.lock")
-    assert "  PyYAML: " in text
-    assert "nobody_has_this: " not in text
+    versions = lock_of(run, tmp_path / "graph.lock").record.versions
+    assert "PyYAML" in versions
+    assert "nobody_has_this" not in versions
+
+
+def test_a_reason_contains_no_path_of_this_machine(
+    run_of: Callable[..., Run], tmp_path: Path
+) -> None:
+    @node("strict.refuses")
+    def refuses() -> float:
+        raise Refusal(f"{tmp_path}/deep/some.txt  is empty")
+
+    run = run_of("nodes: {a: {use: strict.refuses}}", more=[refuses])
+    [step] = portable(run, FileNames(run.plan.graph), Results(run)).steps
+    assert step.ending == "refused: some.txt is empty"
