@@ -141,6 +141,7 @@ def lock_text(run: Run, path: Path) -> str:
         "tolerance": lock.tolerance,
         **settings,
         **{name: record.pop(name, {}) for name in _READABLE},
+        "files": lock.record.files(),
         "methods": dict(_methods(lock.record)),
         "text": lock.text,
     }

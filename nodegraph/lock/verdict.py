@@ -84,23 +84,15 @@ def changes_everywhere(was: Record, now: Record) -> Iterator[str]:
     """Yield the changes of the study as a whole: of code, versions and the content of files."""
     pairs = [(method, now.code[method]) for method in was.code if method in now.code]
     edited = sum(
-        any(was.units.get(name) != now.units[name] for name in code.units) for _, code in pairs
+        any(was.units.get(name) != now.units.get(name) for name in code.units) for _, code in pairs
     )
     if edited and same_syntax(was, now):
         yield f"the code of {edited} of {len(pairs)} methods differs"
     yield from version_changes(was.versions, now.versions, {**was.versions, **now.versions})
-    before, after = _files(was), _files(now)
+    before, after = was.files(), now.files()
     for name, digest in before.items():
         if after.get(name, digest) != digest:
             yield f"the content of {name} changed"
-
-
-def _files(record: Record) -> dict[str, str]:
-    return {
-        str(step.settings.get(setting)): digest
-        for step in record.steps
-        for setting, digest in step.files.items()
-    }
 
 
 @dataclass(frozen=True)

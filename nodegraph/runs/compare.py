@@ -340,13 +340,13 @@ def _code_changes(
             yield f"code: {name} was not used before"
         elif name not in code_now.units:
             yield f"code: {name} is no longer used"
-        elif was.units[name] != now.units[name]:
+        elif was.units.get(name) != now.units.get(name):
             yield f"code: {name} was edited"
 
 
 def same_syntax(was: Record, now: Record) -> bool:
     """Whether digests of code can be compared: they depend on the version of Python."""
-    before, after = (each.versions["python"].split(".")[:2] for each in (was, now))
+    before, after = (each.versions.get("python", "").split(".")[:2] for each in (was, now))
     return before == after
 
 

@@ -312,6 +312,14 @@ class Record:
         """The steps by their index in the plan."""
         return {step.step: step for step in self.steps}
 
+    def files(self) -> dict[str, str]:
+        """Return the digests of the files that settings name."""
+        return {
+            str(step.settings.get(setting)): digest
+            for step in self.steps
+            for setting, digest in step.files.items()
+        }
+
     def method(self, step: RecordedStep) -> RecordedMethod:
         """Return the method of a step."""
         methods = self.nodes[step.node].methods.values()

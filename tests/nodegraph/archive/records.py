@@ -18,6 +18,7 @@ _EMPTY = Record(
     axes={},
     nodes={},
     code={},
+    units={},
     known=[],
     left_out=[],
     counts={},

@@ -66,7 +66,7 @@ def test_the_report_is_that_of_the_file_with_a_server_behind_it(opened: Opened) 
 )  # fmt: skip
 def test_files_are_those_that_the_report_lists(opened: Opened, name: str) -> None:
     pages = opened()
-    assert json.loads(pages.get("/files/0/run.json").body)["format"] == 1
+    assert json.loads(pages.get("/files/0/run.json").body)["format"] == 2
     answer = pages.get(f"/files/0/{name}")
     assert answer.status == 404
     assert b"toy.number" not in answer.body
