@@ -33,6 +33,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="File to write (default: standard output)."
     )
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="Draw tables, figures and written files each in a box, not in one list.",
+    )
 
 
 def draw(arguments: Namespace) -> int:
@@ -40,6 +45,7 @@ def draw(arguments: Namespace) -> int:
     from nodegraph import draw as drawing
     from nodegraph.cli.graphs import graph_of
     from nodegraph.draw.from_graph import picture_of
+    from nodegraph.draw.picture import folded
 
     suffix = arguments.out.suffix if arguments.out else ".svg"
     name = arguments.format or _FORMATS.get(suffix)
@@ -50,7 +56,8 @@ def draw(arguments: Namespace) -> int:
     if not arguments.out and (name == "pdf" or (name == "svg" and sys.stdout.isatty())):
         file = Path(arguments.graph).with_suffix(f".{name}").name
         raise NodegraphError(f"the drawing needs a file: --out {file}")
-    drawn: str | bytes = getattr(drawing, name)(picture_of(graph_of(arguments)))
+    picture = picture_of(graph_of(arguments))
+    drawn: str | bytes = getattr(drawing, name)(picture if arguments.all else folded(picture))
     if arguments.out:
         write_and_print(arguments.out, drawn.encode() if isinstance(drawn, str) else drawn)
     else:

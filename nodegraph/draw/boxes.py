@@ -119,6 +119,9 @@ def shape(box: Box, label: str, notes: Mapping[str, Sequence[str]]) -> Shape:
         Which labels the arrows into each port fix.
     """
     heading = [("name", label), *(("line", line) for line in box.lines)]
+    common = _common(notes)
+    heading += [("note", text) for text in common]
+    notes = {port: [text for text in texts if text not in common] for port, texts in notes.items()}
     inputs = [_lines(socket, notes.get(socket.name, ())) for socket in box.inputs]
     outputs = [_lines(socket, ()) for socket in box.outputs]
     sides = [_widest(line for lines in side for line in lines) for side in (inputs, outputs)]
@@ -163,10 +166,19 @@ def shape(box: Box, label: str, notes: Mapping[str, Sequence[str]]) -> Shape:
     return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
 
 
+def _common(notes: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the notes that stand at several ports, at all that have any."""
+    marked = [texts for texts in notes.values() if texts]
+    if len(marked) < 2:
+        return []
+    return [text for text in dict.fromkeys(marked[0]) if all(text in texts for texts in marked)]
+
+
 def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:
     """Return the style and text of each line at a port."""
     texts = dict.fromkeys([socket.gathers, *notes] if socket.gathers else notes)
-    return [("port", shortened(socket.name, 24)), *(("note", shortened(it, 26)) for it in texts)]
+    name = socket.shown or socket.name
+    return [("port", shortened(name, 24)), *(("note", shortened(it, 26)) for it in texts)]
 
 
 def _widest(lines: Iterable[tuple[str, str]]) -> float:

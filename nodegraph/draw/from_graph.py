@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from nodegraph.draw.boxes import shortened
-from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket
+from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket, folded
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
@@ -21,16 +21,29 @@ _Ends = tuple[str, str, str, str]
 """A node and its output, and the node and port that read it."""
 
 
-def drawing_for_page(graph: Graph) -> str:
+def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
     """Return a graph as SVG for a page, or an empty string if it is too large for one.
 
     A drawing of thousands of nodes takes tens of megabytes and is unreadable.
+
+    Parameters
+    ----------
+    graph
+    fold
+        Whether one box stands for all nodes that only show something.
     """
-    return svg(picture_of(graph)) if len(graph.nodes) <= _MOST_ON_A_PAGE else ""
+    if len(graph.nodes) > _MOST_ON_A_PAGE:
+        return ""
+    picture = picture_of(graph)
+    return svg(folded(picture) if fold else picture)
 
 
 def picture_of(graph: Graph) -> Picture:
-    """Return the picture of a graph."""
+    """Return the picture of a graph.
+
+    An axis stands at each node whose settings name it, with its labels at the first of them; an
+    axis with one label is not drawn.
+    """
     wires: dict[_Ends, list[Reference]] = {}
     for source, target, wire in graph.wires():
         ends = (source, wire.output, target, wire.port)
@@ -38,8 +51,17 @@ def picture_of(graph: Graph) -> Picture:
     arrows = {ends: _arrow(graph, ends, references) for ends, references in wires.items()}
     read = {(source, output) for source, output, _, _ in arrows}
     fed = {(target, port) for _, _, target, port in arrows}
-    boxes = tuple(_box(graph, node, read, fed) for node in graph.nodes.values())
-    return Picture(graph.title, boxes, tuple(arrows.values()))
+    said: set[str] = set()
+    boxes = []
+    for node in graph.nodes.values():
+        own = [axis for axis in _own_axes(graph, node) if len(graph.axes[axis].labels) > 1]
+        axes = [
+            axis if axis in said else f"{axis}: {labels_text(graph.axes[axis].labels)}"
+            for axis in own
+        ]
+        said.update(own)
+        boxes.append(replace(_box(graph, node, read, fed), axes=tuple(axes)))
+    return Picture(graph.title, tuple(boxes), tuple(arrows.values()))
 
 
 def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
@@ -115,15 +137,12 @@ def _box(
         inputs=tuple(inputs),
         outputs=tuple(outputs),
         alternatives=(*labels[:_MOST_METHODS], *more),
-        axes=tuple(
-            f"{axis}: {labels_text(graph.axes[axis].labels)}" for axis in _own_axes(graph, node)
-        ),
         kind=_kind(graph, node),
     )
 
 
 def _own_axes(graph: Graph, node: GraphNode) -> tuple[str, ...]:
-    """Return the axes that begin at this node: those that its settings name."""
+    """Return the axes that the settings of this node name."""
     named = {axis for method in node.methods.values() for axis in method.settings.axes}
     return tuple(axis for axis in graph.axes if axis in named)
 

@@ -12,11 +12,23 @@ Kind = Literal["node", "input", "report"]
 
 @dataclass(frozen=True, slots=True)
 class Socket:
-    """A drawn port: its name, its type, and what a gathering port receives."""
+    """A drawn port.
+
+    Attributes
+    ----------
+    name : str
+        Unique on its side of the box.
+    type : str
+    gathers : str
+        What a gathering port receives.
+    shown : str
+        Shown in place of the name.
+    """
 
     name: str
     type: str = ""
     gathers: str = ""
+    shown: str = ""
 
     def __str__(self) -> str:
         return f"{self.name}: {self.type}" if self.type else self.name
@@ -36,7 +48,8 @@ class Box:
     alternatives : tuple of str
         Labels of the methods that are compared here.
     axes : tuple of str
-        Axes that begin at this node, with their labels: ``length: 5, 15, 45``.
+        Axes that its settings name, with their labels where they are first drawn:
+        ``length: 5, 15, 45``.
     kind : {"node", "input", "report"}
         An input reads data of the user; a report node is shown in the report.
     """
@@ -121,3 +134,46 @@ def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, tuple[str, ..
     if port not in ports[box]:
         there = ", ".join(ports[box]) or "none"
         raise ValueError(f"arrow {arrow}: {box!r} has no such port {port!r}; there is {there}")
+
+
+def folded(picture: Picture) -> Picture:
+    """Return a picture in which one box lists all those that only show something.
+
+    These are boxes of the report that no other box reads. An arrow into the list stands for all
+    arrows of its output. With fewer than two such boxes, the picture stays as it is.
+    """
+    shown = {box.name: box for box in picture.boxes if box.kind == "report"}
+    while read := {
+        arrow.source
+        for arrow in picture.arrows
+        if arrow.source in shown and arrow.target not in shown
+    }:
+        shown = {name: box for name, box in shown.items() if name not in read}
+    if len(shown) < 2:
+        return picture
+    name = "report"
+    while any(box.name == name for box in picture.boxes if box.name not in shown):
+        name += " "
+    kept, wires = [], dict[tuple[str, str], Arrow]()
+    for arrow in picture.arrows:
+        if arrow.target not in shown:
+            kept.append(arrow)
+        elif arrow.source not in shown:
+            ends = arrow.source, arrow.source_port
+            known = wires.get(ends, arrow)
+            wires[ends] = Arrow(
+                *ends,
+                name,
+                ".".join(ends),
+                gathers=known.gathers or arrow.gathers,
+                truth=arrow.truth,
+            )
+    boxes = [box for box in picture.boxes if box.name not in shown]
+    outputs = {box.name: len(box.outputs) for box in boxes}
+    sockets = [
+        Socket(arrow.target_port, shown=source if outputs[source] == 1 else "")
+        for (source, _), arrow in wires.items()
+    ]
+    lines = tuple(" ".join((box.name, *box.lines)) for box in shown.values())
+    card = Box(name, lines, tuple(sockets), kind="report")
+    return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))

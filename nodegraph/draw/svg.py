@@ -96,6 +96,11 @@ def legend(picture: Picture, top: float) -> tuple[str, float, float]:
             look = _LOOK[f"chip {style}"]
             rect = f'<rect {look} x="2" y="-7" width="26" height="14" rx="{radius}"/>'
             entries.append((f'<g class="chip {style}">{rect}</g>', shown))
+    for kind, text, radius in (("input", "reads data", 7), ("report", "in the report", 3)):
+        if any(box.kind == kind for box in picture.boxes):
+            place = f'x="2" y="-7" width="26" height="14" rx="{radius}"'
+            rect = f'<rect class="frame" {_LOOK[f"frame {kind}"]} {place}/>'
+            entries.append((f'<g class="box-{kind}">{rect}</g>', text))
     if not entries:
         return "", 0.0, top - 18.0
     x, y = 0.0, top + 12.0

@@ -164,7 +164,8 @@ class OpenRun:
             return ""
         origin = Path(str(self._events.progress.planned.get("folder", "")))
         try:
-            return drawing_for_page(saved_graph(self.folder, settings, origin, self._registry))
+            graph = saved_graph(self.folder, settings, origin, self._registry)
+            return drawing_for_page(graph, fold=False)
         except NodegraphError:
             return ""
 

@@ -26,22 +26,25 @@ def test_many_labels_are_counted(labels: tuple[Label, ...], text: str) -> None:
 
 def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[..., Graph]) -> None:
     text = """
-    axes: {length: [5, 15], trial: {count: 20}}
+    axes: {length: [5, 15], trial: {count: 20}, once: [1]}
     nodes:
       capture: {use: read.number}
       gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
-      fill: {in: gaps.gappy, alternatives: [fill.hold, fill.scale]}
+      again: {use: gaps.cut, in: gaps.gappy, with: {length: $once, seed: $trial}}
+      fill: {in: again.gappy, alternatives: [fill.hold, fill.scale]}
       error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
       table: {use: compare.table, in: error}
     report: [table]
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
     assert boxes["gaps"].axes == ("length: 5, 15", "trial: 0 … 19 (20)")
+    assert boxes["again"].axes == ("trial",)  # labels are said once, and an axis of one label not
     assert boxes["fill"].axes == ()
     assert boxes["fill"].alternatives == ("hold", "scale")
     kinds = {name: box.kind for name, box in boxes.items()}
     assert kinds == {
-        "capture": "input", "gaps": "node", "fill": "node", "error": "node", "table": "report",
+        "capture": "input", "gaps": "node", "again": "node", "fill": "node", "error": "node",
+        "table": "report",
     }  # fmt: skip
     types = {socket.name: socket.type for socket in boxes["gaps"].outputs}
     assert types == {"gappy": "float", "truth": "Truth[float]", "hidden": "int"}

@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from nodegraph.draw import Arrow, Box, Picture, Socket
+from nodegraph.draw.picture import folded
 
 BOXES = (Box("a", outputs=(Socket("out"),)), Box("b", inputs=(Socket("in"),)))
 
@@ -29,3 +30,42 @@ def test_an_arrow_as_text() -> None:
     arrow = Arrow("a", "out", "b", "in", gathers=True, truth=True, fixed="k=3")
     assert str(arrow) == "a.out to b.in (at k=3, truth, gathers)"
     assert str(Arrow("a", "out", "b", "in")) == "a.out to b.in"
+
+
+def test_boxes_that_only_show_are_one_list() -> None:
+    out, scores = (Socket("out"),), (Socket("scores"),)
+    boxes = (
+        Box("face", outputs=(*out, Socket("truth")), kind="input"),
+        Box("fill", inputs=(Socket("in"),), outputs=out),
+        Box("chosen", ("select.pfa",), scores, out, kind="report"),
+        Box("kept", inputs=(Socket("in"),), outputs=out),
+        Box("curve", ("compare.curve",), scores, out, kind="report"),
+        Box("figure", ("plot.selection",), (*scores, Socket("truth")), kind="report"),
+    )
+    arrows = (
+        Arrow("face", "out", "fill", "in"),
+        Arrow("fill", "out", "chosen", "scores"),
+        Arrow("chosen", "out", "kept", "in"),
+        Arrow("kept", "out", "curve", "scores"),
+        Arrow("curve", "out", "figure", "scores"),
+        Arrow("kept", "out", "figure", "scores", gathers=True, fixed="k=3"),
+        Arrow("face", "truth", "figure", "truth", truth=True),
+    )
+    picture = folded(Picture("fold", boxes, arrows))
+    assert [box.name for box in picture.boxes] == ["face", "fill", "chosen", "kept", "report"]
+    report = picture.boxes[-1]
+    assert report.lines == ("curve compare.curve", "figure plot.selection")
+    assert [socket.shown or socket.name for socket in report.inputs] == ["kept", "face.truth"]
+    assert picture.arrows[:3] == arrows[:3]  # a box that another one reads stays
+    assert picture.arrows[3:] == (
+        Arrow("kept", "out", "report", "kept.out", gathers=True),
+        Arrow("face", "truth", "report", "face.truth", truth=True),
+    )
+    assert folded(picture) == picture
+
+
+def test_a_box_called_report_keeps_its_name() -> None:
+    port = (Socket("x"),)
+    boxes = (Box("report", outputs=port), *(Box(n, (), port, kind="report") for n in "ab"))
+    arrows = tuple(Arrow("report", "x", name, "x") for name in "ab")
+    assert [box.name for box in folded(Picture("", boxes, arrows)).boxes] == ["report", "report "]
