@@ -2,7 +2,8 @@
 
 from nodegraph.cache_key.files import Files
 from nodegraph.cache_key.functions import Code, Reached
-from nodegraph.cache_key.modules import PARSER, UNKNOWN
+from nodegraph.cache_key.modules import UNKNOWN
+from nodegraph.cache_key.sources import PARSER
 from nodegraph.cache_key.steps import StepDigest, StepDigests, code_of, followed, step_key
 
 __all__ = [

@@ -13,12 +13,13 @@ from types import CodeType, FunctionType, MappingProxyType, ModuleType, NoneType
 from typing import Any
 
 from nodegraph.cache_key.files import FileMemo
-from nodegraph.cache_key.modules import Modules, Reach, digest_of
+from nodegraph.cache_key.modules import Modules, Reach
+from nodegraph.cache_key.sources import digest_of
 from nodegraph.import_time import LOADED, STARTED
 from nodegraph.plugin.hook_types import Format
 
 _PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
-_FORM = f"2 {_PYTHON}"
+_FORM = f"3 {_PYTHON}"
 """Version of the remembered digests; it must change when sources are read in another way."""
 _FORMATS = "nodegraph.plugin.formats"
 _PLAIN = (NoneType, bool, int, float, complex, str, range, type(...))
@@ -78,7 +79,7 @@ class Code:
     ) -> None:
         known = remembered if remembered and remembered.get("form") == _FORM else {}
         self._memo = FileMemo(known.get("sources"))
-        self._modules = Modules(followed, self._memo, known.get("distributions", {}))
+        self._modules = Modules(followed, self._memo)
         self._formats = formats
         self._known: dict[int, tuple[object, Reached]] = {}
 
@@ -91,11 +92,7 @@ class Code:
 
     def remembered(self) -> dict[str, object]:
         """Return data that a later process need not read again, as plain values for JSON."""
-        return {
-            "form": _FORM,
-            "sources": self._memo.remembered,
-            "distributions": self._modules.distributions,
-        }
+        return {"form": _FORM, "sources": self._memo.remembered}
 
     def _find(self, function: Callable[..., object]) -> Reached:
         values = _Values(self._modules)

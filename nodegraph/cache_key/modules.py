@@ -2,187 +2,29 @@
 
 from __future__ import annotations
 
-import ast
-import hashlib
 import os
+import re
 import sys
 import sysconfig
-import threading
-import warnings
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache
+from email.parser import HeaderParser
+from functools import cache, cached_property
 from importlib import metadata
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple
 
 from nodegraph.cache_key.files import FileMemo
+from nodegraph.cache_key.sources import ANY, Source, read_source
 
 UNKNOWN = "unknown"
 """The version of a distribution that is not installed."""
 _NOT_FOLLOWED = {"nodegraph.plugin.registry", "nodegraph.execute.call"}
 """Modules that find and call nodes, whichever these are; all of nodegraph hangs on them."""
 _INSTALLED = {"site-packages", "dist-packages"}
-_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
-_ANY = "*"
-"""A reference to a module whose name is known only when the code runs."""
-PARSER = threading.Lock()
-"""Held while a source is parsed, or a traceback formatted, which parses its lines: Python 3.11
-counts the depth of all threads' trees together, and fails where two of them meet (python/cpython
-issue 106905)."""
-
-
-class Source(NamedTuple):
-    """The content of a module's file, as far as it decides which code is run.
-
-    A reference is ``module:name``, or ``module:`` for all of a module; relative modules begin with
-    dots.
-
-    Attributes
-    ----------
-    digest : str
-        Without comments, docstrings and positions.
-    uses : sequence of str
-        References to all that it imports, inside functions too, but for type checkers.
-    bound : mapping of name to references
-        Names at its top, also those for type checkers, with what they are imported from; an empty
-        reference stands for the module itself.
-    acts : bool
-        Whether an import of it does more than to bind names.
-    """
-
-    digest: str
-    uses: Sequence[str] = ()
-    bound: Mapping[str, Sequence[str]] = MappingProxyType({})
-    acts: bool = False
-
-    def modules(self) -> Iterator[str]:
-        """Yield references to whole modules that it imports at its top."""
-        return (each for taken in self.bound.values() for each in taken if each.endswith(":"))
-
-
-def digest_of(content: str | bytes) -> str:
-    """Return the first 16 hexadecimal digits of a digest."""
-    data = content.encode("utf-8", "surrogatepass") if isinstance(content, str) else content
-    return hashlib.sha256(data).hexdigest()[:16]
-
-
-def read_source(file: str) -> Source:
-    """Read the source of a module; what is not Python counts by its bytes."""
-    content = Path(file).read_bytes()
-    try:
-        with PARSER, warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # they are shown when the module is imported
-            tree = ast.parse(content if file.endswith(".py") else b"\0")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return Source(digest_of(content))  # an import of it fails, and so does the step
-    nodes = list(ast.walk(tree))
-    for node in nodes:
-        if isinstance(body := getattr(node, "body", None), list):
-            body[:] = [part for part in body if not _is_idle(part)]
-    for_types = {id(part) for each in tree.body if _is_for_types(each) for part in ast.walk(each)}
-    bound: defaultdict[str, list[str]] = defaultdict(list)
-    acts = False
-    for statement in tree.body:
-        is_definition = isinstance(statement, _DEFINITIONS)
-        for part in [statement] if is_definition else ast.walk(statement):
-            for name, reference in (*_imports(part), *((name, "") for name in _own_names(part))):
-                bound[name].append(reference)
-        acts = acts or (not is_definition and any(map(_acts, ast.walk(statement))))
-    return Source(
-        _tree_digest(tree) or digest_of(content),
-        _uses([node for node in nodes if id(node) not in for_types]),
-        bound,
-        acts,
-    )
-
-
-def _tree_digest(tree: ast.AST) -> str:
-    try:
-        return digest_of(ast.dump(tree))
-    except RecursionError:
-        return ""
-
-
-def _is_idle(statement: ast.AST) -> bool:
-    """Whether a statement does nothing: a text by itself, such as a docstring, or ``pass``."""
-    if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
-        return isinstance(statement.value.value, str)
-    return isinstance(statement, ast.Pass)
-
-
-def _is_for_types(statement: ast.stmt) -> bool:
-    return isinstance(statement, ast.If) and _last_name(statement.test) == "TYPE_CHECKING"
-
-
-def _last_name(expression: ast.expr) -> str:
-    name = getattr(expression, "attr", None) or getattr(expression, "id", "")
-    return str(name)
-
-
-def _acts(part: ast.AST) -> bool:
-    is_item = isinstance(part, (ast.Attribute, ast.Subscript))
-    return isinstance(part, (ast.Expr, ast.Delete)) or (
-        is_item and isinstance(getattr(part, "ctx", None), ast.Store)
-    )
-
-
-def _own_names(part: ast.AST) -> Iterator[str]:
-    if isinstance(part, _DEFINITIONS):
-        yield part.name
-    elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
-        yield part.id
-
-
-def _imports(node: ast.AST) -> Iterator[tuple[str, str]]:
-    """Yield the names that an import binds, with references to what they stand for."""
-    if isinstance(node, ast.Import):
-        for alias in node.names:
-            top = alias.name.partition(".")[0]
-            if alias.asname or top == alias.name:
-                yield alias.asname or top, f"{alias.name}:"
-            else:
-                yield from ((top, f"{top}:"), ("", f"{alias.name}:"))
-    elif isinstance(node, ast.ImportFrom):
-        module = "." * node.level + (node.module or "")
-        yield from ((alias.asname or alias.name, f"{module}:{alias.name}") for alias in node.names)
-    elif isinstance(node, ast.Call):
-        function = _last_name(node.func)
-        if function in ("import_module", "__import__"):
-            name = getattr(node.args[0], "value", None) if node.args else None
-            is_full = isinstance(name, str) and not name.startswith(".")
-            yield "", f"{name}:" if is_full else _ANY
-        elif function in ("spec_from_file_location", "run_path", "run_module"):
-            yield "", _ANY
-
-
-def _uses(nodes: Iterable[ast.AST]) -> list[str]:
-    """Return references to all imports; to single names of modules that are used in no other way.
-
-    The nodes are in the order of `ast.walk`: an attribute comes before the name that has it.
-    """
-    attributes: defaultdict[str, set[str]] = defaultdict(set)
-    with_attribute: set[int] = set()
-    imports: list[tuple[str, str]] = []
-    for node in nodes:
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            attributes[node.value.id].add(node.attr)
-            with_attribute.add(id(node.value))
-        elif isinstance(node, ast.Name) and id(node) not in with_attribute:
-            attributes[node.id].add("")
-        else:
-            imports.extend(_imports(node))
-    return sorted(
-        {
-            f"{reference}{attribute if reference.endswith(':') else ''}"
-            for name, reference in imports
-            for attribute in attributes.get(name, {""})
-        }
-    )
 
 
 class Place(NamedTuple):
@@ -235,15 +77,10 @@ class Modules:
         install. So does the code of modules that were not installed. Of every other module the
         version counts.
     memo
-        Of sources.
-    distributions
-        Of each top-level module, as found in an earlier process.
+        Of sources, and of what is installed in folders.
     """
 
-    def __init__(
-        self, followed: Iterable[str], memo: FileMemo, distributions: Mapping[str, list[str]]
-    ) -> None:
-        self.distributions = dict(distributions)
+    def __init__(self, followed: Iterable[str], memo: FileMemo) -> None:
         self._followed = frozenset(followed)
         self._memo = memo
         self._places: dict[str, Place | None] = {}
@@ -301,22 +138,22 @@ class Modules:
         if place.folders and name != "" and not source.acts:
             passed = list(self._passed(module, name, source)) if name else []
             if passed or name is None:
-                yield from _absolute(package, source.modules())
-                yield from passed
+                whole = [each for each in source.imports if each.endswith(":")]
+                yield from (*_absolute(package, whole), *passed)
                 return
         if place.file:
             own.digests[module] = source.digest
-        yield from _absolute(package, source.uses)
-        if _ANY in source.uses:
+        yield from _absolute(package, source.imports)
+        if ANY in source.imports:
             yield from self._all(module, own)
 
     def _passed(self, package: str, name: str, source: Source) -> Iterator[At]:
         """Yield where a package takes a name from; nothing if it may be of the package itself."""
-        references = source.bound.get(name, [])
+        references = source.names.get(name, [])
         if "" in references:
             return
         yield from _absolute(package, references)
-        yield from ((module, name) for module, _ in _absolute(package, source.bound.get("*", [])))
+        yield from ((module, name) for module, _ in _absolute(package, source.names.get("*", [])))
         if self._place(f"{package}.{name}"):
             yield f"{package}.{name}", ""
 
@@ -377,42 +214,45 @@ class Modules:
 
     def _owners(self, top: str) -> Mapping[str, str]:
         """Return the distributions that install a top-level module, with their versions."""
-        try:
-            return {name: metadata.version(name) for name in self.distributions[top]}
-        except (KeyError, metadata.PackageNotFoundError):
-            installed = _installed(tuple((path, _changed(path)) for path in sys.path))
-            names = self.distributions[top] = sorted(set(installed.get(top, ())))
-            return {name: metadata.version(name) for name in names}
+        place = self._place(top)
+        versions = {}
+        for path in (place.folders or (place.file,)) if place else ():
+            folder = os.path.dirname(path)
+            if _INSTALLED.intersection(Path(folder).parts):
+                for about in self._memo.get(folder, _installed).get(top, ()):
+                    name, version = self._memo.get(os.path.join(folder, about), _name_and_version)
+                    versions[name] = version
+        return versions
+
+
+def _installed(folder: str) -> Mapping[str, list[str]]:
+    """Return files about the distributions that install each top-level module in a folder."""
+    result: defaultdict[str, list[str]] = defaultdict(list)
+    for about in sorted(Path(folder).glob("*.*-info/*")):
+        if about.name in ("METADATA", "PKG-INFO"):
+            distribution = metadata.Distribution.at(about.parent)
+            tops = (distribution.read_text("top_level.txt") or "").split()
+            files = (distribution.read_text("RECORD") or "").splitlines()
+            for top in tops or {re.split(r"[/.]", file)[0] for file in files}:
+                result[top].append(f"{about.parent.name}/{about.name}")
+    return result
+
+
+def _name_and_version(about: str) -> tuple[str, str]:
+    with open(about, encoding="utf-8", errors="replace") as opened:
+        headers = HeaderParser().parse(opened)
+    return headers["Name"], headers["Version"]
 
 
 def _absolute(package: str, references: Iterable[str]) -> Iterator[At]:
     for reference in references:
         module, _, name = reference.partition(":")
-        if reference == _ANY:
+        if reference == ANY:
             continue
         try:
             yield resolve_name(module, package), "" if name == "*" else name
         except ImportError:  # a relative import outside of any package fails when it is run
             continue
-
-
-@lru_cache(maxsize=1)
-def _installed(paths: tuple[tuple[str, int], ...]) -> Mapping[str, list[str]]:
-    """Return the distributions that install each top-level module, looked up once.
-
-    Parameters
-    ----------
-    paths
-        Where they lie, with the times at which these folders last changed.
-    """
-    return metadata.packages_distributions()
-
-
-def _changed(path: str) -> int:
-    try:
-        return os.stat(path or ".").st_mtime_ns
-    except OSError:
-        return 0
 
 
 @cache

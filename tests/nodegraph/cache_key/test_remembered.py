@@ -90,5 +90,5 @@ def test_what_another_version_remembered_is_left(
     folder: Folder, fill: Callable[..., object]
 ) -> None:
     reached, remembered = remember(fill)
-    assert Code([], {"form": "other", "sources": 1, "distributions": 2}).of(fill) == reached
+    assert Code([], {"form": "other", "sources": 1}).of(fill) == reached
     assert Code([], {**remembered, "form": "other"}).remembered()["sources"] == {}
