@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
+
+Hint = str | Callable[[], str]
+"""A text, or what returns it: the nearest of many names takes time, and not every error is shown."""
 
 
 class Place(NamedTuple):
@@ -22,14 +25,22 @@ class Problem(NamedTuple):
 
     place: Place
     message: str
-    instead: str = ""
+    hint: Hint = ""
+
+    @property
+    def instead(self) -> str:
+        """What there is instead, as text."""
+        return self.hint if isinstance(self.hint, str) else self.hint()
 
     def __str__(self) -> str:
-        hint = f"\n    {one_line(self.instead)}" if self.instead else ""
+        instead = self.instead
+        hint = f"\n    {one_line(instead)}" if instead else ""
         return f"{self.place}: {one_line(self.message)}{hint}"
 
 
 _LONGEST = 2000
+_LONGEST_NAME = 60
+_MOST_SHOWN = 20
 
 
 def one_line(text: str) -> str:
@@ -46,6 +57,17 @@ def without_middle(text: str, longest: int) -> str:
     return text if len(text) <= longest else f"{text[:half]} … {text[-half:]}"
 
 
+def quoted(value: object) -> str:
+    """Return a name or a value as Python writes it, with … in place of the middle of a long one.
+
+    Examples
+    --------
+    >>> quoted("chin")
+    "'chin'"
+    """
+    return without_middle(repr(value), _LONGEST_NAME)
+
+
 class NodegraphError(Exception):
     """Base class of errors that a user can correct, with a message that says how."""
 
@@ -60,9 +82,20 @@ class GraphError(NodegraphError):
     """
 
     def __init__(self, problems: Iterable[Problem]) -> None:
-        unique = dict.fromkeys(problems)
-        self.problems = tuple(sorted(unique, key=lambda problem: problem.place))
-        super().__init__("\n".join(str(problem) for problem in self.problems))
+        unique = {(problem.place, problem.message): problem for problem in problems}
+        self.problems = tuple(sorted(unique.values(), key=lambda problem: problem.place))
+        super().__init__("\n".join([*map(str, self.first), *self.more]))
+
+    @property
+    def first(self) -> tuple[Problem, ...]:
+        """The errors that a message shows."""
+        return self.problems[:_MOST_SHOWN]
+
+    @property
+    def more(self) -> tuple[str, ...]:
+        """How many errors a message does not show, as a line; none if it shows all."""
+        rest = len(self.problems) - len(self.first)
+        return (f"and {rest:,} more; correct these first",) if rest else ()
 
 
 class NodeError(NodegraphError):
@@ -70,7 +103,23 @@ class NodeError(NodegraphError):
 
 
 class UnknownNodeError(NodegraphError):
-    """Raised if no installed node has the name, or several have it."""
+    """Raised if no installed node has the name, or several have it.
+
+    Attributes
+    ----------
+    message : str
+        Without what there is instead.
+    hint : str or callable
+    """
+
+    def __init__(self, message: str, hint: Hint = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+    def __str__(self) -> str:
+        instead = self.hint if isinstance(self.hint, str) else self.hint()
+        return f"{self.message}; {instead}" if instead else self.message
 
 
 class Refusal(NodegraphError):
@@ -93,9 +142,13 @@ class Problems:
     def __bool__(self) -> bool:
         return bool(self._problems)
 
-    def add(self, place: Place, message: str, instead: str = "") -> None:
+    def add(self, place: Place, message: str, instead: Hint = "") -> None:
         """Note one error and continue."""
         self._problems.append(Problem(place, message, instead))
+
+    def extend(self, problems: Iterable[Problem]) -> None:
+        """Note errors that were found elsewhere."""
+        self._problems.extend(problems)
 
     def all(self) -> tuple[Problem, ...]:
         """Return the errors noted so far."""

@@ -18,7 +18,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
 from io import TextIOWrapper
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -120,22 +119,29 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _with_excerpts(error: GraphError) -> str:
-    """Return the errors of a graph, each with its line and a caret below the column."""
+    """Return the first errors of a graph, each with its line and a caret below the column."""
     texts: list[str] = []
-    for problem in error.problems:
-        place, _, hint = str(problem).partition("\n")
-        texts += [place, *_excerpt(problem.place), *([hint] if hint else [])]
-    return "\n".join(texts)
+    files = {problem.place.file for problem in error.first if problem.place.line}
+    lines = {file: _lines_of(file) for file in files}
+    for problem in error.first:
+        text, _, hint = str(problem).partition("\n")
+        place = problem.place
+        line = "".join(lines[place.file][place.line - 1 : place.line]) if place.line else ""
+        texts += [text, *_excerpt(place, line.rstrip()), *([hint] if hint else [])]
+    return "\n".join([*texts, *error.more])
 
 
-def _excerpt(place: Place) -> list[str]:
-    if not place.line or not os.path.isfile(place.file):
+def _lines_of(file: str) -> list[str]:
+    if not os.path.isfile(file):
         return []
     try:
-        with open(place.file, encoding="utf-8") as file:
-            line = next(islice(file, place.line - 1, None), "").rstrip()
+        with open(file, encoding="utf-8") as stream:
+            return stream.readlines()
     except (OSError, ValueError):
         return []
+
+
+def _excerpt(place: Place, line: str) -> list[str]:
     start = max(place.column - _EXCERPT, 0)
     shown = "".join(each if each.isprintable() else " " for each in line[start:][: 2 * _EXCERPT])
     number = f"{place.line:>5} | "

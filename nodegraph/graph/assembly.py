@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 
 import networkx as nx
 
-from nodegraph.errors import Place, Problems, nearest
+from nodegraph.errors import Place, Problems, nearest, quoted
 from nodegraph.graph.axes import CombinationCounter, check_fixed_axes, node_axes
 from nodegraph.graph.flatten import FlatGraph
 from nodegraph.graph.methods import (
@@ -210,8 +211,8 @@ class Assembler:
                 if axis in axes:
                     self._check_skip_labels(item.place, axis, labels)
                 else:
-                    hint = nearest(axis, axes, what="axes")
-                    self._problems.add(item.place, f"skip: no axis {axis!r}", hint)
+                    hint = partial(nearest, axis, axes, what="axes")
+                    self._problems.add(item.place, f"skip: no axis {quoted(axis)}", hint)
             if self._incomplete or not item.labels.keys() <= axes.keys():
                 continue
             if any(item.labels.keys() <= set(node.axes) for node in self._nodes.values()):
@@ -223,10 +224,12 @@ class Assembler:
 
     def _check_skip_labels(self, place: Place, axis: str, labels: Iterable[object]) -> None:
         known = self._namespace.axes[axis]
+        there = {*known.labels, *known.removed}
         for label in labels:
-            if not is_label(label) or label not in {*known.labels, *known.removed}:
-                hint = nearest(label, known.labels, what="labels")
-                self._problems.add(place, f"skip: axis {axis!r} has no label {label!r}", hint)
+            if not is_label(label) or label not in there:
+                hint = partial(nearest, label, known.labels, what="labels")
+                message = f"skip: axis {axis!r} has no label {quoted(label)}"
+                self._problems.add(place, message, hint)
 
     def _remove_left_out(self, network: nx.MultiDiGraph[str]) -> None:
         """Remove the nodes that are left out, and those that need them."""

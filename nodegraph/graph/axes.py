@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from math import prod
 
-from nodegraph.errors import Place, Problems, nearest
+from nodegraph.errors import Place, Problems, nearest, quoted
 from nodegraph.graph.model import Axis, Gather, GraphNode, Method, sources_of
 from nodegraph.graphfile.spec import NodeSpec, Reference
 
@@ -73,13 +74,13 @@ def check_fixed_axes(
     removed = ""
     for name, label in source.at.items():
         if name not in node.axes:
-            hint = nearest(name, node.axes, what=f"axes of {source.node}")
-            problems.add(source.place, f"{source.node!r} has no axis {name!r}", hint)
+            hint = partial(nearest, name, node.axes, what=f"axes of {source.node}")
+            problems.add(source.place, f"{source.node!r} has no axis {quoted(name)}", hint)
         elif label in axes[name].removed:
             removed = f"{name}={label}"
         elif label not in axes[name].labels and axes[name].labels:
-            hint = nearest(label, axes[name].labels, what="labels")
-            problems.add(source.place, f"axis {name!r} has no label {label!r}", hint)
+            hint = partial(nearest, label, axes[name].labels, what="labels")
+            problems.add(source.place, f"axis {name!r} has no label {quoted(label)}", hint)
     return removed
 
 

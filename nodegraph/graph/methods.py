@@ -171,8 +171,7 @@ def _find(method: MethodSpec, registry: Registry, problems: Problems) -> Registe
     try:
         return registry.find(method.use)
     except UnknownNodeError as error:
-        message, _, instead = str(error).partition("; ")
-        problems.add(method.place, message, instead)
+        problems.add(method.place, error.message, error.hint)
         return None
 
 

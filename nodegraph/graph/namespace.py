@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
-from nodegraph.errors import Place, Problems, nearest
+from nodegraph.errors import Hint, Place, Problems, nearest, quoted
 from nodegraph.graph.model import Axis, Choices
 from nodegraph.graphfile.axes import FILE, axis_from_option
 from nodegraph.graphfile.spec import GraphSpec, Variable, Written
@@ -97,8 +98,9 @@ class Namespace:
             message = f"{variable} is a port ({self._ports[name].type.__name__}), not a value"
             self._reject(variable, message, f"write in: ${name}")
         elif name not in self.inputs:
-            known = [f"${known}" for known in (*self._spec.inputs, *self._spec.axes)]
-            self._reject(variable, f"no input or axis {name!r}", nearest(f"${name}", known))
+            known = (f"${known}" for known in (*self._spec.inputs, *self._spec.axes))
+            hint = partial(nearest, f"${name}", known)
+            self._reject(variable, f"no input or axis {quoted(name)}", hint)
         elif variable.field and not isinstance(self.inputs[name], dict):
             message = f"{variable}: the input {name!r} has no fields, {self.inputs[name]!r}"
             self._reject(variable, message, "an axis, or an input that is a mapping, has fields")
@@ -145,7 +147,7 @@ class Namespace:
             return "--set"
         return "--axis" if variable.name in self._choices.axes else ""
 
-    def _reject(self, variable: Variable, message: str, hint: str) -> None:
+    def _reject(self, variable: Variable, message: str, hint: Hint) -> None:
         self.invalid.add(variable)
         self._problems.add(variable.place, message, hint)
 

@@ -7,11 +7,11 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nodegraph.errors import NodegraphError, Problems, listed, nearest
+from nodegraph.errors import NodegraphError, Problems, listed, nearest, quoted
 from nodegraph.graph.methods import ResolvedMethod
 from nodegraph.graph.model import (
     Gather,
@@ -138,8 +138,9 @@ class SettingsReader:
     def _is_setting(self, where: str, name: str, written: Written, node: Node) -> bool:
         if name in node.settings:
             return True
-        hint = nearest(name, node.settings, what="settings")
-        self._problems.add(written.place, f"{where}: {node.name} has no setting {name!r}", hint)
+        hint = partial(nearest, name, node.settings, what="settings")
+        message = f"{where}: {node.name} has no setting {quoted(name)}"
+        self._problems.add(written.place, message, hint)
         self._namespace.use([written])
         return False
 

@@ -214,8 +214,7 @@ def check_use(use: Use, problems: Problems) -> bool:
     """Whether a node fits the graph that it uses; record why not."""
     check = _UseCheck(use)
     check.run()
-    for problem in check.problems.all():
-        problems.add(problem.place, problem.message, problem.instead)
+    problems.extend(check.problems.all())
     return use.graph.is_valid and not check.problems
 
 

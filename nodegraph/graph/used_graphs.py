@@ -58,8 +58,7 @@ class UsedGraphs:
             subgraph = invalid_subgraph(flat.spec, flat.ports)
         else:
             subgraph = subgraph_of(graph, flat.ports, flat.stand_ins, problems)
-        for problem in problems.all():
-            self._problems.add(problem.place, problem.message, problem.instead)
+        self._problems.extend(problems.all())
         return subgraph
 
     def _ports(self, spec: GraphSpec, problems: Problems) -> Iterator[tuple[str, Port]]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import islice
 
 import networkx as nx
 
-from nodegraph.errors import Place, Problems, listed, nearest
+from nodegraph.errors import Hint, Place, Problems, listed, nearest, quoted
 from nodegraph.graph.methods import ResolvedMethod, labelled
 from nodegraph.graph.model import Gather, GraphNode, Wire
 from nodegraph.graph.namespace import Namespace
@@ -72,23 +74,23 @@ class WireChecker:
             message = f"{reference} names a value; a port is fed by a node"
             self._note(reference.place, where, message, self._instead_of_value(name))
         else:
-            used_by = self._users_of(f"{name}.{reference.port}")
-            hint = f"write {' or '.join(used_by)}" if used_by else self._nearest(name)
-            self._note(reference.place, where, f"no node {name!r}", hint)
+            hint = partial(self._instead_of, name, reference.port)
+            self._note(reference.place, where, f"no node {quoted(name)}", hint)
 
-    def _note(self, place: Place, where: str, message: str, hint: str) -> None:
+    def _note(self, place: Place, where: str, message: str, hint: Hint) -> None:
         """Note an error once, by the first of the methods that share the reference."""
         if (place, message) not in self._noted:
             self._noted.add((place, message))
             self._problems.add(place, f"{where}: {message}", hint)
 
-    def _users_of(self, node_name: str) -> list[str]:
-        """Return the nodes of the graph that use an installed node, such as ``read.recording``."""
-        return [
-            name
-            for name, node in self._nodes.items()
-            if any(method.node.name == node_name for method in node.methods.values())
+    def _instead_of(self, name: str, port: str) -> str:
+        """Return what to write: nodes that use an installed node of the name, or the nearest."""
+        used_by = [
+            node.name
+            for node in self._nodes.values()
+            if any(method.node.name == f"{name}.{port}" for method in node.methods.values())
         ]
+        return f"write {' or '.join(used_by)}" if used_by else self._nearest(name)
 
     def _instead_of_value(self, name: str) -> str:
         """Return a suggestion: a port whose type is unknown, or a node."""
@@ -133,19 +135,18 @@ class WireChecker:
         for port in node.inputs:
             if not port.optional and port.name not in wired:
                 message = f"{where}: port {port} of {node.name} is not fed"
-                source = self._only_source(port)
-                self._problems.add(method.place, message, f"write in: {{{port.name}: {source}}}")
+                self._problems.add(method.place, message, partial(self._wire_to, port, len(self._nodes)))
 
-    def _only_source(self, port: Port) -> str:
-        """Return the only output of the nodes so far that fits a port, or else a placeholder."""
+    def _wire_to(self, port: Port, count: int) -> str:
+        """Return what to write: of the first nodes, the only output that fits, or a placeholder."""
         fitting = [
             f"{name}.{output.name}"
-            for name, node in self._nodes.items()
+            for name, node in islice(self._nodes.items(), count)
             if node.methods
             for output in node.first.node.outputs
             if not mismatch(output, port)
         ]
-        return fitting[0] if len(fitting) == 1 else "node"
+        return f"write in: {{{port.name}: {fitting[0] if len(fitting) == 1 else 'node'}}}"
 
 
 def _instead_of_truth(reference: Reference, node: Node) -> str:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from pathlib import PurePath
 from typing import Any
 
-from nodegraph.errors import Place, Problems, nearest
+from nodegraph.errors import Place, Problems, nearest, quoted
 from nodegraph.graphfile.axes import is_label
 from nodegraph.graphfile.keys import (
     ALTERNATIVES_HINT,
@@ -271,8 +272,8 @@ class NodeReader:
             return False
         for key in item.value:
             if key not in keys:
-                message = f"{what}: unknown key {key!r}"
-                hint = space_hint(key, keys) or f"{nearest(key, keys)}; settings stand under 'with'"
+                message = f"{what}: unknown key {quoted(key)}"
+                hint = partial(instead_of_key, key, keys, more="; settings stand under 'with'")
                 self._problems.add(item.keys[key], message, hint)
         return True
 
@@ -287,6 +288,11 @@ class NodeReader:
 def _lacks_space(item: Located) -> bool:
     """Whether ``use:x.a`` is a key, which is noted as unknown."""
     return any(space_hint(key, ("use", "alternatives")) for key in item.value)
+
+
+def instead_of_key(key: object, keys: Iterable[str], more: str = "") -> str:
+    """Return what there is instead of an unknown key."""
+    return space_hint(key, keys) or f"{nearest(key, keys)}{more}"
 
 
 def space_hint(written: object, keys: Iterable[str]) -> str:

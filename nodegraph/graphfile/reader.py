@@ -6,19 +6,20 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path, PurePath
 from typing import Any
 
-from nodegraph.errors import GraphError, Place, Problem, Problems, nearest
+from nodegraph.errors import GraphError, Hint, Place, Problem, Problems, nearest, quoted
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graphfile.axes import read_axis
 from nodegraph.graphfile.keys import FORMAT, IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL, Form
 from nodegraph.graphfile.nodes import (
     NodeReader,
+    instead_of_key,
     read_reference,
     read_report_entry,
     read_text,
-    space_hint,
 )
 from nodegraph.graphfile.spec import (
     GraphSpec,
@@ -87,14 +88,17 @@ def _text_of(path: Path) -> str:
             raise GraphError([Problem(place, "too large to be a graph file")])
         return path.read_text(encoding="utf-8")
     except FileNotFoundError as error:
-        others = [file.name for file in _graph_files(path.parent)]
-        hint = nearest(path.name, others, what="in that folder there is")
-        problem = Problem(place, "no such graph file", hint)
-        raise GraphError([problem]) from error
+        raise GraphError([Problem(place, "no such graph file", partial(_beside, path))]) from error
     except UnicodeDecodeError as error:
         raise GraphError([Problem(place, "cannot be read: it is not text, as YAML is")]) from error
     except (OSError, ValueError) as error:  # a name may be too long
         raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
+
+
+def _beside(path: Path) -> str:
+    """Return the graph files in the folder of a file that is not there, and the nearest name."""
+    others = [file.name for file in _graph_files(path.parent)]
+    return nearest(path.name, others, what="in that folder there is")
 
 
 def _graph_files(folder: Path) -> list[Path]:
@@ -153,10 +157,10 @@ class _SpecReader:
             raise GraphError([Problem(root.place, message, nearest("", TOP_LEVEL, what="keys"))])
         for key in root.value:
             if key not in TOP_LEVEL:
-                hint = space_hint(key, TOP_LEVEL) or nearest(key, TOP_LEVEL)
+                hint: Hint = partial(instead_of_key, key, TOP_LEVEL)
                 if isinstance(root.value[key].value, dict) and not _has_nodes(root):
                     hint = "indent it, if it is one of 'nodes'"
-                self._problems.add(root.keys[key], f"unknown key {key!r}", hint)
+                self._problems.add(root.keys[key], f"unknown key {quoted(key)}", hint)
         self._check_format(root)
         if not _has_nodes(root):
             place = root.keys.get("nodes", root.place)
@@ -321,15 +325,14 @@ class _UsedGraphs:
         except GraphError as error:
             for problem in error.problems:
                 message = f"{method.use}: {problem.message}"
-                self._problems.add(method.place, message, problem.instead)
+                self._problems.add(method.place, message, problem.hint)
             return
         name = os.path.normpath(os.path.join(os.path.dirname(spec.file), method.use))
         self._sizes[path] = None
         try:
             used = _read_spec(text, name, path.parent)
         except GraphError as error:
-            for problem in error.problems:
-                self._problems.add(problem.place, problem.message, problem.instead)
+            self._problems.extend(error.problems)
             return
         self._specs[path], self._sizes[path] = self._resolved(used, (*chain, (path, name)))
 

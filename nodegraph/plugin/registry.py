@@ -6,11 +6,11 @@ import warnings
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import Any
 
-from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, closest, listed, nearest
+from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, closest, listed, quoted
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import loading
 from nodegraph.plugin.hook_results import HookResults, declared_hooks
@@ -110,13 +110,9 @@ class Registry:
         if matches:
             claimed = " and ".join(node.full_name for node in matches)
             raise UnknownNodeError(
-                f"node {bare_name!r} is claimed by {claimed}; write one of these"
+                f"node {bare_name!r} is claimed by {claimed}", "write one of these"
             )
-        hint = f"{self._nearest(bare_name)}; nodes of a plugin file need --plugin FILE"
-        if self.broken:
-            reasons = (f"plugin {each.name!r} ({each.reason})" for each in self.broken)
-            hint += f"; left out: {', '.join(reasons)}"
-        raise UnknownNodeError(f"no node {name!r}; {hint}")
+        raise UnknownNodeError(f"no node {quoted(name)}", partial(self._instead_of, bare_name))
 
     def family(self, family: str) -> Mapping[str, Registered]:
         """Return every method of a family by its label.
@@ -152,7 +148,8 @@ class Registry:
             try:
                 node = _checked_node(self.hooks.node_finders[scheme](name))
             except NodegraphError as error:
-                raise UnknownNodeError(f"no node '{scheme}:{name}': {error}") from error
+                message, _, instead = f"no node '{scheme}:{name}': {error}".partition("; ")
+                raise UnknownNodeError(message, instead) from error
             self._by_scheme[scheme, name] = Registered(replace(node, name=name), scheme)
         return self._by_scheme[scheme, name]
 
@@ -195,17 +192,25 @@ class Registry:
         for name, node in nodes.items():
             self._by_name[name].append(Registered(node, plugin, distribution))
 
-    def _nearest(self, name: str) -> str:
-        """Return a hint: methods of the name's family if there are any, else families."""
-        family, dot, _ = name.partition(".")
+    def _instead_of(self, name: str) -> str:
+        """Return a hint for an unknown name: the nearest, and what else may be missing."""
+        family, dot, method = name.partition(".")
         names = sorted(self._by_name)
         if family in self.families:
             methods = [each for each in names if each.startswith(f"{family}.")]
-            return nearest(name, methods) if dot else f"it is a family: {listed(methods)}"
-        same = " or ".join(each for each in names if each.endswith(f".{name}"))
-        close = same or closest(name, names)
-        guess = f"did you mean {close}? " if close else ""
-        return f"{guess}families: {listed(self.families)}"
+            close = closest(method, [each.partition(".")[2] for each in methods])
+            guess = repr(f"{family}.{close}") if close else ""
+            there = f"there is: {listed(methods)}" if dot else f"it is a family: {listed(methods)}"
+        else:
+            same = [each for each in names if each.endswith(f".{name}")] or [closest(name, names)]
+            guess = " or ".join(map(repr, filter(None, same)))
+            there = f"families: {listed(self.families)}"
+        if guess:
+            there = f"did you mean {guess}? {there}; nodes of a plugin file need --plugin FILE"
+        elif dot:
+            there = f"a node of a plugin file needs --plugin FILE; {there}"
+        reasons = (f"plugin {each.name!r} ({each.reason})" for each in self.broken)
+        return f"{there}; left out: {', '.join(reasons)}" if self.broken else there
 
 
 @lru_cache(maxsize=1)

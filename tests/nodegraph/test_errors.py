@@ -1,8 +1,19 @@
 from __future__ import annotations
 
+from functools import partial
+
 import pytest
 
-from nodegraph.errors import GraphError, Place, Problem, Problems, closest, listed, nearest
+from nodegraph.errors import (
+    GraphError,
+    Place,
+    Problem,
+    Problems,
+    closest,
+    listed,
+    nearest,
+    quoted,
+)
 
 
 def test_a_problem_has_place_message_and_hint() -> None:
@@ -30,6 +41,30 @@ def test_problems_are_reported_once_each_in_reading_order() -> None:
     with pytest.raises(GraphError) as caught:
         problems.raise_any()
     assert [str(problem.place) for problem in caught.value.problems] == ["a:1:5", "a:2:1", "a:2:9"]
+
+
+def test_the_first_of_thousands_are_shown_and_only_their_hints_are_worked_out() -> None:
+    asked = []
+
+    def hint(line: int) -> str:
+        asked.append(line)
+        return "there is: y"
+
+    problems = Problems()
+    for line in range(4000, 0, -1):
+        problems.add(Place("a", line, 1), "no node 'x'", partial(hint, line))
+    with pytest.raises(GraphError) as caught:
+        problems.raise_any()
+    lines = str(caught.value).splitlines()
+    assert lines[:2] == ["a:1:1: no node 'x'", "    there is: y"]
+    assert (len(lines), lines[-1]) == (41, "and 3,980 more; correct these first")
+    assert asked == list(range(1, 21))
+    assert len(caught.value.problems) == 4000
+
+
+def test_what_is_quoted_is_short() -> None:
+    assert quoted("chin") == "'chin'"
+    assert quoted("z" * 10_000) == f"'{'z' * 29} … {'z' * 29}'"
 
 
 def test_nothing_noted_raises_nothing() -> None:

@@ -62,8 +62,9 @@ def test_a_name_claimed_by_two_plugins_names_both(install: Install) -> None:
     ("name", "hint"),
     [
         ("fill.hodl", r"'fill\.hold'"),
-        ("fil.hold", r"did you mean fill\.hold"),
-        ("hold", r"did you mean fill\.hold"),
+        ("fil.hold", r"did you mean 'fill\.hold'"),
+        ("hold", r"did you mean 'fill\.hold'"),
+        ("fill.first", r"a node of a plugin file needs --plugin FILE; there is: fill\.hold"),
         ("fill", r"it is a family: fill\.hold"),
         ("a.b", "--plugin"),
     ],
