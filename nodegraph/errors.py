@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 Hint = str | Callable[[], str]
-"""A text, or what returns it: the nearest of many names takes time, and not every error is shown."""
+"""A text, or what returns it: to find the nearest name takes time, and not every error is shown."""
 
 
 class Place(NamedTuple):

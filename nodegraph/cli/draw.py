@@ -31,7 +31,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="Format of the drawing (default: by the suffix of --out, else svg).",
     )
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="File to write (default: standard output)."
+        "-o", "--out", type=Path, metavar="FILE", help="File to write (default: standard output)."
     )
     parser.add_argument(
         "--all",

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import input_values, pairs
 from nodegraph.cli.output import say
-from nodegraph.errors import NodegraphError
+from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute import HowToRun, Listener, open_store
 from nodegraph.execute.settings import read_axis, read_labels
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
-from nodegraph.graphfile import read_graph_file
+from nodegraph.graphfile import GraphSpec, read_graph_file
 from nodegraph.plugin.registry import Registry
 from nodegraph.store import Store
 
@@ -34,10 +34,25 @@ def graph_of(arguments: Namespace) -> Graph:
         for name, text in pairs(arguments, "only").items()
     }
     choices = Choices(input_values(arguments), axes, only)
-    graph = build(read_graph_file(arguments.graph), registry, choices)
+    graph = build(_spec_of(arguments.graph, registry), registry, choices)
     for notice in graph.notices:
         say(str(notice))
     return graph
+
+
+def _spec_of(path: Path, registry: Registry) -> GraphSpec:
+    """Return the spec of a graph file; a recording in its place is told what it is good for."""
+    try:
+        return read_graph_file(path)
+    except GraphError:
+        formats = registry.hooks.formats
+        kinds = [each.name for each in formats if path.suffix.lower() in each.suffixes]
+        if path.is_file() and kinds:
+            raise NodegraphError(
+                f"{path}: no graph, but a file to read ({kinds[0]}): write nodegraph run GRAPH "
+                f"--set recording={path}, or for several files --axis recording={path},OTHER"
+            ) from None
+        raise
 
 
 def _refuse_lock(path: Path) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import gc
 import os
+import shlex
 import signal
 import sys
 import threading
@@ -19,10 +20,10 @@ from contextlib import suppress
 from importlib import import_module
 from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from nodegraph.cli.arguments import add_plugin
-from nodegraph.errors import GraphError, NodegraphError, Place, nearest
+from nodegraph.errors import GraphError, NodegraphError, Place, closest, nearest
 
 if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
@@ -32,10 +33,6 @@ COMMANDS = (
     "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema", "completion",
 )  # fmt: skip
 """Modules of this package, each with a function of its name, `HELP` and `add_arguments`."""
-
-_FOR_EDITORS = ("schema", "completion")
-"""Commands that are given once, to set up an editor or a shell: the list of commands is shorter
-without them."""
 
 _SECONDS_TO_END = 5.0
 _EXCERPT = 60  # characters of a line that are shown on either side of an error
@@ -135,9 +132,9 @@ def _lines_of(file: str) -> list[str]:
     if not os.path.isfile(file):
         return []
     try:
-        with open(file, encoding="utf-8") as stream:
+        with open(file, encoding="utf-8", errors="replace") as stream:
             return stream.readlines()
-    except (OSError, ValueError):
+    except OSError:
         return []
 
 
@@ -152,14 +149,48 @@ def _parsed(commands: Mapping[str, _Command], words: Sequence[str]) -> Namespace
     """Return the arguments of a command; a mistyped one is answered with the nearest there is."""
     parser = _parser(commands, words)
     if words and not words[0].startswith("-") and words[0] not in commands:
-        parser.error(f"no command {words[0]!r}; {nearest(words[0], commands)}")
+        is_graph = words[0].endswith((".yaml", ".yml"))
+        run = shlex.join(["nodegraph", "run", *words])
+        hint = f"to run a graph, write: {run}" if is_graph else nearest(words[0], commands)
+        parser.error(f"no command {words[0]!r}; {hint}")
     arguments, rest = parser.parse_known_args(words)
     if rest:
-        options = [word for word in rest if word.startswith("-")]
-        known = list(arguments.parser._option_string_actions)
-        hints = [f"no option {word}; {nearest(word.partition('=')[0], known)}" for word in options]
+        options = [place for place, word in enumerate(rest) if word.startswith("-")]
+        hints = [_instead_of_option(rest[place:], arguments) for place in options]
         arguments.parser.error("; ".join(hints) or f"too many arguments: {' '.join(rest)}")
     return arguments
+
+
+def _instead_of_option(words: Sequence[str], arguments: Namespace) -> str:
+    """Return that there is no such option as the first of the words, and what there is instead."""
+    option, _, value = words[0].partition("=")
+    known = list(arguments.parser._option_string_actions)
+    choices = _choices_of(arguments.graph) if "--set" in known else {}
+    name = option.removeprefix("--")
+    if name not in choices:
+        is_option = closest(name, [each.lstrip("-") for each in known])
+        name = "" if is_option else closest(name, choices)
+    if not name:
+        return f"no option {option}; {nearest(option, known)}"
+    what, instead = choices[name]
+    word = shlex.quote(f"{name}={value or ' '.join(words[1:2]) or 'VALUE'}")
+    return f"no option {option}; {name!r} is {what} of the graph: write {instead} {word}"
+
+
+def _choices_of(path: Path) -> dict[str, tuple[str, str]]:
+    """Return what the names in a graph file are that options choose by, and the options."""
+    from nodegraph.graphfile import read_graph_file
+
+    try:
+        spec = read_graph_file(path)
+    except GraphError:
+        return {}
+    methods = [name for name, node in spec.nodes.items() if node.has_alternatives]
+    return {
+        **dict.fromkeys(spec.inputs, ("an input", "--set")),
+        **dict.fromkeys(spec.axes, ("an axis", "--axis")),
+        **dict.fromkeys(methods, ("a node with alternatives", "--only")),
+    }
 
 
 def _commands(words: Sequence[str]) -> Mapping[str, _Command]:
@@ -230,11 +261,12 @@ def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentP
         title="commands", dest="command", required=True, metavar="COMMAND"
     )
     for name, command in commands.items():
-        listed: dict[str, Any] = {"help": command.help.replace("%", "%%")}
-        if name in _FOR_EDITORS:
-            listed.clear()  # even an empty help would list it
         choice = choices.add_parser(
-            name, description=command.help, allow_abbrev=False, add_help=False, **listed
+            name,
+            description=command.help,
+            help=command.help.replace("%", "%%"),
+            allow_abbrev=False,
+            add_help=False,
         )
         if name in words:
             _declared(choice, name, command).set_defaults(parser=choice)

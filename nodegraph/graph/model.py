@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest
 from nodegraph.graphfile.axes import FILE, axis_from_option, is_label, is_pattern
@@ -290,6 +290,13 @@ class Graph:
     def __repr__(self) -> str:
         axes = ", ".join(f"{name} ({len(axis.labels)})" for name, axis in self.axes.items())
         return f"<Graph of {len(self.nodes)} nodes{' along ' if axes else ''}{axes}>"
+
+    def __getitem__(self, name: str) -> NoReturn:
+        """Refuse, as a graph has no values; a run has."""
+        raise TypeError(
+            f"a graph has no values: nodegraph.run(graph)[{name!r}] has them; "
+            f"graph.nodes[{name!r}] describes the node"
+        )
 
     @cached_property
     def nodes(self) -> Mapping[str, GraphNode]:

@@ -72,7 +72,9 @@ class Namespace:
             for name in names:
                 if name not in self.axes:
                     message = f"the graph has no axis {name!r}"
-                    hint = nearest(name, self.axes)
+                    known = {**self.axes, **(self.inputs if option == "--axis" else {})}
+                    what = "axes and inputs" if len(known) > len(self.axes) else "axes"
+                    hint = nearest(name, known, what=what)
                     self._problems.add(Place(f"{option} {name}"), message, hint)
         # refused already: a method is not a value
         methods = {method.use for node in self._spec.nodes.values() for method in node.methods}
@@ -172,7 +174,10 @@ class Namespace:
             self._problems.add(place, "no label is kept", nearest("", axis.labels))
         for label in only:
             if label not in axis.labels:
-                self._problems.add(place, f"no label {label!r}", nearest(label, axis.labels))
+                hint = nearest(label, axis.labels)
+                if axis.name in self._valued:
+                    hint += f"; for other labels, write --axis {axis.name}={label}"
+                self._problems.add(place, f"no label {quoted(label)}", hint)
         labels = tuple(label for label in axis.labels if label in only)
         removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
         return Axis(axis.name, labels or axis.labels, axis.values, removed)

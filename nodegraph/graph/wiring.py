@@ -113,7 +113,7 @@ class WireChecker:
             elif target is not None and (misfit := mismatch(output, target)):
                 reason = f": {misfit}"
                 is_hidden = output.truth and not target.truth
-                hint = _instead_of_truth(reference, node) if is_hidden else ""
+                hint = _instead_of_truth(reference, node, target) if is_hidden else ""
             else:
                 continue
             wrong.setdefault((reason, hint), []).append(node.name)
@@ -135,7 +135,8 @@ class WireChecker:
         for port in node.inputs:
             if not port.optional and port.name not in wired:
                 message = f"{where}: port {port} of {node.name} is not fed"
-                self._problems.add(method.place, message, partial(self._wire_to, port, len(self._nodes)))
+                hint = partial(self._wire_to, port, len(self._nodes))
+                self._problems.add(method.place, message, hint)
 
     def _wire_to(self, port: Port, count: int) -> str:
         """Return what to write: of the first nodes, the only output that fits, or a placeholder."""
@@ -149,11 +150,13 @@ class WireChecker:
         return f"write in: {{{port.name}: {fitting[0] if len(fitting) == 1 else 'node'}}}"
 
 
-def _instead_of_truth(reference: Reference, node: Node) -> str:
-    plain = [f"{reference.node}.{port.name}" for port in node.outputs if not port.truth]
-    outputs = f"{', '.join(plain)}; " if plain else ""
+def _instead_of_truth(reference: Reference, node: Node, target: Port) -> str:
+    """Return what to write: outputs that fit the port, and what the truth may feed."""
+    outputs = [port for port in node.outputs if not mismatch(port, target)]
+    names = " or ".join(f"{reference.node}.{port.name}" for port in outputs)
+    write = f"write {target.name}: {names}; " if names else ""
     return (
-        f"{outputs}the truth feeds truth ports, and plain ports of nodes that damage it "
+        f"{write}the truth feeds truth ports, and plain ports of nodes that damage it "
         "(which have a truth output of their own)"
     )
 

@@ -90,15 +90,26 @@ def _text_of(path: Path) -> str:
     except FileNotFoundError as error:
         raise GraphError([Problem(place, "no such graph file", partial(_beside, path))]) from error
     except UnicodeDecodeError as error:
-        raise GraphError([Problem(place, "cannot be read: it is not text, as YAML is")]) from error
+        raise GraphError([_not_utf8(path, error)]) from error
     except (OSError, ValueError) as error:  # a name may be too long
         raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
 
 
+def _not_utf8(path: Path, error: UnicodeDecodeError) -> Problem:
+    """Return the error of a file with a byte that no text in UTF-8 has there."""
+    before = error.object[: error.start]
+    column = len(before[before.rfind(b"\n") + 1 :].decode()) + 1
+    place = Place(str(path), before.count(b"\n") + 1, column)
+    byte = error.object[error.start]
+    return Problem(place, f"not text in UTF-8: byte 0x{byte:02x}", "save the file in UTF-8")
+
+
 def _beside(path: Path) -> str:
     """Return the graph files in the folder of a file that is not there, and the nearest name."""
-    others = [file.name for file in _graph_files(path.parent)]
-    return nearest(path.name, others, what="in that folder there is")
+    files = _graph_files(path.parent)
+    same = next((file.name for file in files if file.stem == path.name), "")
+    guess = f"did you mean {same!r}? " if same else ""
+    return guess + nearest(path.name, [file.name for file in files], what="in that folder there is")
 
 
 def _graph_files(folder: Path) -> list[Path]:
@@ -324,7 +335,7 @@ class _UsedGraphs:
             text = self._texts[path] if path in self._texts else _text_of(path)
         except GraphError as error:
             for problem in error.problems:
-                message = f"{method.use}: {problem.message}"
+                message = f"{problem.place._replace(file=method.use)}: {problem.message}"
                 self._problems.add(method.place, message, problem.hint)
             return
         name = os.path.normpath(os.path.join(os.path.dirname(spec.file), method.use))

@@ -8,14 +8,14 @@ exhaust the stack.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, NoReturn
 
 import yaml
 
-from nodegraph.errors import GraphError, Place, Problem, Problems
+from nodegraph.errors import GraphError, Place, Problem, Problems, quoted
 
 _MOST_DEPTH = 100
 _MOST_VALUES = 1_000_000
@@ -25,6 +25,7 @@ _INTEGER = re.compile(r"[-+]?[0-9]+")
 _OCTAL_OR_HEX = re.compile(r"0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"([-+]?)\.(inf|Inf|INF)")
+_WORD = re.compile(r"[A-Za-z_][\w.]*(?=\s|$)")
 _NO_SPACE = re.compile(r" *(?:- )?([A-Za-z_][\w.]*):[^\s/]")
 _CONSTANTS = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
@@ -33,6 +34,18 @@ _CONSTANTS = {
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
 
+_KEY = "while scanning a simple key"
+_OPENED = {
+    "while parsing a flow sequence": "this [ is not closed, or a comma is missing",
+    "while parsing a flow mapping": "this { is not closed, or a comma is missing",
+    "while scanning a quoted scalar": "this quote is not closed",
+}
+_BEGUN = _OPENED | {
+    _KEY: "",
+    "while scanning an alias": "a text that begins with * needs quotes",
+    "while scanning for the next token": "a text that begins with this character needs quotes",
+}
+"""What a parser of YAML was reading, and what is wrong there."""
 _FIRST_OF_NUMBERS = frozenset(".+-0123456789")
 """Characters with which a number begins."""
 
@@ -101,11 +114,17 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
 
 
 def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> tuple[Place, str]:
-    """Return what is wrong, and where; a key without a space is noticed in the next line."""
+    """Return what is wrong, and where: a parser notices some mistakes lines later."""
     lines = text.splitlines()
     line = "".join(lines[place.line - 1 : place.line])
     if line[place.column - 1 : place.column] == "\t":
         return place, "a tab; indent with spaces"
+    if error.context in _BEGUN and (start := error.context_mark):
+        before = place._replace(line=start.line + 1, column=start.column + 1)
+        if error.context == _KEY:
+            return before, _no_colon(lines[start.line][start.column :])
+        end = f", up to line {place.line}, column {place.column}"
+        return before, f"{_BEGUN[error.context]}{end if error.context in _OPENED else ''}"
     problem = error.problem or ""
     if problem.startswith("mapping values are not allowed"):
         if ": " in line[: place.column - 1]:
@@ -114,6 +133,9 @@ def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> tuple[Place
         if match := _NO_SPACE.match(above):
             before = place._replace(line=place.line - 1, column=match.end())
             return before, f"no space after the colon; write '{match[1]}: ...'"
+        if ":" not in above and _begins_value(lines[: place.line - 1], line):
+            before = place._replace(line=place.line - 1, column=_indent(above) + 1)
+            return before, _no_colon(above)
         if _indent(line) == _indent(above):
             return place, "': ' in a text that continues from the line above"
         return place, _misaligned(line, f"the one above by {_indent(above)}")
@@ -122,6 +144,19 @@ def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> tuple[Place
             line, f"the mapping from line {start.line + 1} on by {start.column}"
         )
     return place, ", ".join(part for part in (error.context, error.problem) if part)
+
+
+def _begins_value(before: Sequence[str], line: str) -> bool:
+    """Return whether the last of the lines before a line begins a value, or a mapping's key."""
+    *earlier, above = before or [""]
+    ends_key = bool(earlier) and earlier[-1].rstrip().endswith(":")
+    return _indent(above) == 0 or _indent(above) < _indent(line) or ends_key
+
+
+def _no_colon(line: str) -> str:
+    text = line.strip().removeprefix("- ")
+    key = _WORD.match(text)
+    return f"no colon after {quoted(key[0])}" if key else f"no colon follows {quoted(text)}"
 
 
 def _misaligned(line: str, other: str) -> str:

@@ -269,13 +269,30 @@ def _ambiguous(graph: Graph, name: str, outputs: Collection[str]) -> str:
     if outputs:
         several = f"{listed(outputs)}; name the output of one node"
         return f"{name!r} feeds {several}" if name else f"a stream could replace {several}"
-    if name:
-        return f"no node that {name!r} feeds gives frames to a node with a live form"
-    first = {
-        target: None for source, target, _ in graph.wires() if not graph.network.in_degree(source)
+    reads = {
+        target: graph.nodes[target].first.node
+        for source, target, _ in graph.wires()
+        if not graph.network.in_degree(source) and (not name or name in _variables(graph, source))
     }
-    uses = (f"{node} ({graph.nodes[node].first.node.name})" for node in first)
-    return f"no stream can feed the graph: it begins with nodes without a live form: {listed(uses)}"
+    whole = {reader: node for reader, node in reads.items() if node.live is None}
+    hints = filter(None, dict.fromkeys(_live_relatives(graph, node) for node in whole.values()))
+    uses = listed(f"{reader} ({node.name})" for reader, node in whole.items())
+    why = "; ".join([f"what reads it first needs the whole take: {uses}", *hints])
+    what = f"{name!r} cannot be a stream" if name else "no stream can feed the graph"
+    return f"{what}: {why if whole else 'no node takes frames from it'}"
+
+
+def _live_relatives(graph: Graph, node: Node) -> str:
+    """Return which nodes of the family run on a stream and give the same, as a hint."""
+    family = graph.registry.family(node.family).values()
+    names = [
+        each.node.name
+        for each in family
+        if each.node.live is not None and each.node.outputs[0].type == node.outputs[0].type
+    ]
+    return (
+        f"in place of {node.name}, use one that runs on a stream: {listed(names)}" if names else ""
+    )
 
 
 def _variables(graph: Graph, node: str) -> set[str]:
@@ -319,9 +336,12 @@ class _Planner:
         self._check_axes()
         self._check_sinks()
         if not self._live and not self._sinks:
-            reasons = listed(
-                f"{self._plan.steps[index].node}: {reason}" for index, reason in self._cut.items()
-            )
+            cut = {self._plan.steps[index].node: reason for index, reason in self._cut.items()}
+            reasons = listed(f"{node}: {reason}" for node, reason in cut.items())
+            first = next(iter(self._cut), None)
+            if first is not None and self._cut[first] == _WHOLE_TAKE:
+                hint = _live_relatives(self._plan.graph, self._plan.steps[first].method.node)
+                reasons = f"{reasons}; {hint}" if hint else reasons
             place = self._plan.graph.nodes[self._node].place
             self._problems.add(place, "nothing of the graph runs on a stream", reasons)
         self._problems.raise_any()
@@ -437,18 +457,27 @@ class _Planner:
                     continue
                 else:
                     reason = "it does not depend on the stream"
-                self._problems.add(
-                    step.method.place, f"{step.name} cannot run on the stream: {reason}"
-                )
+                message = f"{step.node} cannot run on the stream: {reason}"
+                first = self._plan.steps[self._first_cut(index)].method.node
+                hint = _live_relatives(self._plan.graph, first) if first.live is None else ""
+                self._problems.add(step.method.place, message, hint)
 
     def _why(self, index: int) -> str:
         """Return why a step is cut off, back to the first that is: ``needs fit, which gathers``."""
-        for feed in self._plan.steps[index].inputs.values():
-            for output in _read(feed):
-                if output.step in self._cut:
-                    before = self._plan.steps[output.step].name
-                    return f"needs {before}, which {self._why(output.step)}"
-        return self._cut[index]
+        before = self._cut_before(index)
+        if before is None:
+            return self._cut[index]
+        return f"needs {self._plan.steps[before].node}, which {self._why(before)}"
+
+    def _first_cut(self, index: int) -> int:
+        before = self._cut_before(index)
+        return index if before is None else self._first_cut(before)
+
+    def _cut_before(self, index: int) -> int | None:
+        """Return a step that feeds this one and is cut off, if any."""
+        feeds = self._plan.steps[index].inputs.values()
+        outputs = (output.step for feed in feeds for output in _read(feed))
+        return next((step for step in outputs if step in self._cut), None)
 
     def _place_of_axis(self, name: str) -> Place:
         spec = self._plan.graph.spec

@@ -203,7 +203,7 @@ class Port:
 def mismatch(source: Port, target: Port) -> str | None:
     """Return why a source cannot feed a target, or None if it can."""
     if source.truth and not target.truth:
-        return f"{source.name!r} gives the truth and {target.name!r} must not see it"
+        return f"{source.name!r} gives the truth to {target.name!r}, which must not see it"
     if not issubclass(source.type, target.type):
         return f"{target.name!r} takes {target.type.__name__}, not {source.type.__name__}"
     return None

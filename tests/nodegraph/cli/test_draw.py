@@ -28,7 +28,7 @@ def test_a_graph_is_drawn(command: Command, words: list[str], begins: str) -> No
 )
 def test_a_drawing_is_written(command: Command, name: str, begins: str) -> None:
     path = Path("made/here", name)
-    status, out, _ = command("draw", "toy.yaml", "--out", str(path))
+    status, out, _ = command("draw", "toy.yaml", "-o", str(path))
     assert status == 0
     assert out.startswith(f"{path} (")
     assert begins in path.read_text(encoding="utf-8")[:200]

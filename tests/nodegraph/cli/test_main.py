@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import types
+from argparse import Namespace
 from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
+from nodegraph import NodegraphError
 from nodegraph.cli import check
+from nodegraph.cli.graphs import graph_of
+from nodegraph.cli.main import COMMANDS
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
 from tests.nodegraph.cli.conftest import Command
@@ -50,6 +55,12 @@ def nodegraph_nodes():
         (["toy.yaml", "--plugin", "exits.py"], "exits.py: the plugin does not import"),
         (["toy.yaml", "--plugin", "hook.py"], "hook.py:4: nodegraph_nodes raised KeyError: 'lost'"),
         (["toy.yaml", "--sett", "a=1"], "no option --sett; did you mean '--set'"),
+        (["toy.yaml", "--start", "1"], "'start' is an input of the graph: write --set start=1"),
+        (["toy.yaml", "--lenght=45"], "'length' is an axis of the graph: write --axis length=45"),
+        (["toy.yaml", "--fill", "hold"], "node with alternatives of the graph: write --only fill="),
+        (["toy.yaml", "--axis", "starts=1,2"], "did you mean 'start'? axes and inputs: length"),
+        (["toy.yaml", "--only", "length=3"], "for other labels, write --axis length=3"),
+        (["toy"], "did you mean 'toy.yaml'?"),
         (["toy.yaml", "--onyl=fill=hold"], "did you mean '--only'"),
         (["toy.yaml", "other.yaml"], "too many arguments: other.yaml"),
         ([], "GRAPH"),
@@ -75,11 +86,28 @@ def test_a_lock_is_no_graph_to_run(command: Command) -> None:
     assert "`nodegraph verify toy.lock`" in err
 
 
-@pytest.mark.parametrize("words", [["chekc", "toy.yaml"], ["--nothing"]])
-def test_a_wrong_command_ends_with_2(command: Command, words: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["chekc", "toy.yaml"], "did you mean 'check'"),
+        (["--nothing"], "usage: nodegraph"),
+        (["toy.yaml", "-q"], "to run a graph, write: nodegraph run toy.yaml -q"),
+    ],
+)
+def test_a_wrong_command_ends_with_2(command: Command, words: list[str], reason: str) -> None:
     status, _, err = command(*words, nodes=False)
     assert status == 2
-    assert "usage: nodegraph" in err
+    assert reason in err
+
+
+def test_a_recording_in_place_of_a_graph_is_an_input_of_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.undo()  # so that the formats of plugins are there
+    path = tmp_path / "jaw.c3d"
+    path.write_bytes(b"\2\x50\xff")
+    with pytest.raises(NodegraphError, match=rf"--set recording={path}, .*--axis recording={path}"):
+        graph_of(Namespace(graph=path, plugin=[], axis=[], only=[], set=[]))
 
 
 @pytest.mark.parametrize("words", [[], ["--help"], ["run", "--help"], ["show", "--help"]])
@@ -89,11 +117,9 @@ def test_help_ends_with_0(command: Command, words: list[str]) -> None:
     assert out.startswith("usage: nodegraph")
 
 
-def test_commands_that_set_up_an_editor_are_not_listed_and_work(command: Command) -> None:
-    listed = command("--help", nodes=False)[1]
-    assert "report" in listed
-    assert "schema" not in listed
-    assert command("schema", "--help", nodes=False)[0] == 0
+def test_every_command_is_listed(command: Command) -> None:
+    listed = command("help", nodes=False)[1]
+    assert [name for name in COMMANDS if not re.search(rf"\n    {name}\s", listed)] == []
 
 
 def test_the_version_is_printed(command: Command) -> None:

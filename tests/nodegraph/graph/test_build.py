@@ -172,3 +172,8 @@ def test_a_file_may_lie_beside_the_graph(
     assert problems[0].message == "a: no such file: tak.txt"
     assert problems[0].instead.startswith("did you mean 'take.txt'?")
     assert "no such file" in problems_of(text.replace("take.txt", "@@" + "x" * 5000))[0].message
+
+
+def test_a_graph_has_no_values_and_says_which_object_has(graph_of: Callable[..., Graph]) -> None:
+    with pytest.raises(TypeError, match=r"nodegraph\.run\(graph\)\['n'\] has them"):
+        graph_of("nodes: {n: {use: read.number}}")["n"]

@@ -69,8 +69,8 @@ from tests.nodegraph.conftest import ProblemsOf
         (
             "nodes: {a: {use: read.number}, b: {use: gaps.cut, in: a}, "
             "c: {use: fill.hold, in: @@b.truth}}",
-            "'truth' gives the truth and 'recording' must not see it",
-            "",
+            "'truth' gives the truth to 'recording', which must not see it",
+            "write recording: b.gappy; the truth feeds truth ports",
         ),
         (
             "nodes: {a: {use: read.number}, b: {use: fill.hold, in: {recording: @@{x: a}}}}",

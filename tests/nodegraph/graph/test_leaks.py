@@ -406,7 +406,7 @@ def test_a_used_graph_that_damages_takes_the_truth(
     (message,) = messages_of(
         outer, more=MORE, damage=damage.replace("READERS", ", h: {use: fill.hold, in: $recording}")
     )
-    assert "'recording' must not see it" in message
+    assert "to 'recording', which must not see it" in message
 
 
 class Wired(NamedTuple):

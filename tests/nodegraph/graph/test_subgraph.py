@@ -491,7 +491,7 @@ def test_truth_stays_truth_and_leaks_are_found_through_graphs(
     assert "error is scored against what damage.gaps hides, and can see it" in message
     assert "damage.capture.output -> error.estimate" in message
     (message,) = messages_of(SCORED.replace("ESTIMATE", "@@damage.truth"), damage=DAMAGE)
-    assert "'truth' gives the truth and 'estimate' must not see it" in message
+    assert "'truth' gives the truth to 'estimate', which must not see it" in message
 
 
 @pytest.mark.parametrize("known", ["damage.raw", "damage"])
@@ -540,9 +540,7 @@ def test_the_truth_may_be_passed_to_a_port_whose_readers_all_take_it(
     (message,) = messages_of(text + "  x: {use: fill.hold, in: @@judge.truth}\n", judge=judge)
     assert "'truth' gives the truth" in message
     (message,) = messages_of(text.replace("estimate: fill", "estimate: @@gaps.truth"), judge=judge)
-    assert (
-        "judge: gaps (gaps.cut): 'truth' gives the truth and 'estimate' must not see it" in message
-    )
+    assert "judge: gaps (gaps.cut): 'truth' gives the truth to 'estimate'" in message
 
 
 def test_a_graph_of_graphs_is_drawn(files: Files, graph_of: Callable[..., Graph]) -> None:

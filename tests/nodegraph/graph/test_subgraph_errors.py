@@ -190,7 +190,7 @@ def test_a_graph_without_outputs_is_reported_where_it_is_used(messages_of: Messa
         ("a: [\n", "clean.yaml:2:1", "this is not YAML"),
         ("markers: [a]\n", "clean.yaml:1:1", "the format's number is missing"),
         ("", "clean.yaml:1:1", "a graph file is a mapping"),
-        (b"\xff\xfe\x00", "toy.yaml:2:18", "clean.yaml: cannot be read"),
+        (b"a\n\xff", "toy.yaml:2:18", "clean.yaml:2:1: not text in UTF-8"),
     ],
 )
 def test_a_file_that_is_not_a_graph(

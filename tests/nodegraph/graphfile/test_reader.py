@@ -183,11 +183,20 @@ def test_a_missing_file_names_one_that_is_there(tmp_path: Path) -> None:
         read_graph_file(tmp_path / "nowhere" / "fill.yaml")
 
 
-@pytest.mark.parametrize("content", [b"\x89PNG\r\n\x1a\n\0\0", bytes(range(256)), b"\xff\xfea\0"])
-def test_a_binary_file_cannot_be_read(tmp_path: Path, content: bytes) -> None:
+@pytest.mark.parametrize(
+    ("content", "place"),
+    [
+        (b"\x89PNG\r\n\x1a\n\0\0", "1:1: not text in UTF-8: byte 0x89"),
+        ("title: é\na: ".encode() + b"\xe9\n", "2:4: not text in UTF-8: byte 0xe9"),
+        ("title: é".encode() + b"\xe9\n", "1:9: not text in UTF-8: byte 0xe9"),
+    ],
+)
+def test_a_file_that_is_no_text_is_refused_at_its_byte(
+    tmp_path: Path, content: bytes, place: str
+) -> None:
     path = tmp_path / "binary.yaml"
     path.write_bytes(content)
-    with pytest.raises(GraphError, match=r"binary\.yaml: cannot be read"):
+    with pytest.raises(GraphError, match=rf"binary\.yaml:{place}"):
         read_graph_file(path)
 
 

@@ -604,7 +604,7 @@ def test_frames_refused_at_the_end_are_missing_and_counted(folder: Path, last: i
 
 def test_an_input_that_feeds_no_frames_cannot_be_a_source(folder: Path) -> None:
     graph = graph_with(folder, only={"avg": "narrow"})
-    with pytest.raises(NodegraphError, match="no node that 'length' feeds gives frames to"):
+    with pytest.raises(NodegraphError, match="'length' cannot be a stream: no node takes frames"):
         session_of(graph, ("length", "replay:take.npz"))
 
 
@@ -614,8 +614,12 @@ def test_what_cannot_be_a_stream_is_answered_with_what_can(folder: Path, tmp_pat
         "nodegraph: 1\nnodes:\n  face: {use: synthesize.face}\n"
         "  noise: {use: noise.add, in: face.captured}\n"
     )
-    with pytest.raises(NodegraphError, match=r"without a live form: noise \(noise\.add\)"):
+    with pytest.raises(NodegraphError, match=r"needs the whole take: noise \(noise\.add\)$"):
         session_of(ng.load(file), ("", "replay:take.npz"))
+    file.write_text(file.read_text().replace("noise.add", "gaps.cut"))
+    for source in ("", "face.captured"):
+        with pytest.raises(NodegraphError, match=r"gaps\.cut, .* on a stream: gaps\.dropout"):
+            session_of(ng.load(file), (source, "replay:take.npz"), [("noise", "file:a.npz")])
     graph = graph_with(folder, only={"avg": "narrow"})
     with pytest.raises(NodegraphError, match=r"for a file replay:take\.npz"):
         session_of(graph, ("take", "take.npz"), [("held", "file:held.npz")])
