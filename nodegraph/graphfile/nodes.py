@@ -273,8 +273,8 @@ class NodeReader:
         for key in item.value:
             if key not in keys:
                 message = f"{what}: unknown key {quoted(key)}"
-                hint = partial(instead_of_key, key, keys, more="; settings stand under 'with'")
-                self._problems.add(item.keys[key], message, hint)
+                instead = partial(instead_of_key, key, keys, more="; settings stand under 'with'")
+                self._problems.add(item.keys[key], message, instead)
         return True
 
     def _is_word(self, item: Located, message: str, of_list: str = "") -> bool:
