@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.ties import tied
+from nodegraph_tables import info_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -47,6 +48,9 @@ class Group:
     start, frames : (B,) arrays of float64
         Where each block begins in its recording, and how long it is; NaN where the tables do not
         say so, or a block is not a single stretch of time.
+    span, correlation : (B,) arrays of float64
+        Frames of that recording, and over how many of them it is correlated; NaN where the tables
+        do not say so.
     rows, block : (R,) arrays of int
         The rows of the group among those of all tables, and the block of each.
     taken : tuple of int
@@ -65,6 +69,8 @@ class Group:
     draws: int
     start: NDArray[np.float64]
     frames: NDArray[np.float64]
+    span: NDArray[np.float64]
+    correlation: NDArray[np.float64]
     rows: NDArray[np.intp]
     block: NDArray[np.intp]
     taken: tuple[int, ...] = ()
@@ -165,7 +171,7 @@ def groups(
     recording = columns_of(scores, known).joined(question.alike.recordings)
     drawn = columns_of(scores, question.drawn)
     draw, draws = drawn.combined(), math.prod(map(len, drawn.labels))
-    times = [_times(scores, name) for name in ("start", "frames")]
+    times = [*(_times(scores, name) for name in ("start", "frames")), *_of_takes(scores)]
     value = values_of(scores, question.metric)
     rows_of = _split(within.combined())
     if without is not None:
@@ -183,7 +189,7 @@ def groups(
         values, missing = block_means(of, place, value[rows], len(blocks), len(kinds))
         first = np.full(len(blocks), len(block), dtype=np.intp)
         np.minimum.at(first, of, rows)
-        start, frames = (_common(time[rows], of, time[first]) for time in times)
+        start, frames, span, correlation = (_common(time[rows], of, time[first]) for time in times)
         refused = np.array([shares.of(labels + name) for name in names])
         names_of_methods = tuple((*name, "")[0] for name in names)
         group = Group(
@@ -197,6 +203,8 @@ def groups(
             draws,
             start,
             frames,
+            span,
+            correlation,
             rows,
             of,
             recording=recording[first],
@@ -263,6 +271,15 @@ def _times(scores: Across[Table], name: str) -> NDArray[np.float64]:
         for table in scores.values()
     ]
     return np.concatenate([*parts, np.empty(0)])
+
+
+def _of_takes(scores: Across[Table]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return, for all rows, the frames of their recording and over how many it is correlated."""
+    takes = [info_of(table).take for table in scores.values()]
+    numbers = [(take.frames, take.correlation) if take else (np.nan, np.nan) for take in takes]
+    counts = [len(table) for table in scores.values()]
+    span, correlation = np.repeat(np.array(numbers, dtype=np.float64), counts, axis=0).T
+    return span, correlation
 
 
 def _common(

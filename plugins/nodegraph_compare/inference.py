@@ -1,8 +1,8 @@
 """Inference from a few independent units: intervals, tests, equivalence, probabilities.
 
-Every function takes one number per unit and method, ``y`` of shape (..., C, K), lower being better:
-of an error that is a ratio scale the logarithm of the unit's mean error, else the mean itself. The
-units, such as actors, weigh equally. Leading dimensions are separate studies.
+Every function takes one number per unit and method, ``y`` of shape (C, K), lower being better: of
+an error that is a ratio scale the logarithm of the unit's mean error, else the mean itself. The
+units, such as actors, weigh equally.
 """
 
 from __future__ import annotations
@@ -46,22 +46,13 @@ _LEAST = 1e-300
 class Contrasts:
     """Differences d of K methods to one of them over C units, d > 0 where the method is worse.
 
-    The floored Tukey rule (Tukey 1953): with the residuals of y after removal of the means of
-    units and methods, ``MSE = sum(residuals^2) / ((K - 1)(C - 1))``, the standard error of a pair
-    is its own, ``sd(d) / sqrt(C)``, but never less than the pooled ``sqrt(2 MSE / C)``. Divided by
-    it, ``|mean(d)|`` is compared to the studentised range of K means, ``(K - 1)(C - 1)`` degrees
-    of freedom, over sqrt(2): there is one p for a pair, whichever of all methods is the best. Of
-    equal methods any is declared different in at most 5 % of studies, also if their variances
-    differ; of two methods it is the paired t-test.
-
-    Where units are parts of S recordings, the claim is about these: their means are removed, which
-    leaves C - S degrees of freedom for C - 1.
-
     Attributes
     ----------
-    d : (..., C, K) array
-    mean, own, error : (..., K) arrays
-        Of d, its standard error alone, and with the floor.
+    d : (C, K) array
+    mean, own : (K,) arrays
+        Of d, and its standard error.
+    low, high, p : (K,) arrays
+        The floored Tukey rule in steps, see `contrasts`; p is 1 for the reference.
     freedom : int
         Degrees of freedom of the units.
     """
@@ -69,36 +60,14 @@ class Contrasts:
     d: Numbers
     mean: Numbers
     own: Numbers
-    error: Numbers
+    low: Numbers
+    high: Numbers
+    p: Numbers
     freedom: int
 
     @property
-    def ratio(self) -> Numbers:
-        """(..., K), mean over floored standard error; 0 for the reference."""
-        return _divided(self.mean, self.error)
-
-    @property
-    def interval(self) -> tuple[Numbers, Numbers]:
-        """Ends of the 95 % intervals of the mean differences, all of them together."""
-        reach = range_quantile(self.d.shape[-1], self._pooled_freedom) * self.error
-        return self.mean - reach, self.mean + reach
-
-    @property
-    def apart(self) -> NDArray[np.bool_]:
-        """(..., K), whether p is at most 5 %."""
-        limit = range_quantile(self.d.shape[-1], self._pooled_freedom)
-        return np.asarray(np.abs(self.ratio) >= limit)
-
-    @property
-    def p(self) -> Numbers:
-        """(..., K), adjusted for all pairs of the K methods; 1 for the reference."""
-        sizes, place = np.unique(np.abs(self.ratio), return_inverse=True)
-        p = studentised_range.survival(np.sqrt(2) * sizes, self.d.shape[-1], self._pooled_freedom)
-        return np.asarray(p[place].reshape(self.mean.shape))
-
-    @property
     def p_alone(self) -> Numbers:
-        """(..., K), of the paired t-test, not adjusted."""
+        """(K,), of the paired t-test, not adjusted."""
         from scipy.stats import t
 
         return np.asarray(2 * t.sf(np.abs(_divided(self.mean, self.own)), self.freedom))
@@ -123,7 +92,7 @@ class Contrasts:
 
     @property
     def margin(self) -> Numbers:
-        """(..., K), the smallest margin within which the difference is shown to be.
+        """(K,), the smallest margin within which the difference is shown to be.
 
         The largest magnitude in the 90 % t interval: two one-sided tests at 5 % each show every
         larger margin (Schuirmann 1987).
@@ -133,46 +102,83 @@ class Contrasts:
 
     @property
     def effect(self) -> Numbers:
-        """(..., K), the mean over the sd of d with Hedges' correction, ``1 - 3 / (4 C - 5)``."""
+        """(K,), the mean over the sd of d with Hedges' correction, ``1 - 3 / (4 C - 5)``."""
         sd = self.own * np.sqrt(self.d.shape[-2])
         return _divided(self.mean, sd) * (1 - 3 / (4 * self.freedom - 1))
 
-    @property
-    def _pooled_freedom(self) -> int:
-        methods: int = self.d.shape[-1]
-        return (methods - 1) * self.freedom
-
 
 def contrasts(
-    y: Numbers, reference: NDArray[np.intp] | int, strata: NDArray[np.intp] | None = None
+    y: Numbers, reference: int, strata: NDArray[np.intp] | None = None, *, in_steps: bool = True
 ) -> Contrasts:
-    """Return the differences of all methods to one of them.
+    """Return the differences of all methods to one of them, and which are clear.
+
+    The floored Tukey rule (Tukey 1953): with the residuals of y after removal of the means of
+    units and methods, ``MSE = sum(residuals^2) / ((K - 1)(C - 1))``, the standard error of a pair
+    is its own, ``sd(d) / sqrt(C)``, but never less than the pooled ``sqrt(2 MSE / C)``. Divided by
+    it, ``|mean(d)|`` is compared to the studentised range of K means, ``(K - 1)(C - 1)`` degrees
+    of freedom, over sqrt(2): there is one p for a pair, whichever of all methods is the best. Of
+    two methods it is the paired t-test.
+
+    In steps: methods with p of at most 5 % are set aside, and the rest is judged again by itself,
+    until nothing falls. Of methods equal to the reference any is called apart in at most about
+    5 % of studies, whatever the others are: a first false step is taken where all of them are
+    judged together. Without steps the variance of one distant method decides between all others.
+    The interval of a method is that of the step in which it falls, or of the last; p is as well,
+    but no less than that of any method that fell before.
+
+    Where units are parts of S recordings, the claim is about these: their means are removed, which
+    leaves C - S degrees of freedom for C - 1.
 
     Parameters
     ----------
     y
-        (..., C, K), K of two or more.
+        (C, K), K of two or more.
     reference
-        The place of the method that others are compared to, one per study.
+        The place of the method that others are compared to.
     strata
         (C,), the recording of each unit, where units are parts of recordings; equally many each.
+    in_steps
+        Whether to judge again what is left; otherwise all differences are of the first step.
     """
-    count, methods = y.shape[-2:]
-    places = np.broadcast_to(np.asarray(reference)[..., np.newaxis, np.newaxis], (*y.shape[:-1], 1))
-    d = y - np.take_along_axis(y, places, axis=-1)
-    size = ROUNDING * np.maximum(
-        np.abs(y).max(axis=-2), 1e-3 * np.abs(y).max(axis=(-2, -1))[..., None]
-    )
-    d = np.where(np.abs(d) <= size[..., np.newaxis, :], 0.0, d)
-    mean = d.mean(axis=-2)
+    size = ROUNDING * np.maximum(np.abs(y).max(axis=0), 1e-3 * np.abs(y).max())
+    d = y - y[:, [reference]]
+    d = np.where(np.abs(d) <= size, 0.0, d)
+    mean = d.mean(axis=0)
     within, freedom = _centred(d, strata)
-    residuals, _ = _centred(y - y.mean(axis=-1, keepdims=True), strata)
-    pooled = np.square(residuals).sum(axis=(-2, -1)) / ((methods - 1) * freedom)
-    own = np.sqrt(np.square(within).sum(axis=-2) / freedom / count)
-    own = np.where(own * np.sqrt(count) <= size, 0.0, own)
-    floor = np.sqrt(2 * pooled / count)[..., np.newaxis]
-    floor = np.where(floor * np.sqrt(count) <= size, 0.0, floor)
-    return Contrasts(d, mean, own, np.maximum(own, floor), freedom)
+    own = _exact(np.sqrt(np.square(within).sum(axis=0) / freedom / len(y)), size, len(y))
+    low, high, p = (np.zeros(y.shape[1]) for _ in range(3))
+    left, least = np.arange(y.shape[1]), 0.0
+    while True:
+        error = np.maximum(own[left], _exact(_pooled(y[:, left], strata), size[left], len(y)))
+        ratio = np.abs(_divided(mean[left], error))
+        methods, pooled_freedom = len(left), (len(left) - 1) * freedom
+        limit = range_quantile(methods, pooled_freedom)
+        low[left], high[left] = mean[left] - limit * error, mean[left] + limit * error
+        apart = ratio >= limit
+        falls = apart if in_steps and 0 < np.count_nonzero(apart) < methods - 1 else apart | True
+        chances = _range_survival(ratio[falls], methods, pooled_freedom)
+        p[left[falls]] = np.maximum(chances, least)
+        if falls.all():
+            return Contrasts(d, mean, own, low, high, p, freedom)
+        left, least = left[~falls], max(least, float(chances.max()))
+
+
+def _pooled(y: Numbers, strata: NDArray[np.intp] | None) -> float:
+    """Return the standard error of a difference from what all methods vary by."""
+    residuals, freedom = _centred(y - y.mean(axis=1, keepdims=True), strata)
+    square = np.square(residuals).sum() / ((y.shape[1] - 1) * freedom)
+    return float(np.sqrt(2 * square / len(y)))
+
+
+def _exact(error: Numbers | float, size: Numbers, count: int) -> Numbers:
+    """Return a standard error without what is left by rounding."""
+    return np.where(error * np.sqrt(count) <= size, 0.0, error)
+
+
+def _range_survival(ratio: Numbers, methods: int, freedom: float) -> Numbers:
+    """Return p of differences over their standard errors, by the studentised range."""
+    sizes, place = np.unique(ratio, return_inverse=True)
+    return studentised_range.survival(np.sqrt(2) * sizes, methods, freedom)[place]
 
 
 def _centred(values: Numbers, strata: NDArray[np.intp] | None) -> tuple[Numbers, int]:
@@ -192,20 +198,6 @@ def mean_interval(y: Numbers, strata: NDArray[np.intp] | None = None) -> tuple[N
     reach = student((1 + CONFIDENCE) / 2, freedom) * error
     mean = y.mean(axis=-2)
     return mean - reach, mean + reach
-
-
-def arithmetic_interval(y: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the ends of the 95 % interval of an arithmetic mean of log-normal units, (..., K).
-
-    The modified method of Cox (Olsson 2005), which stays above 0: with m and s^2 the mean and the
-    variance of the logarithms y, ``exp(m + s^2 / 2 -+ t sqrt(s^2 / C + s^4 / (2 (C - 1))))``.
-    """
-    count = y.shape[-2]
-    variance = y.var(axis=-2, ddof=1)
-    middle = y.mean(axis=-2) + variance / 2
-    error = np.sqrt(variance / count + np.square(variance) / (2 * (count - 1)))
-    reach = student((1 + CONFIDENCE) / 2, count - 1) * error
-    return np.exp(middle - reach), np.exp(middle + reach)
 
 
 def posterior(

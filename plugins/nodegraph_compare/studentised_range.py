@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     Numbers = NDArray[np.float64]
 
-_Z = np.arange(-8.5, 9.0, 0.1)
+_Z = np.arange(-8.5, 9.0, 0.15)
 _AT_A_TIME = 64
 """Values of q, which bounds the memory."""
 
@@ -53,7 +53,7 @@ def _scales(freedom: float) -> tuple[Numbers, Numbers]:
     if np.isinf(freedom):
         return np.ones(1), np.ones(1)
     reach = np.sqrt(40.0 / freedom)  # beyond it the density is below exp(-40) of its highest
-    step = min(0.05, 0.35 / np.sqrt(freedom))
+    step = min(0.07, 0.5 / np.sqrt(freedom))
     log_s = np.arange(-reach - 40.0 / freedom, reach + step, step)
     density = np.exp(freedom * (log_s - np.expm1(2 * log_s) / 2))  # over log s, times a constant
     return np.exp(log_s), density / density.sum()

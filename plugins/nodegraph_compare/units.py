@@ -9,14 +9,15 @@ import numpy as np
 
 from nodegraph import Value
 from nodegraph_compare.inference import FEWEST, FEWEST_JUDGED, FEWEST_SETTLED
-from nodegraph_compare.ties import ROUNDING, tied
+from nodegraph_compare.ties import tied
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_compare.blocks import Group
 
-Kind = Literal["clusters", "segments", "runs", "draws", "nothing"]
+Kind = Literal["clusters", "draws", "segments", "nothing"]
+Lacking = Literal["repetitions", "frames", "segments", "numbers"]
 Speech = Literal["nothing", "described", "provisional", "settled"]
 
 MOST_RECORDINGS = 2
@@ -33,13 +34,13 @@ class Shortage(Value):
     Attributes
     ----------
     of : str
-        ``repetitions``; ``frames`` or ``blocks`` that follow one another; ``segments``, blocks so
-        few that some of the `needed` segments have none; ``numbers``, where no block has a number
-        for every method.
+        ``repetitions``, where nothing tells when in the recording blocks are; ``frames`` of a
+        recording; ``segments``, blocks so few that some of the `needed` segments have none;
+        ``numbers``, where no block has a number for every method.
     there, needed : float
     """
 
-    of: Literal["repetitions", "frames", "blocks", "segments", "numbers"]
+    of: Lacking
     there: float = 0.0
     needed: float = 0.0
 
@@ -51,17 +52,18 @@ class Units:
     Attributes
     ----------
     kind : str
-        ``clusters``, three or more; of fewer recordings, ``segments`` in time, ``draws``,
-        repetitions on the same data, or ``runs`` of blocks in their order where they have no
-        place in time; ``nothing`` where there is no such unit.
-    clusters : int
-        Number of clusters; for other kinds, of recordings; 1 without any.
+        ``clusters``, three or more; of fewer recordings, ``draws``, repetitions on the same data,
+        or ``segments`` in time; ``nothing`` where there is no such unit.
+    recordings : (C, K) array of float64
+        Means over the blocks of each cluster; for other kinds, of each recording.
     means : (N, K) array of float64
-        Over the blocks of each unit; of the kind ``nothing``, of each cluster.
+        Means over the blocks of each unit.
+    without : (N, K) array of float64
+        Means over all other blocks of its recording, where a unit is a part of one.
     place : (B,) array of int
         The unit of each block; -1 for a block that does not count.
-    strata : (N,) array of int or None
-        The recording of each segment or draw, where there are several.
+    strata : (N,) array of int
+        The recording of each unit.
     fewest : int
         Blocks in the unit with fewest.
     shortage : Shortage or None
@@ -69,57 +71,95 @@ class Units:
     """
 
     kind: Kind
-    clusters: int
+    recordings: NDArray[np.float64]
     means: NDArray[np.float64]
+    without: NDArray[np.float64]
     place: NDArray[np.intp]
-    strata: NDArray[np.intp] | None = None
+    strata: NDArray[np.intp]
     fewest: int = 0
     shortage: Shortage | None = None
+
+    @property
+    def clusters(self) -> int:
+        """Number of clusters; for other kinds, of recordings; 1 without any."""
+        return len(self.recordings)
+
+    @property
+    def parts(self) -> NDArray[np.intp] | None:
+        """The recording of each unit, where units are parts of several."""
+        return self.strata if self.kind != "clusters" and self.clusters > 1 else None
 
     @property
     def count(self) -> int:
         """Number of units, less those that are spent on further recordings."""
         if self.kind == "nothing":
             return 0
-        spent = 0 if self.strata is None else len(np.unique(self.strata)) - 1
-        return len(self.means) - spent
+        return len(self.means) - (0 if self.parts is None else self.clusters - 1)
+
+    @property
+    def placed(self) -> bool:
+        """Whether it is known when in the recordings their blocks are."""
+        return self.shortage is None or self.shortage.of in ("frames", "segments")
 
     @property
     def speech(self) -> Speech:
         """The kind of claim that so many units allow."""
-        return speech_of(self.count)
+        return speech_of(self.kind, self.count)
 
     @property
     def judged(self) -> bool:
         """Whether there are units enough for p and a verdict."""
         return self.speech in ("provisional", "settled")
 
-    def numbers(self, ratio: bool) -> NDArray[np.float64]:
-        """Return y, (N, K), whose differences are judged: of logarithms, or of the means.
+    @property
+    def positive(self) -> bool:
+        """Whether every mean that a logarithm is taken of is above 0."""
+        every = (self.recordings, self.without if self.kind in ("draws", "segments") else None)
+        return all(bool((means > 1e-9 * means.max()).all()) for means in every if means is not None)
 
-        Of clusters, the logarithms of their means M. Of parts of a recording, whose mean M over
-        all of them is what counts, ``ln M + x / M - 1`` with x the mean of a part: the mean of y
-        is ``ln M``, and a single part may be 0.
+    def typical(self, ratio: bool) -> NDArray[np.float64]:
+        """Return (K,), the numbers of the methods, in which every cluster weighs the same.
+
+        The geometric mean over clusters, which is the error of a typical one, or the arithmetic
+        mean. They depend neither on the kind of unit nor on other methods.
         """
-        if not ratio:
-            return self.means
-        if self.kind == "clusters":
-            return np.log(self.means)
-        mean = self.means.mean(axis=0)
-        return np.asarray(np.log(mean) + self.means / mean - 1)
+        if self.clusters == 1 or not ratio:
+            return np.asarray(self.recordings.mean(axis=0))
+        return np.asarray(np.exp(np.log(self.recordings).mean(axis=0)))
+
+    def numbers(self, ratio: bool) -> NDArray[np.float64]:
+        """Return y, (N, K), whose differences are judged; its mean is that of `typical`.
+
+        Of clusters, the logarithms of their means M, or M. Of B parts of a recording with mean M,
+        which is M' without one of them, the jackknife's ``B ln M - (B - 1) ln M'``, moved so that
+        its mean is ``ln M``.
+        """
+        scale = np.log if ratio else np.asarray
+        if self.kind in ("clusters", "nothing"):
+            return np.asarray(scale(self.means))
+        whole, count = scale(self.recordings)[self.strata], len(self.means) // self.clusters
+        y = count * whole - (count - 1) * scale(self.without)
+        means = np.stack([y[self.strata == at].mean(axis=0) for at in range(self.clusters)])
+        return np.asarray(y - means[self.strata] + whole)
 
 
-def speech_of(count: int) -> Speech:
-    """Return what may be said: three or four units are described, five to seven provisional."""
+def speech_of(kind: Kind, count: int) -> Speech:
+    """Return what may be said: three or four units are described, five to seven provisional.
+
+    Repetitions are drawn alike, and each is a mean over blocks: three have a verdict.
+    """
     if count < FEWEST:
         return "nothing"
-    if count < FEWEST_JUDGED:
+    if count < FEWEST_JUDGED and kind != "draws":
         return "described"
     return "provisional" if count < FEWEST_SETTLED else "settled"
 
 
 def units_of(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_]) -> Units:
-    """Return the units of a group.
+    """Return the units that a verdict rests on.
+
+    Three clusters or more; of fewer, the repetitions on the same data if there are three, which
+    stand for further ones; else the recordings' segments.
 
     Parameters
     ----------
@@ -130,150 +170,128 @@ def units_of(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_])
     kept
         (B,), the blocks that count; their values are not missing.
     """
-    units = _of_kept(group, values[kept], kept)
-    place = np.full(len(kept), -1, dtype=np.intp)
-    place[kept] = units.place
-    return replace(units, place=place)
+    draw = group.draw[kept] if group.draws > 1 else np.zeros(np.count_nonzero(kept), dtype=np.intp)
+    units = units_from(values[kept], group.cluster[kept], draw, _recordings(group)[kept])
+    if units.kind == "nothing":
+        return segments_of(group, values, kept)
+    return _with_others(units, kept)
 
 
-def _of_kept(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_]) -> Units:
-    """Return the units of the blocks that count, with the place of each of these."""
-    names, cluster = np.unique(group.cluster[kept], return_inverse=True)
-    count = len(names)
-    if count > MOST_RECORDINGS:
-        means, blocks = _means(values, cluster, count)
-        return Units("clusters", count, means, cluster, fewest=int(blocks.min()))
-    # of one or two actors: their recordings, as nothing can be said of further actors
-    if group.recording is not None:
-        names, cluster = np.unique(group.recording[kept], return_inverse=True)
-        count = len(names)
-    overall, _ = _means(values, cluster, count)
-    start, frames, draw = group.start[kept], group.frames[kept], group.draw[kept]
-    if np.isfinite(start).all() and len(start):
-        return _segments(values, cluster, start, frames, overall, "frames")
-    if group.draws > 1:
-        return _draws(values, cluster, draw, overall)
-    order = np.arange(len(values), dtype=np.float64)
-    units = _segments(values, cluster, order, np.ones(len(values)), overall, "blocks")
-    return replace(units, kind="runs") if units.kind == "segments" else units
+def _recordings(group: Group) -> NDArray[np.intp]:
+    return group.cluster if group.recording is None else group.recording
 
 
-def _draws(
+def units_from(
     values: NDArray[np.float64],
     cluster: NDArray[np.intp],
     draw: NDArray[np.intp],
-    overall: NDArray[np.float64],
+    recording: NDArray[np.intp] | None = None,
 ) -> Units:
-    """Return each repetition as a unit."""
-    count = len(overall)
-    numbers, place = np.unique(cluster + count * draw, return_inverse=True)
-    strata = numbers % count
-    fewest = int(np.bincount(strata, minlength=count).min(initial=len(numbers)))
-    if fewest < FEWEST:
-        shortage = Shortage("repetitions", fewest, FEWEST)
-        return Units("nothing", count, overall, cluster, shortage=shortage)
-    # equally many of each recording, so that recordings weigh equally
-    kept = np.concatenate([np.flatnonzero(strata == at)[:fewest] for at in range(count)])
-    means, blocks = _means(values, place, len(numbers))
-    several = strata[kept] if count > 1 else None
-    unit = np.full(len(numbers), -1, dtype=np.intp)
-    unit[kept] = np.arange(len(kept))
-    return Units("draws", count, means[kept], unit[place], several, int(blocks.min()))
-
-
-def _segments(
-    values: NDArray[np.float64],
-    cluster: NDArray[np.intp],
-    start: NDArray[np.float64],
-    frames: NDArray[np.float64],
-    overall: NDArray[np.float64],
-    unit: Literal["frames", "blocks"],
-) -> Units:
-    """Return equal parts of each recording, long against the time over which errors correlate."""
-    count = len(overall)
-    members = [cluster == at for at in range(count)]
-    spans = [
-        (float(start[member].min()), float((start + frames)[member].max())) for member in members
-    ]
-    lengths = [
-        correlation_length(values[member], start[member], frames[member]) for member in members
-    ]
-    relative = [
-        (last - first) / length for (first, last), length in zip(spans, lengths, strict=True)
-    ]
-    shortest = int(np.argmin(relative)) if relative else 0
-    for parts, needed in _SEGMENTS:
-        if not relative or relative[shortest] < needed:
-            continue
-        place = np.empty(len(values), dtype=np.intp)
-        for at, (member, (first, last)) in enumerate(zip(members, spans, strict=True)):
-            middle = (start[member] + frames[member] / 2 - first) / (last - first)
-            place[member] = parts * at + np.minimum((parts * middle).astype(np.intp), parts - 1)
-        if len(np.unique(place)) == parts * count:
-            means, blocks = _means(values, place, parts * count)
-            strata = np.repeat(np.arange(count), parts) if count > 1 else None
-            return Units("segments", count, means, place, strata, int(blocks.min()))
-    parts, needed = _SEGMENTS[-1]
-    if not relative:
-        shortage = Shortage("numbers")
-    elif relative[shortest] < needed:
-        first, last = spans[shortest]
-        shortage = Shortage(unit, last - first, needed * lengths[shortest])
-    else:
-        shortage = Shortage("segments", len(values), parts * count)
-    return Units("nothing", count, overall, cluster, shortage=shortage)
-
-
-def correlation_length(
-    values: NDArray[np.float64], start: NDArray[np.float64], frames: NDArray[np.float64]
-) -> float:
-    """Return the number of frames over which the scores of one recording are correlated.
-
-    Twice the integral of the autocorrelation over time: of gaps of length g in a process with
-    correlation time tau, about g + 2 tau. What all methods share in a block is removed first. The
-    correlation is that of pairs of blocks in bins of g frames, from those in one bin up to the
-    first lag without any.
+    """Return the units of blocks that all count: their clusters, or the repetitions on these.
 
     Parameters
     ----------
     values
         (B, K), the value of each block and method.
-    start, frames
-        (B,), when each block begins, and how long it is.
+    cluster, draw
+        (B,), the cluster and the repetition of each block.
+    recording
+        (B,), the recording of each block, of which there may be several in a cluster.
     """
-    length = float(np.median(frames))
-    typical = np.abs(values).mean(axis=0)
-    apart = values / np.where(typical > 0.0, typical, 1.0)
-    if values.shape[1] > 1:
-        apart = apart - apart.mean(axis=1, keepdims=True)
-    apart = apart - apart.mean(axis=0)
-    bins = ((start - start.min()) // length).astype(np.intp)
-    size = int(bins.max()) + 1
-    count = np.bincount(bins, minlength=size).astype(np.float64)
-    sums = np.zeros((size, values.shape[1]))
-    np.add.at(sums, bins, apart)
-    squares = float(np.square(apart).sum())
-    pairs = float((np.square(count) - count).sum())
-    together = (float(np.square(sums).sum()) - squares) / pairs if pairs else squares / len(values)
-    if together <= ROUNDING * squares / len(values):
-        return length
-    total = 0.0
-    for lag in range(1, size // 2):
-        both = float((count[:-lag] * count[lag:]).sum())
-        product = float((sums[:-lag] * sums[lag:]).sum())
-        if both == 0.0:
-            continue
-        if product <= 0.0:
-            break
-        total += min(product / both / together, 1.0)
-    return length * (1 + 2 * total)
+    names, cluster = np.unique(cluster, return_inverse=True)
+    if len(names) > MOST_RECORDINGS:
+        return _placed(values, cluster, cluster, "clusters")
+    # of one or two actors: their recordings, as nothing can be said of further actors
+    if recording is not None:
+        names, cluster = np.unique(recording, return_inverse=True)
+    numbers = np.unique(cluster + len(names) * draw)
+    # as many of each recording, so that recordings weigh equally
+    count = int(np.bincount(numbers % max(len(names), 1)).min(initial=len(numbers)))
+    if count < FEWEST:
+        return _nothing(values, cluster, Shortage("repetitions", count, FEWEST))
+    ranks = np.zeros(len(draw), dtype=np.intp)
+    for at in range(len(names)):
+        member = cluster == at
+        ranks[member] = np.unique(draw[member], return_inverse=True)[1]
+    return _placed(values, cluster, cluster * count + ranks % count, "draws")
 
 
-def _means(
-    values: NDArray[np.float64], place: NDArray[np.intp], count: int
+def segments_of(group: Group, values: NDArray[np.float64], kept: NDArray[np.bool_]) -> Units:
+    """Return equal parts of each recording, long against the time over which it is correlated.
+
+    How many parts a recording can bear is a matter of its length T, the time tau over which it is
+    correlated, and the length g of the blocks, not of where these are: with ``Lc = g + 2 tau`` ten
+    where ``T >= 100 Lc``, six where ``T >= 36 Lc``, else none.
+
+    Parameters
+    ----------
+    group, values, kept
+        As of `units_of`.
+    """
+    names, cluster = np.unique(_recordings(group)[kept], return_inverse=True)
+    start, frames = group.start[kept], group.frames[kept]
+    span, time = group.span[kept], group.correlation[kept]
+    values, count = values[kept], len(names)
+
+    def nothing(of: Lacking, there: float = 0.0, needed: float = 0.0) -> Units:
+        return _with_others(_nothing(values, cluster, Shortage(of, there, needed)), kept)
+
+    if not len(values):
+        return nothing("numbers")
+    if not np.isfinite(start + frames + span + time).all():
+        draws = len(np.unique(group.draw[kept])) if group.draws > 1 else 1
+        return nothing("repetitions", draws, FEWEST)
+    length = float(np.median(frames)) + 2 * time
+    shortest = int(np.argmin(span / length))
+    there = float(span[shortest] / length[shortest])
+    for parts, least in _SEGMENTS:
+        place = np.minimum(parts * (start + frames / 2) / span, parts - 1).astype(np.intp)
+        place += parts * cluster
+        if there >= least and len(np.unique(place)) == parts * count:
+            return _with_others(_placed(values, cluster, place, "segments"), kept)
+    parts, least = _SEGMENTS[-1]
+    if there < least:
+        return nothing("frames", float(span[shortest]), least * float(length[shortest]))
+    return nothing("segments", len(values), parts * count)
+
+
+def _nothing(values: NDArray[np.float64], cluster: NDArray[np.intp], shortage: Shortage) -> Units:
+    """Return no units, with the means of the recordings."""
+    return replace(_placed(values, cluster, cluster, "nothing"), shortage=shortage)
+
+
+def _with_others(units: Units, kept: NDArray[np.bool_]) -> Units:
+    """Return units with a place for the blocks that do not count."""
+    place = np.full(len(kept), -1, dtype=np.intp)
+    place[kept] = units.place
+    return replace(units, place=place)
+
+
+def _placed(
+    values: NDArray[np.float64], cluster: NDArray[np.intp], place: NDArray[np.intp], kind: Kind
+) -> Units:
+    """Return units from the cluster and the unit of each block."""
+    sums, blocks = _sums(values, cluster)
+    of_units, counts = _sums(values, place)
+    strata = np.zeros(len(counts), dtype=np.intp)
+    strata[place] = cluster
+    rest = np.maximum(blocks[strata] - counts, 1)[:, np.newaxis]
+    return Units(
+        kind,
+        recordings=tied(sums / blocks[:, np.newaxis]),
+        means=tied(of_units / counts[:, np.newaxis]),
+        without=tied((sums[strata] - of_units) / rest),
+        place=place,
+        strata=strata,
+        fewest=int(counts.min()) if len(counts) else 0,
+    )
+
+
+def _sums(
+    values: NDArray[np.float64], place: NDArray[np.intp]
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Return the (N, K) means of the blocks of each unit, and (N,) how many blocks it has."""
-    blocks = np.bincount(place, minlength=count)
-    sums = np.zeros((count, values.shape[1]))
+    """Return the (N, K) sums of the blocks at each place, and (N,) how many there are."""
+    blocks = np.bincount(place)
+    sums = np.zeros((len(blocks), values.shape[1]))
     np.add.at(sums, place, values)
-    return tied(sums / blocks[:, np.newaxis]), blocks
+    return sums, blocks

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from nodegraph import Value
-from nodegraph_compare.inference import FEWEST_JUDGED, LEVEL
+from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.units import speech_of
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Scope(Value):
     kind : str
         See `nodegraph_compare.units.Units`.
     clusters : int
-        Number of clusters, 1 without any.
+        Number of recordings, or other clusters; 1 without any.
     units : int
         Number of units.
     count : int
@@ -52,10 +52,10 @@ class Scope(Value):
         Why there are no units.
     several : str
         What several clusters are called: ``actors``.
-    further : str
-        What a result that is not over clusters holds for further ones of: ``gaps``.
-    recordings : int
-        The recordings in which it does; 0 where these further ones are clusters themselves.
+    blocks : str
+        What several blocks are called: ``gaps``; empty where a block is a cluster.
+    drawn : str
+        The axis of repetitions on the same data; empty where there is none.
     """
 
     kind: Kind
@@ -65,18 +65,18 @@ class Scope(Value):
     fewest: int
     shortage: Shortage | None
     several: str
-    further: str
-    recordings: int
+    blocks: str
+    drawn: str
 
     @property
     def speech(self) -> Speech:
         """The kind of claim that so many units allow."""
-        return speech_of(self.count)
+        return speech_of(self.kind, self.count)
 
     @property
     def judged(self) -> bool:
         """Whether there are units enough for p and a verdict."""
-        return self.count >= FEWEST_JUDGED
+        return self.speech in ("provisional", "settled")
 
 
 def clusters_name(question: Question) -> str:
@@ -99,9 +99,6 @@ def scope_of(units: Units, question: Question, blocks: str) -> Scope:
     """
     names, several = question.clusters, clusters_name(question)
     are_clusters = bool(names) and set(question.blocks) <= set(names)
-    further = several if are_clusters else blocks
-    if units.kind == "draws" and not are_clusters:
-        further = f"{question.drawn[0]}s" if len(question.drawn) == 1 else "repetitions"
     return Scope(
         kind=units.kind,
         clusters=units.clusters,
@@ -110,8 +107,8 @@ def scope_of(units: Units, question: Question, blocks: str) -> Scope:
         fewest=units.fewest,
         shortage=units.shortage,
         several=several,
-        further=further,
-        recordings=0 if are_clusters else units.clusters,
+        blocks="" if are_clusters else blocks,
+        drawn=question.drawn[0] if len(question.drawn) == 1 else "",
     )
 
 
@@ -175,10 +172,14 @@ class Verdict(Value):
     ranked : tuple of int
         The methods that the group has, from the best to the worst, without any number last; in the
         order of the graph where neither end is better.
-    best, best_by_mean : tuple of int
-        By what decides, and by the plain mean over units.
-    mean, low, high, median, rank : (K,) arrays of float64
-        Mean over units with its interval, median over blocks, and mean rank within blocks.
+    best : tuple of int
+        The methods with the best mean.
+    mean, low, high : (K,) arrays of float64
+        The number that decides, with its interval over the units: over clusters the geometric
+        mean, the error of a typical one, or, where methods are compared by differences, the
+        arithmetic mean.
+    arithmetic, median, rank : (K,) arrays of float64
+        Mean over clusters, median over blocks, and mean rank within blocks.
     blocks : (K,) array of int
         Number of blocks used; 0 for a method without any number.
     of_blocks : int
@@ -207,6 +208,8 @@ class Verdict(Value):
         The same by other rules for missing blocks, `COMMON` and `WORST`.
     without_suspects : Verdict or None
         The same without suspect blocks; None where there are none.
+    next_minutes : Verdict or None
+        The same over segments of the recordings, where it rests on repetitions on these.
     """
 
     labels: tuple[Label, ...]
@@ -215,10 +218,10 @@ class Verdict(Value):
     scope: Scope
     ranked: tuple[int, ...]
     best: tuple[int, ...]
-    best_by_mean: tuple[int, ...]
     mean: Numbers
     low: Numbers
     high: Numbers
+    arithmetic: Numbers
     median: Numbers
     rank: Numbers
     blocks: NDArray[np.int64]
@@ -237,6 +240,7 @@ class Verdict(Value):
     suspects: tuple[str, ...] = ()
     by_rule: Mapping[Rule, Verdict] = field(default_factory=dict)
     without_suspects: Verdict | None = None
+    next_minutes: Verdict | None = None
 
     @property
     def known(self) -> list[int]:
@@ -245,8 +249,8 @@ class Verdict(Value):
 
     @property
     def marked(self) -> tuple[int, ...]:
-        """The best, where there is something that they are better than, or equal to."""
-        return self.best if len(self.known) > 1 else ()
+        """The best, where a verdict stands on something that they are better than, or equal to."""
+        return self.best if self.stands and len(self.known) > 1 else ()
 
     @property
     def judged(self) -> bool:
@@ -324,11 +328,21 @@ class Verdict(Value):
 
 @dataclass(frozen=True)
 class Metric(Value):
-    """A column of numbers: its unit, and which end of it is better."""
+    """A column of numbers.
+
+    Attributes
+    ----------
+    name, unit : str
+    better : str
+        Which end of it is better.
+    ratio : bool
+        Whether its mean over clusters is geometric.
+    """
 
     name: str
     unit: str
     better: BetterEnd
+    ratio: bool
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,9 +15,10 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from nodegraph import listed
-from nodegraph_compare.inference import FEWEST_JUDGED, FEWEST_SETTLED, LEVEL
+from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.left_out import MOST_GROUPS, narrowed, start_text
 from nodegraph_compare.question import EXTREME
+from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
 from nodegraph_tables.lead import MOST_CARDS
 from nodegraph_tables.numbers import SMALLEST, SPACE, percent, shares_text, span_text
@@ -49,11 +50,12 @@ def scope_text(scope: Scope) -> str:
     """Return what a result holds for: ``over 8 actors``, ``for further gaps in this recording``."""
     if scope.kind == "clusters":
         return f"over {scope.clusters} {scope.several}"
-    if not scope.recordings:
-        return f"for further {scope.further}"
-    several = f"these {scope.recordings} recordings"
-    where = "this recording" if scope.recordings == 1 else several
-    return f"for further {scope.further} in {where}"
+    if not scope.blocks:
+        return f"for further {scope.several}"
+    where = "this recording" if scope.clusters == 1 else f"these {scope.clusters} recordings"
+    if scope.kind == "segments":
+        return f"for the next minutes of {where}"
+    return f"for further {scope.blocks} in {where}"
 
 
 def units_text(scope: Scope) -> str:
@@ -62,7 +64,6 @@ def units_text(scope: Scope) -> str:
         return f"{scope.clusters} {scope.several}"
     named = {
         "segments": "segments of the recording",
-        "runs": "runs of blocks in their order",
         "draws": "repetitions",
     }
     return f"{scope.units} {named.get(scope.kind, 'recordings')}"
@@ -83,17 +84,25 @@ def _shortage_text(scope: Scope) -> str:
     shortage = scope.shortage
     if shortage is None:
         return ""
-    there, needed = f"{shortage.there:.0f}", f"{shortage.needed:.0f}"
+    there, needed = f"{shortage.there:,.0f}", f"{shortage.needed:,.0f}"
     if shortage.of == "numbers":
         return "no block has a number for every method"
     if shortage.of == "repetitions":
-        return "one repetition" if shortage.there < 2 else f"{there} repetitions"
+        many = "one repetition" if shortage.there < 2 else f"{there} repetitions"
+        return f"{many} where {needed} are needed{_remedy(scope)}"
     if shortage.of == "segments":
         return (
-            f"too few blocks: {there} leave one of the {needed} segments that the takes are "
-            "divided into without any; further repetitions help"
+            f"{there} {scope.blocks or 'blocks'} leave one of {needed} segments of time "
+            f"without any{_remedy(scope)}"
         )
-    return f"too few {shortage.of}, {there} where {needed} are needed"
+    return f"{there} frames where {needed} are needed{_remedy(scope)}"
+
+
+def _remedy(scope: Scope) -> str:
+    """Return what to do about one recording of which nothing can be said."""
+    if not scope.drawn:
+        return "; an axis of repetitions, each with damage of its own, would help"
+    return f'; ten draws help: --axis "{scope.drawn}={{count: 10}}"'
 
 
 def few_blocks_text(scope: Scope) -> str:
@@ -106,7 +115,7 @@ def few_blocks_text(scope: Scope) -> str:
     )
 
 
-def rules_text(question: Question, several: str) -> str:
+def rules_text(question: Question, several: str, clusters: int) -> str:
     """Return what units are, and how many of them say how much.
 
     Parameters
@@ -115,19 +124,20 @@ def rules_text(question: Question, several: str) -> str:
         Of the comparison.
     several
         What several clusters are called.
+    clusters
+        How many there are.
     """
-    of = several if question.clusters else "units"
-    few = (
-        f"Fewer than {FEWEST_JUDGED} {of} are described, without p; fewer than {FEWEST_SETTLED} "
-        "are provisional."
-    )
-    if question.clusters:
-        return f"The independent units are {of}, which weigh equally. {few}"
+    if question.clusters and clusters > MOST_RECORDINGS:
+        return (
+            f"The independent units are {several}, which weigh equally: three or four are "
+            f"described without p, fewer than {FEWEST_SETTLED} are provisional."
+        )
+    one = "one recording" if clusters == 1 else f"{clusters} recordings"
     return (
-        "All blocks are of one recording, and results hold for further ones of it: the units are "
-        "equal segments of it, long against the time over which errors are correlated; where "
-        "blocks have no place in time, its repetitions, or equal runs of blocks in their order. "
-        f"{few}"
+        f"All blocks are of {one}, and results hold for no other. The units are repetitions, which "
+        f"say what further ones would; or, without {FEWEST} of these, equal segments, long against "
+        "the time over which a recording is correlated, which say what its next minutes would. "
+        f"Fewer than {FEWEST_SETTLED} units are provisional."
     )
 
 
@@ -175,6 +185,26 @@ def change_of(verdicts: Verdicts, group: Verdict, other: Verdict) -> str:
 
 
 # numbers and names
+
+
+def number_name(verdicts: Verdicts, unit: str = "") -> str:
+    """Return what the number of a method is: ``Mean rmse (mm) of a typical actor``.
+
+    Parameters
+    ----------
+    verdicts
+        Of the comparison.
+    unit
+        Of the metric, as a reader sees it.
+    """
+    mean = f"Mean {verdicts.metric.name}{f' ({unit})' if unit else ''}"
+    clusters = max((group.scope.clusters for group in verdicts.groups), default=1)
+    if clusters == 1:
+        return f"{mean} over {verdicts.blocks}"
+    if not verdicts.ratio:
+        return f"{mean} over {verdicts.units}"
+    first, _, rest = verdicts.units.partition(" ")
+    return f"{mean} of a typical {' '.join(filter(None, [first.removesuffix('s'), rest]))}"
 
 
 def in_unit(values: Sequence[float], unit: str) -> str:
@@ -582,9 +612,8 @@ def scope_sentences(verdicts: Verdicts) -> Markup:
         if text
     )
     end = "neither end is better" if metric.better == "none" else f"{metric.better} is better"
-    unit = f" ({in_unit([], metric.unit).strip()})" if metric.unit else ""
-    over = verdicts.units if over_clusters else verdicts.blocks
-    numbers = f"Mean {escape(metric.name)}{unit} over {escape(over)}, {end}."
+    unit = in_unit([], metric.unit).strip()
+    numbers = f"{escape(number_name(verdicts, unit))}, {end}."
     return Markup(f"{holds}{of_some} {numbers}")
 
 
@@ -676,12 +705,9 @@ def best_names(verdicts: Verdicts, group: Verdict) -> str:
 
 def _best(verdicts: Verdicts, group: Verdict) -> str:
     """Return which methods are best, and by what: ``near has the lowest mean rmse``."""
-    names, several = best_names(verdicts, group), len(group.best) > 1
-    metric = verdicts.metric
-    if {*group.best} & {*group.best_by_mean}:
-        verb = "share" if several else "has"
-        return f"{names} {verb} the {EXTREME[group.better]} mean {metric.name}"
-    return f"{names} {'are' if several else 'is'} best in {metric.name} by the mean ratio"
+    verb = "share" if len(group.best) > 1 else "has"
+    extreme = f"the {EXTREME[group.better]} mean {verdicts.metric.name}"
+    return f"{best_names(verdicts, group)} {verb} {extreme}"
 
 
 def _verdict(verdicts: Verdicts, group: Verdict) -> str:
@@ -700,6 +726,8 @@ def _verdict(verdicts: Verdicts, group: Verdict) -> str:
     if other is not None and other.best != group.best:
         texts.append(f"without suspect {verdicts.blocks} {_best_instead(verdicts, other)}")
     texts += filter(None, [caution])
+    if group.next_minutes is not None:
+        texts.append(_next_minutes(verdicts, group.next_minutes))
     return f" {scope}" + "".join(f"; {text}" for text in texts)
 
 
@@ -710,6 +738,15 @@ def _apart(verdicts: Verdicts, group: Verdict) -> list[str]:
     best = "them" if len(group.best) > 1 else "it"
     rest = f"; the {'other' if behind == 1 else f'other {behind}'} clearly behind"
     return [f"not clearly apart from {best}: {listed(close, _MOST_TIES)}{rest if behind else ''}"]
+
+
+def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:
+    """Return what the segments of a recording say, beside its repetitions."""
+    scope, caution = scope_text(group.scope), caution_text(group.scope)
+    if not group.judged:
+        return f"nothing can be said for its next minutes: {caution}"
+    apart = _apart(verdicts, group) or ["nothing is apart"]
+    return f"{scope} ({units_text(group.scope)}) {'; '.join(apart)}"
 
 
 def _numbers(verdicts: Verdicts, group: Verdict, place: int) -> str:

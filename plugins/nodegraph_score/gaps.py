@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -12,7 +12,8 @@ from nodegraph import Columns, Refusal, RunningForm, Truth, node
 from nodegraph_mocap import MarkerFrame, Mask, Table, Trajectories
 from nodegraph_mocap.suspect import impulses
 from nodegraph_score.hidden_errors import columns, hidden_errors
-from nodegraph_tables import BetterEnd, Poses, TableInfo, poses_of, with_info
+from nodegraph_score.take import take_of
+from nodegraph_tables import BetterEnd, Poses, TableInfo, info_of, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -118,7 +119,8 @@ def gaps(
     than 8 times the marker's median, against which both neighbours are off in the other direction;
     one that lasts two frames or more is not recognized. How many gaps have one is in the notes.
 
-    Markers are matched by name.
+    Markers are matched by name. The table knows how long the recording is and over how many frames
+    its motion is correlated, so that a comparison can tell what one recording can bear.
 
     On a stream the means of `filled`, `rmse`, `mae`, `max` and `jump` over the gaps so far are
     kept current, a gap that is still open with the samples that it has so far.
@@ -147,7 +149,8 @@ def gaps(
     error, jumps = error[some], impulses(truth.positions[:, some]).T
     markers = [truth.markers[column] for column in some]
     has, poses = np.isfinite(error[..., 0]), poses_of(truth.markers, truth.positions)
-    return _table(_find(mask[some]), error, has, jumps, markers, poses)
+    table = _table(_find(mask[some]), error, has, jumps, markers, poses)
+    return with_info(table, replace(info_of(table), take=take_of(truth)))
 
 
 @dataclass(frozen=True)

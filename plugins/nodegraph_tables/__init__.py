@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from nodegraph import Comparison, Conclusion, Renderer, Storage, hookimpl
 from nodegraph_tables.comparisons import comparisons, differences, name_differences
 from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
-from nodegraph_tables.info import BetterEnd, TableInfo, info_of, with_info
+from nodegraph_tables.info import BetterEnd, TableInfo, Take, info_of, with_info
 from nodegraph_tables.lead import Card, Lead
 from nodegraph_tables.poses import Poses, difference, poses_of
 from nodegraph_tables.style import figure_text
@@ -20,6 +20,7 @@ __all__ = [
     "StoredFigure",
     "Table",
     "TableInfo",
+    "Take",
     "difference",
     "differences",
     "figure_text",

@@ -76,10 +76,12 @@ def columns_of(table: pd.DataFrame) -> list[Column]:
     """Return the columns that a reader sees.
 
     Columns that `TableInfo.cells` names are shown within the cells of another, as
-    ``mean [low, high]``, with a dagger where their ``p`` is below 0.05.
+    ``mean [low, high]``, with a dagger where their ``p`` is below 0.05; those of
+    `TableInfo.unseen` are not shown.
     """
-    cells = info_of(table).cells
-    within = {name for parts in cells.values() for name in parts.values()}
+    info = info_of(table)
+    cells = info.cells
+    within = {*info.unseen, *(name for parts in cells.values() for name in parts.values())}
     return [
         _column(table, at, cells.get(name, {}))
         for at, name in enumerate(table.columns)

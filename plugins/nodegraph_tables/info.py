@@ -18,6 +18,22 @@ BetterEnd = Literal["lower", "higher", "none"]
 Part = Literal["low", "high", "p"]
 
 
+@dataclass(frozen=True)
+class Take:
+    """The recording that the rows of a table are of.
+
+    Attributes
+    ----------
+    frames : int
+        Its length.
+    correlation : float
+        Frames over which it is correlated: what happens now says little of what happens later.
+    """
+
+    frames: int
+    correlation: float
+
+
 @dataclass(frozen=True, config={"defer_build": True})
 class TableInfo:
     """Information of a table beside its rows, for readers and for nodes that compare tables.
@@ -57,6 +73,10 @@ class TableInfo:
     cells : mapping of column to mapping of {"low", "high", "p"} to column
         The columns that are shown within the cells of another, as ``mean [low, high]``, with a
         dagger where p is below 0.05.
+    unseen : tuple of columns
+        Those that only the CSV file has.
+    take : Take, optional
+        The recording that all rows are of; their columns ``start`` and ``frames`` are places in it.
     poses : Poses, optional
         Of the recording that is scored, without its damage where that is known: comparisons tell
         by it takes of one person, which are not independent.
@@ -81,6 +101,8 @@ class TableInfo:
     sequences: tuple[str, ...] = ()
     compared: str = ""
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
+    unseen: tuple[str, ...] = ()
+    take: Take | None = None
     poses: Poses | None = None
 
 

@@ -1,9 +1,9 @@
 """Whether what is said of actors holds for other actors, and what is said of a take for others.
 
 ``python -m tests.simulations.actors made`` splits twenty made actors into ten that are judged by
-and ten others; ``recordings FILE ...`` asks how often what forty gaps of a recording say holds in
-that recording, and in the others; ``studies`` runs graphs/fill.yaml, with ends as published, on its
-eight faces and on eight others, and fails if the two contradict each other.
+and ten others; ``recordings FILE ...`` asks how often what three draws of gaps in a recording say
+holds in that recording, and in the others; ``studies`` runs graphs/fill.yaml, with ends as
+published, on its eight faces and on eight others, and fails if the two contradict each other.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from pandas import DataFrame
 
 import nodegraph
-from nodegraph_compare.blocks import Group
+from nodegraph import Across, Label
 from nodegraph_compare.inference import LEVEL, mean_interval
-from nodegraph_compare.units import units_of
+from nodegraph_compare.table.node import table
 
 Numbers = NDArray[np.float64]
 
@@ -32,15 +32,15 @@ FILLS: Final = ("linear", "muscle", "waters", "pchip")
 LENGTH: Final = 10
 """Frames of a gap."""
 SPLITS: Final = 400
-STUDIES, GAPS = 20, 40
-"""Studies of a recording, and gaps in each."""
+STUDIES, DRAWS, GAPS = 20, 3, 14
+"""Studies of a recording, draws of gaps in each, and gaps in a draw."""
 GRAPH: Final = Path(__file__).parents[2] / "graphs" / "fill.yaml"
 ACTORS: Final = range(101, 109)
 """Seeds of faces that are not samples."""
 
 
 def scores(captured: object, truth: object, count: int, seed: int) -> DataFrame:
-    """Return where gaps in a recording begin, and the error of each fill in them."""
+    """Return the error of each fill in gaps of a recording."""
     cut, score = nodegraph.get_node("gaps.cut"), nodegraph.get_node("score.gaps")
     gaps: Any = cut(captured, truth=truth, length=LENGTH, count=count, seed=seed)
     with warnings.catch_warnings():
@@ -50,7 +50,7 @@ def scores(captured: object, truth: object, count: int, seed: int) -> DataFrame:
             for name in FILLS
         ]
     errors = {name: table["rmse"] for name, table in zip(FILLS, tables, strict=True)}
-    return DataFrame({"start": tables[0]["start"], **errors}).dropna()
+    return DataFrame(errors).dropna()
 
 
 def synthetic(count: int = 20) -> Mapping[str, float]:
@@ -79,16 +79,17 @@ def synthetic(count: int = 20) -> Mapping[str, float]:
 
 
 def recordings(paths: Sequence[str]) -> Mapping[str, float]:
-    """Return how often intervals from forty gaps hold the ratio in the recording and in others.
+    """Return how often intervals from three draws of gaps hold the ratio in it and in others.
 
     Of each recording there are twenty studies. The ratio of the recording is that over the gaps of
     all other studies, so that it hardly varies.
     """
     read = nodegraph.get_node("read.recording")
-    studies: list[list[DataFrame]] = []
+    studies: list[list[list[DataFrame]]] = []
     for path in paths:
         recording = read(path=path)
-        studies.append([scores(recording, None, GAPS, seed) for seed in range(STUDIES)])
+        drawn = [scores(recording, None, GAPS, seed) for seed in range(DRAWS * STUDIES)]
+        studies.append([drawn[at * DRAWS : (at + 1) * DRAWS] for at in range(STUDIES)])
     inside: dict[str, list[bool]] = {}
     for own, of_own in enumerate(studies):
         for at, study in enumerate(of_own):
@@ -98,7 +99,12 @@ def recordings(paths: Sequence[str]) -> Mapping[str, float]:
                 continue
             inside.setdefault("silent", []).append(False)
             for other, of_other in enumerate(studies):
-                rest = [each for place, each in enumerate(of_other) if (other, place) != (own, at)]
+                rest = [
+                    each
+                    for place, other_study in enumerate(of_other)
+                    for each in other_study
+                    if (other, place) != (own, at)
+                ]
                 means = np.array([np.mean([each[name].mean() for each in rest]) for name in FILLS])
                 target = _to_first(means[np.newaxis])[0]
                 holds = (interval[0] <= target) & (target <= interval[1])
@@ -111,18 +117,17 @@ def _to_first(means: Numbers) -> Numbers:
     return np.asarray(np.log(means[:, 1:]) - np.log(means[:, :1]))
 
 
-def _of_recording(study: DataFrame) -> tuple[Numbers, Numbers] | None:
-    """Return the interval that compare.table makes of one recording; None if it is silent."""
-    study = study.sort_values("start")
-    values, rows = study[[*FILLS]].to_numpy(), np.arange(len(study))
-    none, frames = np.zeros(len(FILLS)), np.full(len(study), float(LENGTH))
-    start = study["start"].to_numpy(np.float64)
-    group = Group((), FILLS, values, none, none, 0 * rows, rows, 1, start, frames, rows, rows)
-    units = units_of(group, values, np.ones(len(study), dtype=bool))
-    if not units.count:
-        return None
-    y = units.numbers(ratio=True)
-    return mean_interval(y[:, 1:] - y[:, :1], units.strata)
+def _of_recording(draws: Sequence[DataFrame]) -> tuple[Numbers, Numbers] | None:
+    """Return what compare.table says of some draws of gaps in one recording; None if nothing."""
+    entries: list[tuple[dict[str, Label], DataFrame]] = [
+        ({"draw": draw, "fill": name}, DataFrame({"gap": range(len(each)), "rmse": each[name]}))
+        for draw, each in enumerate(draws)
+        for name in FILLS
+    ]
+    scores = Across(("draw", "fill"), tuple(entries), sources=())
+    compared = table(scores, metric="rmse", baseline=FILLS[0], blocks=("draw", "gap"))
+    paired = compared.overview.verdicts.groups[0].to_baseline
+    return None if paired is None else (np.log(paired.low[1:]), np.log(paired.high[1:]))
 
 
 def studies() -> bool:
@@ -165,7 +170,7 @@ def _saved(seed: int, folder: Path) -> Path:
 
 COMMANDS: Final[Mapping[str, Callable[[list[str]], bool]]] = {
     "made": lambda _: _print("ten made actors by ten others", synthetic()),
-    "recordings": lambda paths: _print("forty gaps of a recording", recordings(paths)),
+    "recordings": lambda paths: _print("three draws of gaps in a recording", recordings(paths)),
     "studies": lambda _: studies(),
 }
 

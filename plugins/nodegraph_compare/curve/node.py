@@ -157,7 +157,7 @@ class Curve(NamedTuple):
     figure: Figure
 
 
-@node("compare.curve", cite=("olsson2005confidence", "satopaa2011finding"))
+@node("compare.curve", cite=("satopaa2011finding",))
 def curve(
     scores: Across[Table],
     floor: Across[Table] | None = None,
@@ -206,12 +206,13 @@ def curve(
         `x` or in `blocks`.
     blocks
         Axes, or columns, whose combinations are repeats, such as trials. The rows of a block are
-        averaged, then the blocks of a unit, then the units. A block that has a row without a
+        averaged, then the blocks of a cluster, then the clusters, geometrically where all numbers
+        are positive. A block that has a row without a
         finite number is left out and counted. Default: `clusters`, if there are any.
     clusters
         Axes, or columns, whose combinations are the independent units, such as actors: three or
-        more give a 95 % interval (the modified method of Cox for positive means, else Student's).
-        Of one or two, the units are repetitions, the axes of `blocks` along which the same data
+        more give a 95 % interval (Student's, of the logarithms of positive means). Of one or two,
+        the units are repetitions, the axes of `blocks` along which the same data
         are treated again, and the interval is for further ones; other blocks of one recording
         have none. Default: the axes along which the data differ, but for `x`, `compare`, and
         those that distinguish points.

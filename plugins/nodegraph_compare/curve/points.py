@@ -9,9 +9,9 @@ import numpy as np
 
 from nodegraph_compare.actors import label_at
 from nodegraph_compare.blocks import label_order
-from nodegraph_compare.inference import FEWEST, arithmetic_interval, mean_interval
+from nodegraph_compare.inference import mean_interval
 from nodegraph_compare.ties import tied
-from nodegraph_compare.units import MOST_RECORDINGS
+from nodegraph_compare.units import MOST_RECORDINGS, units_from
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Mapping, Sequence
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from nodegraph import Across, Label
     from nodegraph_mocap import Table
+
+    Numbers = NDArray[np.float64]
 
 
 T = TypeVar("T", bound="Hashable")
@@ -68,9 +70,10 @@ class Points:
     others : tuple of P mappings of axis to label
         Of the axes that distinguish points with one x.
     x, value, low, high : (P,) arrays of float64
-        Value: mean over the units of the means of their blocks, or of rows where no blocks are
-        named; NaN where there is none; those that differ by rounding alone are equal. Ends of its
-        interval: NaN with fewer than three units, or where no blocks are named.
+        Value: the geometric mean over the clusters of the means of their blocks, arithmetic where
+        some number is 0 or below, or the mean of rows where no blocks are named; NaN where there is
+        none; those that differ by rounding alone are equal. Ends of its interval: NaN with fewer
+        than three units, or where no blocks are named.
     count : (P,) array of int
         Blocks, or rows, with a number.
     without_x, without_value : int
@@ -105,9 +108,15 @@ class _Rows:
     labels: Sequence[Label]
     others: Sequence[tuple[Label, ...]]
     blocks: Sequence[Hashable]
-    units: Sequence[Hashable]
+    clusters: NDArray[np.intp]
+    draws: NDArray[np.intp]
     x: NDArray[np.float64]
     value: NDArray[np.float64]
+
+    @property
+    def ratio(self) -> bool:
+        """Whether every number is above 0, so that means over clusters are geometric."""
+        return bool((self.value[np.isfinite(self.value)] > 0.0).all())
 
 
 def points(scores: Across[Table], axes: Axes, fallback: Label | None = None) -> tuple[Points, ...]:
@@ -161,11 +170,14 @@ def _rows(scores: Across[Table], axes: Axes) -> _Rows:
     identity = tuple(dict.fromkeys((*axes.blocks, *axes.clusters)))
     blocks = _together(scores, identity) if axes.blocks else range(count)
     others = _together(scores, axes.others) if axes.lowest else [()] * count
+    units = unit_names(scores, axes)
+    drawn = () if units == axes.clusters else units
     return _Rows(
         labels=_gathered(scores, axes.compare),
         others=others,
         blocks=blocks,
-        units=_together(scores, unit_names(scores, axes)),
+        clusters=_numbered(_together(scores, axes.clusters)),
+        draws=_numbered(_together(scores, drawn)),
         x=_numbers(scores, axes.x),
         value=_numbers(scores, axes.metric),
     )
@@ -197,7 +209,8 @@ def _filled(rows: _Rows, fallback: Label) -> tuple[_Rows, dict[Label, int]]:
         labels=[*rows.labels, *(label for label, _, _ in added)],
         others=[rows.others[place] for place in places],
         blocks=[rows.blocks[place] for place in places],
-        units=[rows.units[place] for place in places],
+        clusters=rows.clusters[places],
+        draws=rows.draws[places],
         x=rows.x[places],
         value=np.concatenate([value, [instead for _, _, instead in added]]),
     )
@@ -252,6 +265,12 @@ def _places(keys: Iterable[T]) -> dict[T, list[int]]:
     return places
 
 
+def _numbered(keys: Sequence[Hashable]) -> NDArray[np.intp]:
+    """Return the place of each key among those that differ."""
+    place = {key: at for at, key in enumerate(dict.fromkeys(keys))}
+    return np.array([place[key] for key in keys], dtype=np.intp)
+
+
 def _points(rows: _Rows, places: Sequence[int], label: Label, axes: Axes) -> Points:
     placed = [place for place in places if np.isfinite(rows.x[place])]
     apart = axes.lowest and not axes.blocks
@@ -259,7 +278,7 @@ def _points(rows: _Rows, places: Sequence[int], label: Label, axes: Axes) -> Poi
         (rows.x[place], rows.others[place], place if apart else None) for place in placed
     )
     blocks = [_blocks(rows, [placed[row] for row in cell]) for cell in cells.values()]
-    statistics = [_statistics(values, units, axes) for values, units in blocks]
+    statistics = [_statistics(*block, axes, rows.ratio) for block in blocks]
     numbers = np.array([(x, *row) for (x, _, _), row in zip(cells, statistics, strict=True)])
     numbers = numbers.reshape(-1, 5)
     numbers[:, 1] = tied(numbers[:, 1])
@@ -275,33 +294,31 @@ def _points(rows: _Rows, places: Sequence[int], label: Label, axes: Axes) -> Poi
         high,
         count.astype(np.intp),
         without_x=len(places) - len(placed),
-        without_value=sum(int(np.isnan(values).sum()) for values, _ in blocks),
+        without_value=sum(int(np.isnan(values).sum()) for values, _, _ in blocks),
     )
 
 
-def _blocks(rows: _Rows, places: list[int]) -> tuple[NDArray[np.float64], list[Hashable]]:
-    """Return the mean of the rows of each block, NaN where one has no number, and its unit."""
+def _blocks(rows: _Rows, places: list[int]) -> tuple[Numbers, NDArray[np.intp], NDArray[np.intp]]:
+    """Return the mean of the rows of each block, NaN where one has none, its cluster and draw."""
     value = rows.value[places]
-    blocks = _places(rows.blocks[place] for place in places).values()
-    units = [rows.units[places[block[0]]] for block in blocks]
-    return np.array([value[block].mean() for block in blocks]), units
+    blocks = list(_places(rows.blocks[place] for place in places).values())
+    first = [places[block[0]] for block in blocks]
+    means = np.array([value[block].mean() for block in blocks])
+    return means, rows.clusters[first], rows.draws[first]
 
 
 def _statistics(
-    values: NDArray[np.float64], units: Sequence[Hashable], axes: Axes
+    values: Numbers, clusters: NDArray[np.intp], draws: NDArray[np.intp], axes: Axes, ratio: bool
 ) -> tuple[float, float, float, int]:
-    """Return the mean over units, the ends of its interval, and how many blocks have a number."""
+    """Return the mean, the ends of its interval over units, and how many blocks have a number."""
     known = np.isfinite(values)
     count = int(known.sum())
     if not axes.blocks or not count:
         return float(values[known].mean()) if count else np.nan, np.nan, np.nan, count
-    members = _places(unit for unit, counts in zip(units, known, strict=True) if counts)
-    means = np.array([values[known][member].mean() for member in members.values()])
-    if len(means) < FEWEST:
-        return float(means.mean()), np.nan, np.nan, count
-    if (means > 0.0).all():
-        low, high = arithmetic_interval(np.log(means)[:, np.newaxis])
-    else:
-        low, high = mean_interval(means[:, np.newaxis])
-    mean = float(means.mean())
-    return mean, min(float(low[0]), mean), max(float(high[0]), mean), count
+    units = units_from(values[known][:, np.newaxis], clusters[known], draws[known])
+    mean = float(units.typical(ratio)[0])
+    if not units.count:
+        return mean, np.nan, np.nan, count
+    ends = [float(end[0]) for end in mean_interval(units.numbers(ratio), units.parts)]
+    low, high = np.exp(ends) if ratio else ends
+    return mean, float(low), float(high), count

@@ -28,10 +28,18 @@ if TYPE_CHECKING:
 _MORE_METRICS = 3
 
 
-def metrics_of(comparison: Comparison, beside: Sequence[str]) -> tuple[Metric, ...]:
-    """Return what is compared, what is shown next to it, and more numbers of the same blocks."""
+def metrics_of(comparison: Comparison, beside: Sequence[str], *, ratio: bool) -> tuple[Metric, ...]:
+    """Return what is compared, what is shown next to it, and more numbers of the same blocks.
+
+    Parameters
+    ----------
+    comparison, beside
+        What is compared, and shown next to it.
+    ratio
+        Whether methods are compared by ratios.
+    """
     question = comparison.question
-    first = Metric(question.metric, comparison.unit, question.better)
+    first = Metric(question.metric, comparison.unit, question.better, ratio)
     return (first, *_more_metrics(comparison.scores, question, beside))
 
 
@@ -51,7 +59,12 @@ def _more_metrics(scores: Across[Table], question: Question, beside: Sequence[st
     unit = first.units.get(question.metric)
     names.sort(key=lambda name: (first.units.get(name) != unit, name not in first.better))
     return [
-        Metric(name, first.units.get(name, ""), first.better.get(name, "lower"))
+        Metric(
+            name,
+            first.units.get(name, ""),
+            first.better.get(name, "lower"),
+            ratio=bool((np.nan_to_num(values_of(scores, name), nan=1.0) > 0.0).all()),
+        )
         for name in (*beside, *names[:_MORE_METRICS])
     ]
 
@@ -89,7 +102,7 @@ class BlocksOf:
         }
         names = zip(self._identity.names, self._identity.codes, strict=True)
         return Blocks(
-            unit=units.place.astype(np.int64),
+            cluster=np.append(units.strata, -1)[units.place].astype(np.int64),
             suspect=dict(suspects.reasons),
             rows={name: codes[group.first].astype(np.int64) for name, codes in names},
             start=group.start,
@@ -110,14 +123,15 @@ class BlocksOf:
         return np.where(lacks, instead, values)
 
 
-def unit_means(blocks: Blocks, metric: str) -> NDArray[np.float64]:
-    """Return (K,) the means over units of the means of their blocks; NaN where there is none."""
-    errors = blocks.errors[metric].astype(np.float64)
+def cluster_means(blocks: Blocks, metric: Metric) -> NDArray[np.float64]:
+    """Return (K,) the means over clusters of the means of their blocks; NaN where there is none."""
+    errors = blocks.errors[metric.name].astype(np.float64)
     means = np.full(errors.shape[1], np.nan)
     for method, values in enumerate(errors.T):
-        used = np.isfinite(values) & (blocks.unit >= 0)
+        used = np.isfinite(values) & (blocks.cluster >= 0)
         if used.any():
-            count = np.bincount(blocks.unit[used])
-            sums = np.bincount(blocks.unit[used], values[used])
-            means[method] = (sums[count > 0] / count[count > 0]).mean()
+            count = np.bincount(blocks.cluster[used])
+            sums = np.bincount(blocks.cluster[used], values[used])
+            of = sums[count > 0] / count[count > 0]
+            means[method] = np.exp(np.log(of).mean()) if metric.ratio else of.mean()
     return means

@@ -233,7 +233,7 @@ class _Takes:
     def command(self) -> dict[str, object] | None:
         """Return the command for the step behind a block, each label in it as ``{axis}``."""
         behind = self._overview.blocks
-        first = next((at for at, blocks in enumerate(behind) if len(blocks.unit)), None)
+        first = next((at for at, blocks in enumerate(behind) if len(blocks.cluster)), None)
         if first is None:
             return None
         labels = self.labels(first, 0)

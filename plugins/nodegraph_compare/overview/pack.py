@@ -58,13 +58,13 @@ def excerpt_of(overview: Overview) -> Excerpt:
 
     Before blocks are left out, metrics are.
     """
-    rows = sum(len(behind.unit) for behind in overview.blocks)
+    rows = sum(len(behind.cluster) for behind in overview.blocks)
     numbers = rows * len(overview.verdicts.methods)
     metrics = len(overview.metrics)
     while metrics > 1 and metrics * numbers > _MOST_NUMBERS:
         metrics -= 1
     step = max(1, -(-numbers // _MOST_NUMBERS), -(-rows // _MOST_BLOCKS))
-    blocks = [np.arange(0, len(behind.unit), step) for behind in overview.blocks]
+    blocks = [np.arange(0, len(behind.cluster), step) for behind in overview.blocks]
     if step > 1:
         suspect = (
             np.array([*behind.suspect][:_MOST_BLOCKS], dtype=np.intp) for behind in overview.blocks
@@ -116,7 +116,12 @@ def packed(
             {"label": str(method), "seconds": seconds.get(method)} for method in verdicts.methods
         ],
         "metrics": [
-            {"name": metric.name, "unit": metric.unit, "better": metric.better}
+            {
+                "name": metric.name,
+                "unit": metric.unit,
+                "better": metric.better,
+                "ratio": metric.ratio,
+            }
             for metric in overview.metrics[: excerpt.metrics]
         ],
         "groups": [
@@ -185,9 +190,9 @@ def _blocks_of(
         for name, codes in behind.rows.items()
     }
     return {
-        "all_blocks": len(behind.unit),
+        "all_blocks": len(behind.cluster),
         "suspects": len(behind.suspect),
-        "unit": _text(behind.unit[blocks]),
+        "cluster": _text(behind.cluster[blocks]),
         "rows": rows,
         "start": _numbers(behind.start[blocks]) if np.isfinite(behind.start).any() else None,
         "frames": _numbers(behind.frames[blocks]) if np.isfinite(behind.frames).any() else None,

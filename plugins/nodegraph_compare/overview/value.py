@@ -22,8 +22,8 @@ class Blocks(Value):
 
     Attributes
     ----------
-    unit : (B,) array of int
-        The independent unit of each block; -1 for a block that is not used.
+    cluster : (B,) array of int
+        The cluster of each block; -1 for a block that is not used.
     suspect : mapping of int to str
         The blocks whose truth is suspect, with the reasons.
     rows : mapping of str to (B,) array of int
@@ -34,7 +34,7 @@ class Blocks(Value):
         Of each metric, with the fallback's value where a method has none.
     """
 
-    unit: NDArray[np.int64]
+    cluster: NDArray[np.int64]
     suspect: Mapping[int, str]
     rows: Mapping[str, NDArray[np.int64]]
     start: NDArray[np.float64]

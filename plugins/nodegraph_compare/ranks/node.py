@@ -156,7 +156,8 @@ def ranks(
         rank_by_rules(group, comparison.fallback, question.better, test)
         for group in comparison.groups
     ]
-    rules = rules_text(question, clusters_name(question))
+    recordings = max((each.units.clusters for each in rankings), default=1)
+    rules = rules_text(question, clusters_name(question), recordings)
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=f"Mean ranks of {question.metric}{question.by}",

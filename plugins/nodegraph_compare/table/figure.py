@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from nodegraph_compare.pictures import Span, set_span, span_of, without_drawing
-from nodegraph_compare.words import group_title, units_text
+from nodegraph_compare.words import group_title, number_name, units_text
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain
 from nodegraph_tables.style import BEST, BLACK, QUIET, REST, scale_of, unit_text
@@ -214,9 +214,9 @@ def _marked(verdicts: Verdicts) -> list[str]:
 
 def _quantity(verdicts: Verdicts, span: Span) -> str:
     metric = verdicts.metric
-    in_unit = f" ({unit_text(metric.unit)})" if metric.unit else ""
     scale = "" if span.kind == "linear" else ", logarithmic"
-    return figure_text(f"mean {metric.name}{in_unit}{scale}", across=90)
+    name = number_name(verdicts, unit_text(metric.unit) if metric.unit else "")
+    return figure_text(f"{name}{scale}", across=90)
 
 
 def _legend(groups: Sequence[Verdict], names: Sequence[str]) -> list[str]:

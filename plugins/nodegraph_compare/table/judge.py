@@ -10,6 +10,7 @@ import numpy as np
 from nodegraph_compare.blocks import Group
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.table.summary import Summary, summarise
+from nodegraph_compare.units import segments_of
 from nodegraph_compare.verdict import COMMON, WORST, Paired, Rule, Verdict, scope_of
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from nodegraph import Label
     from nodegraph_compare.comparison import Comparison
 
-AnyRule = Rule | Literal["main", "without suspects"]
+AnyRule = Rule | Literal["main", "without suspects", "next minutes"]
 ByRule = dict[AnyRule, Summary]
 
 _OTHERS: tuple[Rule, ...] = (COMMON, WORST)
@@ -32,7 +33,7 @@ def by_rules(
     group: Group,
     plain: Group | None,
     fallback: Label | None,
-    of: Callable[[Group], Summary],
+    of: Callable[..., Summary],
 ) -> ByRule:
     """Return the statistics of a group by each rule: ``main``, and others beside it.
 
@@ -46,10 +47,15 @@ def by_rules(
         The method whose value stands where another has none; then the blocks that all methods
         have, and the worst value of the block in its place, are the other rules.
     of
-        Returns the statistics of a group.
+        Returns the statistics of a group, over its units or others.
     """
-    main = of(group if fallback is None else group.filled(fallback))
+    filled = group if fallback is None else group.filled(fallback)
+    main = of(filled)
     rules: ByRule = {"main": main}
+    if main.units.kind == "draws":
+        minutes = of(filled, units_of=segments_of)
+        if minutes.units.placed:
+            rules["next minutes"] = minutes
     if fallback in group.methods:
         rules[COMMON] = of(group)
         rules[WORST] = of(group.with_worst(main.end))
@@ -79,13 +85,14 @@ def verdict_of(
     beside
         Means over units of what is shown next to the metric.
     """
-    plain = rules.get("without suspects")
+    plain, minutes = rules.get("without suspects"), rules.get("next minutes")
     return replace(
         _alone(rules["main"], comparison),
         beside=beside or {},
         suspects=suspects,
         by_rule={rule: _alone(rules[rule], comparison) for rule in _OTHERS if rule in rules},
         without_suspects=None if plain is None else _alone(plain, comparison),
+        next_minutes=None if minutes is None else _alone(minutes, comparison),
     )
 
 
@@ -112,7 +119,6 @@ def _alone(summary: Summary, comparison: Comparison) -> Verdict:
         return Paired(int(at[reference]), doubtful=doubtful, **numbers)
 
     is_sequence = comparison.is_sequence
-    some = np.isfinite(summary.mean).any()
     taken = np.array(group.taken or [0] * len(at), dtype=np.int64)
     return Verdict(
         labels=group.labels,
@@ -121,10 +127,10 @@ def _alone(summary: Summary, comparison: Comparison) -> Verdict:
         scope=scope_of(summary.units, comparison.question, comparison.blocks),
         ranked=tuple(at[summary.ranked].tolist()),
         best=places(summary.bests),
-        best_by_mean=places(summary.best_by_mean) if some else (),
         mean=spread(summary.mean),
         low=spread(summary.low),
         high=spread(summary.high),
+        arithmetic=spread(summary.arithmetic),
         median=spread(summary.median),
         rank=spread(summary.rank),
         blocks=spread(summary.blocks.astype(np.int64), 0),
@@ -216,6 +222,8 @@ def _combined(summaries: Sequence[Summary]) -> Summary | None:
         draws=1,
         start=nowhere,
         frames=nowhere,
+        span=nowhere,
+        correlation=nowhere,
         rows=np.arange(count),
         block=np.arange(count),
     )

@@ -228,7 +228,13 @@ _PAIRED = {
     "g": "effect",
     "margin": "margin",
 }
-_VALUED = ("mean", "low", "high", "median")
+_VALUED = {
+    "mean": "mean",
+    "low": "low",
+    "high": "high",
+    "arithmetic mean": "arithmetic",
+    "median": "median",
+}
 _LOST = {"refused": "refused", "left missing": "missing"}
 
 
@@ -292,6 +298,7 @@ def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
         if name in frame
     }
     info = TableInfo(
+        unseen=("arithmetic mean",),
         units=units | {name: "share" for name in _LOST if name in frame},
         labels=(*verdicts.within, *compared),
         best={"mean": best} if compared else {},
@@ -337,7 +344,7 @@ def _columns(
     columns: dict[str, Any] = {name: [label] * count for name, label in labels}
     columns |= {verdicts.compare: verdicts.methods} if verdicts.compare else {}
     columns["blocks"] = group.blocks
-    columns |= {name: getattr(group, name) for name in _VALUED}
+    columns |= {name: getattr(group, attribute) for name, attribute in _VALUED.items()}
     nothing = np.full(count, np.nan)
     if name == "ratio":
         columns[name] = nothing if paired is None else paired.value

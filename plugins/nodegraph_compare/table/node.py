@@ -12,7 +12,7 @@ from nodegraph import Across, ColumnOf, Label, node
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.comparison import Comparison, prepare
 from nodegraph_compare.left_out import left_out
-from nodegraph_compare.overview.build import BlocksOf, metrics_of, unit_means
+from nodegraph_compare.overview.build import BlocksOf, cluster_means, metrics_of
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.question import (
     Better,
@@ -41,7 +41,7 @@ from nodegraph_compare.table.notes import notes
 from nodegraph_compare.table.summary import by_ratio, summarise
 from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_compare.verdict import Verdicts, clusters_name
-from nodegraph_compare.words import lines
+from nodegraph_compare.words import lines, number_name
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import info_of, with_info
 from nodegraph_tables.info import Part
@@ -72,7 +72,7 @@ class Compared(NamedTuple):
     "compare.table",
     cite=(
         "tukey1953problem",
-        "olsson2005confidence",
+        "miller1974jackknife",
         "schuirmann1987comparison",
         "bakirov2005student",
         "ibragimov2010robust",
@@ -107,16 +107,23 @@ def table(
     What is independent is the cluster, such as an actor. With ``M[c, m]`` the mean of method m
     over the blocks of cluster c, methods are compared by ``y = ln M``, every cluster weighing the
     same: ``exp(mean(d))`` with d the difference of two methods is the ratio of their mean errors
-    for a typical cluster. Where a mean is 0 or a value below 0, y is M. A method is clearly behind
-    the best where ``p <= 0.05`` by the floored Tukey rule: of equal methods, any is called behind
-    in at most about 5 % of studies. Fewer than five clusters are described, without p and verdict;
-    five to seven are provisional.
+    for a typical cluster, and the number of a method is ``exp(mean(y))``, the mean error of a
+    typical cluster. Where a mean of some method is 0 or a value below 0, y is M, and numbers are
+    arithmetic means. The number of a method depends on no other, but for blocks that are left out
+    because another lacks them. A method is clearly behind the best where ``p <= 0.05`` by the
+    floored Tukey rule (of two methods the paired t-test) in steps: what is clearly behind is set
+    aside, and the rest is judged again by itself, until nothing falls. Of equal methods, any is
+    called behind in at most about 5 % of studies. Three or four clusters are described, without p
+    and verdict; five to seven are provisional.
 
-    One or two clusters say nothing about further ones: the claim is then about further blocks of
-    these recordings. The units are the recording's repetitions (axes of `blocks` along which the
-    same data are treated again) or, where the tables have columns ``start`` and ``frames``, ten
-    equal parts of its time where it is 100 times as long as scores are correlated, six from 36
-    times on, and otherwise nothing is said. Blocks with neither are taken in their order.
+    One or two clusters say nothing about further ones: numbers are means over the blocks of these
+    recordings, and claims are about them. Three or more repetitions (axes of `blocks` along which
+    the same data are treated again) tell what further ones would say. Segments tell what the next
+    minutes of the recordings would: ten where a recording is 100 times as long as a block and twice
+    the time over which it is correlated, six from 36 times on. They need columns ``start`` and
+    ``frames``, and tables that say what recording they are of (`TableInfo.take`). In place of the
+    y of a unit stands the jackknife's ``B ln M - (B - 1) ln M'``, with M the mean over all blocks
+    of the recording and M' that without one of its B parts, centred at ``ln M``.
 
     What differs by rounding alone (1e-9 of the size of a block's values, of a thousandth of what is
     usual at least) is equal, and stands as that of the first method.
@@ -172,13 +179,14 @@ def table(
     -------
     table
         A row per combination of `within` and `compare`, the best mean of a group first (in the
-        order of the labels where neither end is better): ``blocks`` used; ``mean`` over units
-        with ``low`` and ``high``, the 95 % interval of the arithmetic mean (of positive errors
-        the modified method of Cox, of a recording's parts Student's on a log scale, else
-        Student's); ``median`` over blocks; ``ratio`` to the best, or the baseline, with the ends
-        of its interval, and ``difference`` of the means, its ends those of the ratio, less 1,
-        times the mean that it is to; ``p``, and from six units on ``p of flips`` of the units'
-        signs, not adjusted; ``g``, Hedges' standardised difference, above 0 where
+        order of the labels where neither end is better): ``blocks`` used; ``mean``, the number that
+        is compared, with ``low`` and ``high``, Student's 95 % interval of y over the units;
+        ``arithmetic mean`` over clusters, in the CSV file alone; ``median`` over blocks; ``ratio``
+        to the best, or the baseline, with the ends of its interval, and ``difference`` of the
+        means, its ends those of the ratio, less 1, times the mean that it is to; ``p``, of the step
+        in which a method was set aside, or of the last, and at least that of those set aside
+        before; from six units on ``p of flips`` of the units' signs, not adjusted; ``g``, Hedges'
+        standardised difference, above 0 where
         worse; ``margin``, the smallest within which the method is shown to be equal by two
         one-sided tests; ``wins``, in how many of the units it is better. Where there are any,
         ``refused`` (share of the combinations that were refused or failed) and ``left missing``
@@ -187,8 +195,8 @@ def table(
         published), ``looks ahead`` (frames, or the whole take) and ``meets ends`` (of gaps).
         Several groups of the same clusters have rows over all of them besides, which lack the
         labels of `within` (a reader sees ``all``): with Y the logarithm of a cluster's mean,
-        averaged over groups, methods are compared as within a group, and ``mean`` is over
-        clusters of ``exp(Y)``. A claim that rests on any one of G groups multiplies its p by G.
+        averaged over groups, methods are compared as within a group. A claim that rests on any one
+        of G groups multiplies its p by G.
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
         Its answer has a line per group: which mean is best, over what, and which methods are not
@@ -249,7 +257,7 @@ def table(
         )
         for group, each in zip(gathered, doubted, strict=True)
     ]
-    metrics = metrics_of(comparison, beside)
+    metrics = metrics_of(comparison, beside, ratio=ratio)
     blocks_of = BlocksOf(comparison, metrics)
     blocks_behind = tuple(
         blocks_of.of(rules["main"].group, rules["main"].units, each)
@@ -281,7 +289,10 @@ def table(
                 rules,
                 comparison,
                 suspects=each.names,
-                beside={name: unit_means(behind, name) for name in beside},
+                beside={
+                    metric.name: cluster_means(behind, metric)
+                    for metric in metrics[1 : 1 + len(beside)]
+                },
             )
             for rules, each, behind in zip(every, doubted, blocks_behind, strict=True)
         ),
@@ -333,8 +344,8 @@ def _laid_out(
     verdicts: Verdicts, question: Question, layout: Layout, declared: Mapping[Label, Declared]
 ) -> Table:
     metric = verdicts.metric
-    in_unit = f" ({unit_text(metric.unit)})" if metric.unit not in ("", SHARE) else ""
-    title = f"Mean {metric.name}{in_unit if layout.columns else ''}{question.by}"
+    named = layout.columns and metric.unit != SHARE  # else the columns have units
+    title = f"{number_name(verdicts, unit_text(metric.unit) if named else '')}{question.by}"
     note: tuple[str, ...] = ()
     if layout.columns:
         some = any(group.judged for group in verdicts.groups)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from nodegraph import listed
 from nodegraph_compare.inference import CONFIDENCE, LEVEL
 from nodegraph_compare.left_out import block_text, end_text, filled, start_text
-from nodegraph_compare.question import EXTREME
 from nodegraph_compare.words import (
     best_names,
     change_of,
@@ -15,7 +14,6 @@ from nodegraph_compare.words import (
     group_title,
     plain_names,
     rules_text,
-    units_text,
 )
 
 if TYPE_CHECKING:
@@ -38,14 +36,16 @@ _FILLED = (
 def notes(verdicts: Verdicts, question: Question) -> list[str]:
     """Return the meaning of the numbers of the table, and the data behind them."""
     groups, fallback = verdicts.groups, verdicts.fallback
+    clusters = max((group.scope.clusters for group in groups), default=1)
     of = "the best" if verdicts.baseline is None else str(verdicts.baseline)
     ratio = verdicts.ratio
     what = "ratio of mean errors" if ratio else "difference of means"
     sentences = [
-        f"{block_text(question)} {end_text(question)} {rules_text(question, verdicts.units)}",
-        f"{_MISSING if fallback is None else _FILLED.format(fallback)} [low, high] beside a "
-        f"mean: its {100 * CONFIDENCE:.0f} % interval over units, not adjusted for the number of "
-        "intervals; median: over blocks.",
+        f"{block_text(question)} {end_text(question)} "
+        f"{rules_text(question, verdicts.units, clusters)}",
+        f"{_MISSING if fallback is None else _FILLED.format(fallback)} {_number(verdicts)} "
+        f"[low, high] beside a mean: its {100 * CONFIDENCE:.0f} % interval over units, not "
+        "adjusted for the number of intervals; median: over blocks.",
     ]
     if any(group.paired is not None for group in groups):
         also = (
@@ -57,7 +57,9 @@ def notes(verdicts: Verdicts, question: Question) -> list[str]:
             f"{'ratio' if ratio else 'difference'}: {what} to {of}, paired by units, with "
             f"{100 * CONFIDENCE:.0f} % intervals and p (at most {LEVEL:g}: clearly apart) by "
             "Tukey's range with the larger of a pair's own and the pooled standard error, over "
-            f"all pairs of a group.{also} g: the mean difference over its standard deviation, "
+            "all pairs of a group, in steps: what is clearly apart is set aside, and the rest is "
+            "judged again by itself; p and interval of a method are of the step in which it was "
+            f"set aside, or of the last.{also} g: the mean difference over its standard deviation, "
             "above 0 where worse "
             f"than {of}; wins: units in which it is better; margin: the smallest within which it "
             "is shown to be equal (two one-sided tests at 5 %)."
@@ -72,9 +74,22 @@ def notes(verdicts: Verdicts, question: Question) -> list[str]:
             "all: of each unit, the geometric mean of its means over the groups; p is of one "
             "comparison, without a factor for several groups."
         )
-    for remark in (_few, _usual, _by_mean, _taken, _by_fallback, _doubts, _suspects):
+    for remark in (_few, _usual, _taken, _by_fallback, _doubts, _suspects):
         sentences += _of_groups(verdicts, remark)
     return sentences
+
+
+def _number(verdicts: Verdicts) -> str:
+    """Return what the number of a method is made of."""
+    what = "their geometric mean" if verdicts.ratio else "their mean, as some are 0 or below"
+    if verdicts.metric.better == "none":
+        what = "their mean"
+    clusters = max((group.scope.clusters for group in verdicts.groups), default=1)
+    of = f"of each of the {verdicts.units}, of these {what}" if clusters > 1 else "of the recording"
+    return (
+        f"mean: over the blocks {of}; it depends on no other method, but for blocks that are left "
+        "out because another lacks them."
+    )
 
 
 def _of_groups(verdicts: Verdicts, remark: Callable[[Verdicts, Verdict], str]) -> list[str]:
@@ -106,17 +121,6 @@ def _usual(verdicts: Verdicts, group: Verdict) -> str:
     return (
         f"{name} is better than {best_names(verdicts, group)} in most "
         f"{verdicts.blocks} ({100 * share:.0f} %), so that few large errors decide the mean"
-    )
-
-
-def _by_mean(verdicts: Verdicts, group: Verdict) -> str:
-    """Return which method has the best mean, where that is not the best one."""
-    if not group.best or {*group.best} & {*group.best_by_mean}:
-        return ""
-    return (
-        f"{listed(plain_names(verdicts, group.best_by_mean))} has the {EXTREME[group.better]} mean "
-        f"over {units_text(group.scope)}, and {best_names(verdicts, group)} the best mean ratio, "
-        "in which units with large values weigh no more than others; the verdict is by ratios"
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -11,13 +12,12 @@ import numpy as np
 from nodegraph_compare.inference import (
     FEWEST_FLIPPED,
     LEVEL,
-    arithmetic_interval,
     contrasts,
     mean_interval,
 )
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ties import settled
-from nodegraph_compare.units import units_of
+from nodegraph_compare.units import segments_of, units_of
 from nodegraph_compare.verdict import Paired
 
 if TYPE_CHECKING:
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 _DOUBTFUL = 0.10
 
 
+UnitsOf = Callable[["Group", "NDArray[np.float64]", "NDArray[np.bool_]"], "Units"]
+
+
 @dataclass(frozen=True)
 class Summary:
     """Statistics of K methods over the N blocks that every usable method has.
@@ -47,12 +50,13 @@ class Summary:
         Which end of the metric is better.
     ratio : bool
         Whether methods are compared by ratios, not by differences.
-    mean, low, high, median, rank : (K,) arrays of float64
-        Mean over units with its interval, median over blocks, and mean rank within blocks; NaN
-        for a method without any number. Means that differ by rounding alone are equal.
-    level : (K,) array of float64
-        What decides, the lower the better: the mean of the logarithms of the units' means, or of
-        these means.
+    mean, low, high : (K,) arrays of float64
+        The number that decides, with its interval: the geometric mean over clusters, or, where
+        methods are compared by differences, the arithmetic one. Numbers that differ by rounding
+        alone are equal.
+    arithmetic, median, rank : (K,) arrays of float64
+        Mean over clusters, median over blocks, and mean rank within blocks. All six are NaN for a
+        method without any number.
     blocks : (K,) array of int
         Number of blocks used; 0 for a method without any number.
     against : int or None
@@ -68,9 +72,9 @@ class Summary:
     mean: NDArray[np.float64]
     low: NDArray[np.float64]
     high: NDArray[np.float64]
+    arithmetic: NDArray[np.float64]
     median: NDArray[np.float64]
     rank: NDArray[np.float64]
-    level: NDArray[np.float64]
     blocks: NDArray[np.intp]
     against: int | None
     margin: Margin | None
@@ -84,14 +88,9 @@ class Summary:
     @property
     def bests(self) -> NDArray[np.bool_]:
         """(K,), True for the best mean and those equal to it, where there are others."""
-        known = np.isfinite(self.level)
+        known = np.isfinite(self.mean)
         if not known.any() or self.end == "none":
             return np.zeros(known.shape, dtype=bool)
-        return np.asarray(self.level == np.nanmin(self.level))
-
-    @property
-    def best_by_mean(self) -> NDArray[np.bool_]:
-        """(K,), True for the best mean over units, which need not be best by the mean ratio."""
         signed = sign_of(self.end) * self.mean
         return np.asarray(signed == np.nanmin(signed))
 
@@ -102,8 +101,8 @@ class Summary:
         Equal means, and all of a metric of which neither end is better, in the order of the graph.
         """
         if self.end == "none":
-            return list(range(len(self.level)))
-        order: list[int] = np.argsort(self.level, kind="stable").tolist()
+            return list(range(len(self.mean)))
+        order: list[int] = np.argsort(sign_of(self.end) * self.mean, kind="stable").tolist()
         return order
 
     @property
@@ -123,36 +122,40 @@ class Summary:
 
     @property
     def p_of_step(self) -> NDArray[np.float64]:
-        """(K,), p of each method against the one before it; NaN for the first."""
-        p = np.full(self.level.shape, np.nan)
+        """(K,), p of each method against the one before it; NaN for the first.
+
+        All of them are of one comparison of all pairs, which is not repeated for those left.
+        """
+        p = np.full(self.mean.shape, np.nan)
         for place in range(1, len(p)):
-            paired = self._paired(place - 1)
+            paired = self._paired(place - 1, in_steps=False)
             p[place] = np.nan if paired is None else paired.p[place]
         return p
 
-    def _paired(self, reference: int) -> Paired | None:
-        usable = np.flatnonzero(np.isfinite(self.level))
+    def _paired(self, reference: int, *, in_steps: bool = True) -> Paired | None:
+        usable = np.flatnonzero(np.isfinite(self.mean))
         if len(usable) < 2 or reference not in usable or self.units.speech == "nothing":
             return None
         at = int(np.flatnonzero(usable == reference)[0])
-        sign, strata = sign_of(self.end), self.units.strata
+        sign, parts = sign_of(self.end), self.units.parts
         y = sign * self.units.numbers(self.ratio)
-        result = contrasts(y, at, strata)
-        ends = [sign * end for end in result.interval][:: int(sign)]
+        result = contrasts(y, at, parts, in_steps=in_steps)
+        ends = [sign * end for end in (result.low, result.high)][:: int(sign)]
         shown = np.exp if self.ratio else np.asarray
         margin = shown(result.margin)
         if self.ratio and self.margin is not None and not self.margin.ratio:
-            margin = contrasts(sign * self.units.means, at, strata).margin
+            plain = sign * self.units.numbers(ratio=False)
+            margin = contrasts(plain, at, parts, in_steps=False).margin
         flipped = self.judged and len(y) >= FEWEST_FLIPPED
         flips = result.p_of_flips if flipped else np.full(len(usable), np.nan)
 
         def spread(values: NDArray[np.float64]) -> NDArray[np.float64]:
-            full = np.full(self.level.shape, np.nan)
+            full = np.full(self.mean.shape, np.nan)
             full[usable] = values
             full[reference] = np.nan
             return full
 
-        doubtful = np.zeros(self.level.shape, dtype=bool)
+        doubtful = np.zeros(self.mean.shape, dtype=bool)
         doubtful[usable] = (result.p_alone <= LEVEL) & (flips > _DOUBTFUL)
         low, high = (spread(shown(end)) for end in ends)
         mean = self.mean[reference]
@@ -184,6 +187,7 @@ def summarise(
     ratio: bool,
     against: Label | None = None,
     margin: Margin | None = None,
+    units_of: UnitsOf = units_of,
 ) -> Summary:
     """Return the statistics of a group.
 
@@ -199,6 +203,8 @@ def summarise(
         The baseline's label, if there is one.
     margin
         Within which methods count as equal.
+    units_of
+        Returns the units that the claims rest on.
     """
     from scipy.stats import rankdata
 
@@ -206,13 +212,9 @@ def summarise(
     values = group.values[:, usable]
     units = units_of(group, values, kept)
     values = values[kept]
+    none = np.full(values.shape[1], np.nan)
     many = len(values) > 0
-    mean = units.means.mean(axis=0) if many else np.full(values.shape[1], np.nan)
-    y = units.numbers(ratio) if many else units.means
-    size = np.abs(units.means).mean(axis=0) if many else mean
-    low, high = _ends(units, y, mean, ratio=ratio)
-    sign = sign_of(end)
-    level = sign * (y.mean(axis=0) if many else mean)
+    mean, low, high = (none, none, none) if not many else _numbers(units, ratio)
 
     def spread(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         full = np.full(usable.shape, np.nan)
@@ -225,32 +227,28 @@ def summarise(
         units,
         end,
         ratio,
-        mean=spread(settled(mean, size)),
+        mean=spread(mean),
         low=spread(low),
         high=spread(high),
-        median=spread(np.median(values, axis=0) if many else mean),
-        rank=spread(rankdata(sign * values, axis=1).mean(axis=0) if many else mean),
-        level=spread(settled(level, np.ones_like(level) if ratio else size)),
+        arithmetic=spread(units.typical(ratio=False) if many else none),
+        median=spread(np.median(values, axis=0) if many else none),
+        rank=spread(rankdata(sign_of(end) * values, axis=1).mean(axis=0) if many else none),
         blocks=np.where(usable, len(values), 0),
         against=place,
         margin=margin,
     )
 
 
-def _ends(
-    units: Units, y: NDArray[np.float64], mean: NDArray[np.float64], *, ratio: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the ends of the intervals of means; those of positive means stay above 0."""
+def _numbers(
+    units: Units, ratio: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the numbers of methods, and the ends of their intervals over the units."""
+    size = np.abs(units.recordings).mean(axis=0)
+    mean = settled(units.typical(ratio), size)
     if units.speech == "nothing":
-        return np.full(mean.shape, np.nan), np.full(mean.shape, np.nan)
-    if not ratio:
-        return mean_interval(units.means, units.strata)
-    if units.kind == "clusters":
-        low, high = arithmetic_interval(y)
-        # the model's mean is not that of the data
-        return np.minimum(low, mean), np.maximum(high, mean)
-    low, high = mean_interval(y, units.strata)
-    return np.exp(low), np.exp(high)
+        return mean, np.full(mean.shape, np.nan), np.full(mean.shape, np.nan)
+    low, high = mean_interval(units.numbers(ratio), units.parts)
+    return (mean, np.exp(low), np.exp(high)) if ratio else (mean, low, high)
 
 
 def by_ratio(groups: Sequence[Group], end: BetterEnd) -> bool:
@@ -266,8 +264,9 @@ def _positive(group: Group) -> bool:
     kept = group.complete
     if not kept.any():
         return True
-    if np.nanmin(group.values[:, group.usable]) < 0.0:
+    if np.nanmin(values) < 0.0:
         return False
-    units = units_of(group, values, kept)
-    means = units.means if units.kind == "clusters" else units.means.mean(axis=0)
-    return bool((means > 1e-9 * means.max()).all())
+    every = [units_of(group, values, kept)]
+    if every[0].kind == "draws":
+        every.append(segments_of(group, values, kept))
+    return all(units.positive for units in every)

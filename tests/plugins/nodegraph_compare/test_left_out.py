@@ -29,6 +29,8 @@ def group(length: int, methods: tuple[str, ...], values: Any) -> Group:
         1,
         times,
         times,
+        times,
+        times,
         blocks,
         blocks,
     )

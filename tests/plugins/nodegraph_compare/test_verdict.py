@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nodegraph import Across, Label
 from nodegraph_compare.table.node import table
-from nodegraph_compare.units import speech_of
+from nodegraph_compare.units import Kind, speech_of
 from nodegraph_compare.verdict import Verdict
 from nodegraph_mocap import Table
 from nodegraph_tables import info_of
@@ -55,9 +55,15 @@ def test_every_method_is_best_tied_or_behind_where_a_verdict_stands(
 
 
 @pytest.mark.parametrize(
-    ("count", "speech"),
-    [(0, "nothing"), (2, "nothing"), (3, "described"), (4, "described"), (5, "provisional"),
-     (7, "provisional"), (8, "settled")],
-)  # fmt: skip
-def test_the_number_of_units_decides_what_may_be_said(count: int, speech: str) -> None:
-    assert speech_of(count) == speech
+    ("kind", "counts"),
+    [
+        ("clusters", {"nothing": (0, 2), "described": (3, 4), "provisional": (5, 7)}),
+        ("segments", {"nothing": (0, 2), "described": (3, 4), "provisional": (5, 7)}),
+        ("draws", {"nothing": (0, 2), "provisional": (3, 7), "settled": (8, 100)}),
+    ],
+)
+def test_the_number_of_units_decides_what_may_be_said(
+    kind: Kind, counts: dict[str, tuple[int, int]]
+) -> None:
+    for speech, ends in counts.items():
+        assert [speech_of(kind, count) for count in ends] == [speech] * 2

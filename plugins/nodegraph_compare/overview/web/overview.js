@@ -34,21 +34,22 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
   };
 
-  // Mean over units of the mean over each unit's blocks.
-  const unitMean = (blocks, unit, most, value) => {
+  // Mean over clusters of the mean over each one's blocks, geometric for ratios.
+  const clusterMean = (blocks, cluster, most, value, ratio) => {
     const sums = new Float64Array(most);
     const counts = new Uint32Array(most);
     for (const block of blocks) {
-      sums[unit[block]] += value(block);
-      counts[unit[block]] += 1;
+      sums[cluster[block]] += value(block);
+      counts[cluster[block]] += 1;
     }
-    let [total, units] = [0, 0];
+    let [total, clusters] = [0, 0];
     for (let at = 0; at < most; at += 1) {
       if (!counts[at]) continue;
-      total += sums[at] / counts[at];
-      units += 1;
+      const mean = sums[at] / counts[at];
+      total += ratio ? Math.log(mean) : mean;
+      clusters += 1;
     }
-    return total / units;
+    return ratio ? Math.exp(total / clusters) : total / clusters;
   };
 
   // The blocks of one combination of the labels of `within`.
@@ -70,17 +71,17 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     }
 
     get size() {
-      return this.unit.length;
+      return this.cluster.length;
     }
 
-    get unit() {
-      this.unitCodes ??= codesOf(this.json.unit);
-      return this.unitCodes;
+    get cluster() {
+      this.clusterCodes ??= codesOf(this.json.cluster);
+      return this.clusterCodes;
     }
 
-    get units() {
-      this.unitCount ??= this.unit.reduce((most, unit) => (unit === NONE ? most : Math.max(most, unit + 1)), 0);
-      return this.unitCount;
+    get clusters() {
+      this.clusterCount ??= this.cluster.reduce((most, code) => (code === NONE ? most : Math.max(most, code + 1)), 0);
+      return this.clusterCount;
     }
 
     isSuspect(block) {
@@ -114,7 +115,7 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       const usable = this.usable(metric);
       const blocks = [];
       for (let block = 0; block < this.size; block += 1) {
-        let known = this.unit[block] !== NONE;
+        let known = this.cluster[block] !== NONE;
         for (let method = 0; known && method < count; method += 1) {
           known = !usable[method] || codes[block * count + method] !== NONE;
         }
@@ -184,10 +185,12 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     compute(metric, statistic, blocks) {
       const count = this.overview.methods.length;
       const numbers = statistic === "rank" ? this.ranks(metric) : this.values(metric);
+      const ratio = statistic === "mean" && this.overview.metric(metric).ratio;
       return Float64Array.from({ length: count }, (_, method) => {
         const value = (block) => numbers[block * count + method];
         if (!blocks.length) return NaN;
-        return statistic === "median" ? medianOf(blocks.map(value)) : unitMean(blocks, this.unit, this.units, value);
+        if (statistic === "median") return medianOf(blocks.map(value));
+        return clusterMean(blocks, this.cluster, this.clusters, value, ratio);
       });
     }
 

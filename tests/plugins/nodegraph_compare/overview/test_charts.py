@@ -16,7 +16,7 @@ import pandas as pd
 import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Page
-from scipy.stats import rankdata
+from scipy.stats import gmean, rankdata
 
 from nodegraph import Across, Detail, Label, Rendered, Renderer, json_script
 from nodegraph.report import Section, Study, page
@@ -167,7 +167,7 @@ def bakery(tmp_path_factory: pytest.TempPathFactory, recipes: Rendered) -> Path:
 
 
 def mean_over_kitchens(recipe: str, heat: int, cakes: list[int]) -> float:
-    return float(np.mean([WASTES[kitchen, heat, recipe][cakes].mean() for kitchen in range(8)]))
+    return float(gmean([WASTES[kitchen, heat, recipe][cakes].mean() for kitchen in range(8)]))
 
 
 def mean_rank(kitchen: int, heat: int, recipe: str) -> float:
@@ -285,7 +285,7 @@ def test_ranks_and_other_metrics(tab: Page, bakery: Path) -> None:
     choose(tab, "Statistic", "mean")
     choose(tab, "Metric", "mess")
     squares = [
-        np.mean([(WASTES[kitchen, heat, "rye"] ** 2).mean() for kitchen in range(8)])
+        gmean([(WASTES[kitchen, heat, "rye"] ** 2).mean() for kitchen in range(8)])
         for heat in FACTORS
     ]
     assert numbers(tab.evaluate(CELLS % "rye")) == pytest.approx(squares, rel=6e-3)
@@ -522,12 +522,12 @@ def data_of(
                 "labels": [at], "texts": [f"{at} K"], "title": f"heat {at} K",
                 "all_blocks": len(errors), "mean": listed, "median": listed, "rank": listed,
                 "best": best, "tied": [], "suspects": 0, "without_suspects": None,
-                "unit": packed(np.where(whole, np.arange(len(errors)) % 9, 65535)),
+                "cluster": packed(np.where(whole, np.arange(len(errors)) % 9, 65535)),
                 "rows": {"cake": packed(np.arange(len(errors)))}, "suspect": {},
                 "errors": {"waste": text}, "scale": {"waste": scale},
             }
         )  # fmt: skip
-    metric = {"name": "waste", "unit": "g", "better": better}
+    metric = {"name": "waste", "unit": "g", "better": better, "ratio": False}
     return {
         "node": "odd", "metric": "waste", "compare": "recipe",
         "baseline": None, "blocks_name": "cakes", "metrics": [metric],

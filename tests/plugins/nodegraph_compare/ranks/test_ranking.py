@@ -23,7 +23,20 @@ def group(values: object) -> Group:
     nothing, blocks = np.zeros(len(methods)), np.arange(len(array))
     times = np.full(len(array), NAN)
     return Group(
-        (), methods, array, nothing, nothing, blocks, blocks, 1, times, times, blocks, blocks
+        (),
+        methods,
+        array,
+        nothing,
+        nothing,
+        blocks,
+        blocks,
+        1,
+        times,
+        times,
+        times,
+        times,
+        blocks,
+        blocks,
     )
 
 

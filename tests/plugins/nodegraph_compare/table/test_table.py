@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.stats import gmean, sem, t
 
 from nodegraph import Absent, Across, Label
 from nodegraph.node.decorator import node_of
@@ -17,7 +18,8 @@ from nodegraph_compare.question import margin_of
 from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
-from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
+from nodegraph_tables import BetterEnd, TableInfo, Take, info_of, with_info
+from nodegraph_tables.rendering import render_table
 
 NAN = np.nan
 
@@ -62,15 +64,19 @@ def test_rows_are_the_statistics_of_the_clusters() -> None:
     ]
     assert frame["length"].dtype == "Int64"
     assert list(frame.columns[2:]) == [
-        "blocks", "mean", "low", "high", "median", "ratio", "ratio low", "ratio high",
-        "difference", "difference low", "difference high", "p", "p of flips", "g", "margin", "wins",
+        "blocks", "mean", "low", "high", "arithmetic mean", "median", "ratio", "ratio low",
+        "ratio high", "difference", "difference low", "difference high", "p", "p of flips", "g",
+        "margin", "wins",
     ]  # fmt: skip
     for row in frame[:6].to_dict("records"):
         values = plainly(scores, row["length"], row["fill"])
         assert row["blocks"] == 40
-        assert row["mean"] == pytest.approx(values.mean())
+        means = values.reshape(8, 5).mean(axis=1)
+        assert row["mean"] == pytest.approx(gmean(means))
+        half = t.ppf(0.975, 7) * sem(np.log(means))
+        assert row["low"] == pytest.approx(gmean(means) * np.exp(-half))
+        assert row["arithmetic mean"] == pytest.approx(values.mean())
         assert row["median"] == pytest.approx(np.median(values))
-        assert 0 < row["low"] < row["mean"] < row["high"]
     near, twin, far = frame.iloc[:3].to_dict("records")
     y = np.log([plainly(scores, 5, fill).reshape(8, 5).mean(axis=1) for fill in ("far", "near")])
     assert far["ratio"] == pytest.approx(np.exp((y[0] - y[1]).mean()))
@@ -96,7 +102,7 @@ def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> No
     d = (logs["far"] - logs["near"]).mean(axis=0)
     far = frame[frame["length"].isna() & (frame["fill"] == "far")].iloc[0]
     assert far["ratio"] == pytest.approx(np.exp(d.mean()))
-    assert far["mean"] == pytest.approx(np.exp(logs["far"].mean(axis=0)).mean())
+    assert far["mean"] == pytest.approx(np.exp(logs["far"].mean()))
     assert far["p"] <= 0.05
     assert (
         info_of(frame).answer[-1].startswith("all 2 groups: near, twin share the lowest mean rmse")
@@ -119,7 +125,7 @@ def test_the_answer_names_the_lowest_those_not_apart_and_the_scope() -> None:
 @pytest.mark.parametrize(
     ("actors", "expected"),
     [
-        (2, "nothing can be said for further gaps in these 2 recordings: too few"),
+        (2, "nothing can be said for further gaps in these 2 recordings: one repetition where"),
         (4, "over 4 trials; 4 trials describe the methods and decide nothing."),
         (5, "every other is clearly behind; provisional, as of 5 trials."),
         (8, "over 8 trials; every other is clearly behind."),
@@ -142,26 +148,37 @@ def test_blocks_of_several_clusters_are_never_averaged() -> None:
 
 
 def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
-    scores = replace(trials(9), sources=())
-    (sentence,) = info_of(table_of(scores, within=("length",)).table).answer
-    assert " for further trials in this recording; every other is clearly beh" in sentence
+    """A number is the mean over all blocks; three repetitions have a verdict on further ones."""
+    for count, rest in ((2, "nothing can be said"), (3, "every"), (9, "every")):
+        scores = replace(trials(count), sources=())
+        frame = table_of(scores, within=("length",)).table
+        assert frame["mean"].iloc[2] == pytest.approx(plainly(scores, 5, "far").mean())
+        held = " for further gaps in this recording"
+        assert f"{held}; every other is clearly beh" in info_of(frame).answer[0] or count == 2
+        assert rest in info_of(frame).answer[0]
+    assert (
+        '; ten draws help: --axis "trial={count: 10}"'
+        in info_of(table_of(replace(trials(2), sources=()), within=("length",)).table).answer[0]
+    )
 
 
 @pytest.mark.parametrize(
-    ("last", "expected"),
+    ("frames", "expected"),
     [
-        (995, "20 leave one of the 6 segments that the takes are divided into without any"),
-        (150, "too few frames, 155 where "),
+        (1000, "20 gaps leave one of 6 segments of time without any; an axis of repetitions"),
+        (500, "500 frames where 900 are needed; an axis of repetitions"),
     ],
 )
 def test_a_recording_without_enough_segments_is_said_to_lack_what_it_lacks(
-    last: int, expected: str
+    frames: int, expected: str
 ) -> None:
     random = np.random.default_rng(0)
-    start = np.append(np.arange(19) * 7, last)
     scores = {
-        name: scored(random.lognormal(size=20)).assign(start=start, frames=5) for name in ("a", "b")
+        name: scored(random.lognormal(size=20)).assign(start=np.arange(20) * 7, frames=5)
+        for name in ("a", "b")
     }
+    take = TableInfo(take=Take(frames, correlation=10.0))
+    scores = {name: with_info(each, take) for name, each in scores.items()}
     (sentence,) = info_of(table_of(Across.of(scores, axis="fill")).table).answer
     assert expected in sentence
 
@@ -192,13 +209,18 @@ def test_few_large_errors_that_decide_the_mean_are_in_the_notes() -> None:
     assert "wild is better than even in most gaps (90 %), so that few large errors decide" in notes
 
 
-def test_the_best_by_ratio_is_not_said_to_have_the_lowest_mean() -> None:
+def test_the_number_shown_is_the_number_compared() -> None:
     tables = {"often": [1.0] * 7 + [20.0], "rarely": [1.2] * 7 + [9.0]}
     scores = Across.of({name: scored(values) for name, values in tables.items()}, axis="f")
-    info = info_of(table(scores).table)
-    assert info.answer[0].startswith("often is best in rmse by the mean ratio (3.38 mm, ")
-    text = "rarely has the lowest mean over 8 gaps, and often the best mean ratio"
-    assert text in " ".join(info.notes)
+    frame = table(scores).table
+    assert frame["f"].tolist() == ["often", "rarely"]
+    assert (frame["mean"].diff()[1:] > 0).all()
+    assert (frame["arithmetic mean"].diff()[1:] < 0).all()
+    assert frame["ratio"].iloc[1] == pytest.approx(frame["mean"].iloc[1] / frame["mean"].iloc[0])
+    shown = render_table(frame, "")
+    assert b"arithmetic mean" in shown.files[".csv"]
+    for text in (shown.html.split("<template")[0], shown.text, shown.files[".tex"].decode()):
+        assert "arithmetic mean" not in text
 
 
 def test_what_is_equal_within_the_margin_is_in_the_answer() -> None:
@@ -252,7 +274,7 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
 
 
 def test_shares_are_reported_in_percent_and_powers_as_they_are_printed() -> None:
-    for unit, text in (("share", "(20 %,"), ("mm^2", "(0.2 mm²,")):
+    for unit, text in (("share", "(18.6 %,"), ("mm^2", "(0.186 mm²,")):
         tables = {"a": scored([0.2, 0.1, 0.3, 0.2]), "b": scored([0.4, 0.5, 0.6, 0.5])}
         info = TableInfo(units={"rmse": unit})
         tables = {name: with_info(scores, info) for name, scores in tables.items()}
@@ -260,7 +282,7 @@ def test_shares_are_reported_in_percent_and_powers_as_they_are_printed() -> None
         assert text in info_of(result.table).answer[0]
         assert "mm^2" not in result.figure.axes[0].get_ylabel()
         drawn = [text.get_text() for text in result.figure.axes[0].texts]
-        assert ("20.0" if unit == "share" else "0.200") in drawn
+        assert ("18.6" if unit == "share" else "0.186") in drawn
 
 
 def test_incomplete_blocks_are_dropped_for_all_and_reported() -> None:
@@ -329,8 +351,8 @@ def test_skipped_combinations_are_a_note_and_no_warning() -> None:
 
 def test_one_method_has_a_mean_and_no_rival() -> None:
     frame = table(Across.of({"only": scored([1, 2, 3])}, axis="fill")).table
-    assert frame["mean"].tolist() == [2.0]
-    assert info_of(frame).answer[0].startswith("only only has a mean rmse (2 mm, ")
+    assert frame["mean"].tolist() == [pytest.approx(gmean([1, 2, 3]))]
+    assert info_of(frame).answer[0].startswith("only only has a mean rmse (1.82 mm, ")
     assert info_of(frame).best == {"mean": ()}
 
 
@@ -376,7 +398,8 @@ def declared(end: BetterEnd) -> Across[Table]:
 
 def test_the_best_is_at_the_end_that_the_scores_declare() -> None:
     frame = table(declared("higher"), baseline="b").table
-    assert info_of(frame).best == {"mean": (0,)}
+    assert frame["fill"].tolist() == ["a", "b"]
+    assert info_of(frame).best == {"mean": ()}  # four units have no verdict
     assert frame["wins"].tolist()[0] == "4/4"
     assert info_of(frame).answer[0].startswith("a has the highest mean rmse (0.8")
     assert any("Higher is better." in note for note in info_of(frame).notes)

@@ -110,7 +110,7 @@ def test_a_reader_sees_a_column_per_method_and_the_file_has_every_digit() -> Non
     header, first = shown.files[".csv"].decode().splitlines()[:2]
     assert header.startswith("length,blocks,lin,lin low,lin high,lin p,cubic")
     assert float(first.split(",")[2]) == result["lin"][0]
-    assert info_of(result).title == "Mean rmse (mm) by fill and length"
+    assert info_of(result).title == "Mean rmse (mm) over markers by fill and length"
 
 
 def test_a_missing_combination_is_an_empty_cell_and_reported() -> None:
