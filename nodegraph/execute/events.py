@@ -101,7 +101,7 @@ class EventLog:
         self._next = _INTERVAL
         self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
         self._remaining = RemainingTime((), {})
-        self._first: float | None = None
+        self._begun: dict[int, float] = {}
         if listeners:
             steps = Counter(step.node for step in plan.steps)
             self._emit(
@@ -145,16 +145,15 @@ class EventLog:
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""
         now = self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
-        if self._first is None:
-            self._first = now
+        self._begun[step.index] = now
 
     def settled(self, step: Step, outcome: Outcome) -> None:
         """Report how a step ended, and from time to time the progress of the run."""
         if not self.listeners:
             return
         status = outcome.status
-        if status in (State.DONE, State.FAILED, State.REFUSED) and not outcome.stored:
-            self._remaining.add(step, outcome.seconds)
+        if step.index in self._begun:
+            self._remaining.add(step, self.seconds() - self._begun[step.index])
         else:
             self._remaining.drop(step)
         detail: dict[str, object] = {"took": round(outcome.seconds, 6)}
@@ -182,7 +181,7 @@ class EventLog:
     def _progress(self) -> dict[str, object]:
         counts = Counter(self._ended.values())
         left = self._left()
-        elapsed = self.seconds() - (self._first or 0.0)
+        elapsed = self.seconds() - next(iter(self._begun.values()), 0.0)
         to_go = self._remaining.estimate(elapsed)
         listed = (State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
         return {

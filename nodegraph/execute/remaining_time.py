@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping
-from statistics import fmean, median_low
+from collections.abc import Iterable, Mapping, Sequence
+from statistics import fmean
 
 from nodegraph.plan import Step
 
-_OVERHEAD = 0.002
-"""Seconds that a step takes beside its function: its key, its inputs, storing its result."""
+_STARTING = 2
+"""Calls of a method that may also import and compile what it needs, or wait for that."""
+_FEWEST = 5
+"""Calls after which the time of a method is known."""
 
 
 class RemainingTime:
@@ -31,7 +33,7 @@ class RemainingTime:
         self._took: defaultdict[str, list[float]] = defaultdict(list)
 
     def add(self, step: Step, seconds: float) -> None:
-        """Note that a step was computed."""
+        """Note that a step was computed, and how long that took, with its inputs and its result."""
         self._settled.append((step, seconds))
 
     def drop(self, step: Step) -> None:
@@ -39,31 +41,42 @@ class RemainingTime:
         self._settled.append((step, None))
 
     def estimate(self, elapsed: float) -> float | None:
-        """Return the seconds to go; None before a method was called twice.
+        """Return the seconds to go; None while methods of unknown times may take most of them.
 
-        The first call of a method also imports and compiles what it needs, and calls at the same
-        time may wait for that: so medians count.
+        A method that was called five times takes the mean of its calls but the first two, any
+        other what it took in earlier runs. Where that is unknown, its first call is taken to be as
+        long as the longest first call so far, and the others as the mean of all methods.
 
         Parameters
         ----------
         elapsed
-            Seconds since the first step was begun. The steps that ended in them say how fast
-            this is, whatever runs at the same time.
+            Seconds since the first step was begun. The steps that ended in them say how many run
+            at the same time.
         """
-        known = {**self._earlier, **self.typical()}
-        if all(len(seconds) < 2 for seconds in self._took.values()):
+        self._count()
+        if not self._took:
             return None
-        usual = fmean(known.values())
-        left = sum(
-            count * (known.get(name, usual) + _OVERHEAD) for name, count in self._left.items()
-        )
-        ended = [seconds + _OVERHEAD for each in self._took.values() for seconds in each]
-        return elapsed * left / sum(ended)
+        usual = {name: calls for name, calls in self._took.items() if len(calls) >= _FEWEST}
+        times = {**self._earlier, **{name: _usual(calls) for name, calls in usual.items()}}
+        mean = fmean(map(_usual, (usual or self._took).values()))
+        first = max(calls[0] for calls in self._took.values())
+        known = unknown = 0.0
+        for name, count in self._left.items():
+            if name in times:
+                known += count * times[name]
+            elif name in self._took:
+                unknown += count * min(_usual(self._took[name]), mean)
+            elif count:
+                unknown += first + (count - 1) * mean
+        if unknown > known:
+            return None
+        ended = sum(map(sum, self._took.values()))
+        return (known + unknown) * elapsed / ended if ended else 0.0
 
     def typical(self) -> dict[str, float]:
         """Return the seconds of a step by node and method."""
         self._count()
-        return {name: median_low(seconds) for name, seconds in self._took.items()}
+        return {name: _usual(calls) for name, calls in self._took.items()}
 
     def _count(self) -> None:
         """Count what was noted, which most runs are too short to be asked for."""
@@ -75,6 +88,11 @@ class RemainingTime:
                 self._took[name].append(seconds)
         self._to_compute.clear()
         self._settled.clear()
+
+
+def _usual(calls: Sequence[float]) -> float:
+    """Return the mean of the calls after those that may compile, or the last of these."""
+    return fmean(calls[_STARTING:] or calls[-1:])
 
 
 def _kind(step: Step) -> str:
