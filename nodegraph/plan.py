@@ -50,6 +50,8 @@ class Gathered:
         What the alternatives of an axis declare.
     fields : mapping of ``axis.field`` to mapping of label to label
         The fields of the labels of those `sources`; see `Axis.fields`.
+    synthetic : bool
+        Whether all data behind the entries are made by a generator.
     """
 
     axes: tuple[str, ...]
@@ -58,9 +60,10 @@ class Gathered:
     known: tuple[tuple[Label, ...], ...]
     sources: tuple[str, ...]
     unused: tuple[tuple[str, ...], ...]
-    # entries imply both
+    # entries imply these
     methods: Mapping[str, Mapping[Label, Declared]] = field(compare=False)
     fields: Mapping[str, Mapping[Label, Label]] = field(compare=False)
+    synthetic: bool = field(compare=False)
 
     def skipped(self) -> tuple[Absent, ...]:
         """Return the combinations left out as a node sees them."""
@@ -185,6 +188,7 @@ class _Planner:
         self._skipped: dict[str, dict[Combination, str]] = {}
         self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}
         self._source_axes: dict[str, frozenset[str]] = {}
+        self._synthetic: dict[str, bool] = {}
         self._methods: dict[str, Mapping[Label, Declared]] = {}
 
     def add(self, node: GraphNode) -> None:
@@ -294,7 +298,15 @@ class _Planner:
             for field, of in self._graph.axes[axis].fields.items()
         }
         return Gathered(
-            names, tuple(entries), tuple(absent), known, sources, unused, methods, fields
+            names,
+            tuple(entries),
+            tuple(absent),
+            known,
+            sources,
+            unused,
+            methods,
+            fields,
+            all(self._is_synthetic(source.node) for source in feed.sources.values()),
         )
 
     def _declared(self, axis: str) -> Mapping[Label, Declared]:
@@ -311,6 +323,18 @@ class _Planner:
         if axis == feed.axis:
             return len({self._graph.sources(node) for node in nodes}) > 1
         return any(axis in self._axes_of_sources(node) for node in nodes)
+
+    def _is_synthetic(self, node: str) -> bool:
+        """Whether all nodes that a node has its data from make them."""
+        if node not in self._synthetic:  # needed for every combination of a node
+            indices = {
+                index for name in self._graph.sources(node) for index in self._cells[name].values()
+            }
+            steps = [self._steps[index] for index in indices]
+            self._synthetic[node] = all(
+                step.method.node.is_synthetic(step.settings) for step in steps
+            )
+        return self._synthetic[node]
 
     def _axes_of_sources(self, node: str) -> frozenset[str]:
         if node not in self._source_axes:  # needed for every combination of a node

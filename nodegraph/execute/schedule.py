@@ -309,6 +309,7 @@ class Schedule:
             tuple(unused),
             source.methods,
             source.fields,
+            source.synthetic,
         )
 
     def _lend(self, output: Output) -> object:

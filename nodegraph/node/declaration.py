@@ -24,6 +24,10 @@ Ends = bool | None | Callable[[Mapping[str, Any]], bool]
 """True if both ends of a gap are met, or a function of the settings; None: not declared."""
 
 
+Synthetic = bool | Callable[[Mapping[str, Any]], bool]
+"""True if the data are made, not recorded, or a function of the settings."""
+
+
 class Declared(TypedDict, total=False):
     """The declarations of a method for given settings; those it does not make are left out.
 
@@ -48,8 +52,11 @@ class Declaration:
         Empty for a method that is as published.
     lookahead : LookAhead
     ends : Ends
+    synthetic : Synthetic
+        Of a node without inputs.
     """
 
     adapted: str = ""
     lookahead: LookAhead = UNDECLARED
     ends: Ends = None
+    synthetic: Synthetic = False

@@ -23,7 +23,14 @@ from typing import (
 )
 
 from nodegraph.errors import NodeError, nearest
-from nodegraph.node.declaration import UNDECLARED, Declaration, Ends, LookAhead, Undeclared
+from nodegraph.node.declaration import (
+    UNDECLARED,
+    Declaration,
+    Ends,
+    LookAhead,
+    Synthetic,
+    Undeclared,
+)
 from nodegraph.node.live_form import FrameForm, LiveForm, RunningForm, StateForm, WindowForm
 from nodegraph.node.ports import (
     Across,
@@ -56,6 +63,7 @@ def node(
     adapted: str = "",
     lookahead: LookAhead = UNDECLARED,
     ends: Ends = None,
+    synthetic: Synthetic = False,
     live: Literal["frame"] | LiveForm | None = None,
     requires: Callable[..., object] | None = None,
     deprecated: str = "",
@@ -83,6 +91,9 @@ def node(
     ends
         For a family that bridges gaps: whether the result is continuous with the samples at both
         ends of a gap; or a function of the settings that returns it.
+    synthetic
+        For a node without inputs: whether its data are made by a generator, not recorded; or a
+        function of the settings that returns it. What is found on such data holds for more of them.
     live
         How the node computes frame by frame, so that a stream gives what the whole take gives:
         ``"frame"`` if its function, called with one frame, does; a `WindowForm` or a `StateForm`;
@@ -118,7 +129,7 @@ def node(
 
     def decorate(function: F) -> F:
         cited = tuple(key for key in keys if key != "none")
-        declaration = Declaration(adapted, lookahead, ends)
+        declaration = Declaration(adapted, lookahead, ends, synthetic)
         described = Node(
             name,
             function,
@@ -416,6 +427,24 @@ class Node:
         if declared is None or isinstance(declared, bool):
             return declared
         raise NodeError(f"{self.name}: ends is {declared!r}; it must be True or False")
+
+    def is_synthetic(self, settings: Mapping[str, object]) -> bool:
+        """Return whether the data that the node gives are made, not recorded.
+
+        Parameters
+        ----------
+        settings
+            All of them, defaults included.
+
+        Raises
+        ------
+        NodeError
+            If the declared function fails, or what is declared is neither true nor false.
+        """
+        declared = self._declared("synthetic", self.declaration.synthetic, settings)
+        if isinstance(declared, bool):
+            return declared
+        raise NodeError(f"{self.name}: synthetic is {declared!r}; it must be True or False")
 
     def _declared(self, what: str, value: object, settings: Mapping[str, object]) -> object:
         if not callable(value):

@@ -122,6 +122,8 @@ class Across(Generic[T_co]):
         What the alternatives of a gathered axis declare.
     fields : mapping of ``axis.field`` to mapping of label to label
         What the labels of an axis among `sources` have in common, such as ``recording.actor``.
+    synthetic : bool
+        Whether all data behind the values are made by a generator, not recorded.
     """
 
     axes: tuple[str, ...]
@@ -132,6 +134,7 @@ class Across(Generic[T_co]):
     unused: tuple[tuple[str, ...], ...] = ()
     methods: Mapping[str, Mapping[Label, Declared]] = field(default_factory=dict)
     fields: Mapping[str, Mapping[Label, Label]] = field(default_factory=dict)
+    synthetic: bool = False
 
     @staticmethod
     def of(

@@ -636,7 +636,7 @@ def _decode_dict(decoder: Decoder, *plain: object) -> dict[object, object]:
 
 
 def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
-    axes, entries, absent, known, sources, unused, methods, fields = decoder.all(plain)
+    axes, entries, absent, known, sources, unused, methods, fields, synthetic = decoder.all(plain)
     whole = (
         all(isinstance(axis, str) for axis in axes)
         and all(isinstance(labels, dict) for labels, _ in entries)
@@ -646,10 +646,11 @@ def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
         and isinstance(unused, tuple)
         and isinstance(methods, dict)
         and isinstance(fields, dict)
+        and isinstance(synthetic, bool)
     )
     if not whole:
         raise Unreadable("corrupt Across value: wrong field types")
-    return Across(axes, entries, absent, known, sources, unused, methods, fields)
+    return Across(axes, entries, absent, known, sources, unused, methods, fields, synthetic)
 
 
 def _decode_absent(decoder: Decoder, *plain: object) -> Absent:

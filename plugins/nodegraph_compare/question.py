@@ -184,6 +184,8 @@ class Question:
         groups: their combinations are the recordings.
     alike : Alike
         Recordings that count as one.
+    synthetic : bool
+        Whether all data are made by a generator.
     better : str
         Which end of the metric is better: ``lower``, ``higher`` or ``none``.
     """
@@ -199,6 +201,7 @@ class Question:
     better: BetterEnd = "lower"
     sources: tuple[str, ...] = ()
     alike: Alike = field(default_factory=Alike)
+    synthetic: bool = False
 
     @property
     def compared(self) -> tuple[str, ...]:
@@ -273,7 +276,7 @@ def ask(
     end = better_end(scores, value, better)
     alike = find_alike(scores, clusters, sources)
     asked = (value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
-    return Question(*asked, sources, alike)
+    return Question(*asked, sources, alike, scores.synthetic)
 
 
 def unit_of(scores: Across[Table], metric: str) -> str:

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 Rule = Literal["common blocks", "worst of block"]
 
+_FACES = ("recording", "actor")
+"""What a made face is called in a graph."""
+
 COMMON: Final = "common blocks"
 WORST: Final = "worst of block"
 
@@ -81,10 +84,12 @@ class Scope(Value):
 
 def clusters_name(question: Question) -> str:
     """Return what several clusters are called: ``actors``; empty without any."""
-    names = question.clusters
+    names = [name.rpartition(".")[2] for name in question.clusters]
     if len(names) > 1:
         return f"combinations of {' and '.join(names)}"
-    return f"{names[0].rpartition('.')[2]}s" if names else ""
+    if names and question.synthetic:
+        return "synthetic faces" if names[0] in _FACES else f"synthetic {names[0]}s"
+    return f"{names[0]}s" if names else ""
 
 
 def scope_of(units: Units, question: Question, blocks: str) -> Scope:
@@ -253,6 +258,11 @@ class Verdict(Value):
         return self.best if self.stands and len(self.known) > 1 else ()
 
     @property
+    def not_compared(self) -> list[int]:
+        """The methods of the group that have no number."""
+        return [place for place in self.ranked if not self.blocks[place]]
+
+    @property
     def judged(self) -> bool:
         """Whether there are units enough for p and a verdict."""
         return self.scope.judged
@@ -374,6 +384,8 @@ class Verdicts(Value):
         Methods that differ from what was published.
     ahead : tuple of int
         Methods that look at the whole take.
+    synthetic : bool
+        Whether all data are made by a generator.
     groups : tuple of Verdict
     overall : Verdict or None
         Over all groups, where these can be taken together.
@@ -392,6 +404,7 @@ class Verdicts(Value):
     margin: Margin | None
     adapted: tuple[int, ...]
     ahead: tuple[int, ...]
+    synthetic: bool
     groups: tuple[Verdict, ...]
     overall: Verdict | None
 

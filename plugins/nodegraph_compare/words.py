@@ -203,8 +203,8 @@ def number_name(verdicts: Verdicts, unit: str = "") -> str:
         return f"{mean} over {verdicts.blocks}"
     if not verdicts.ratio:
         return f"{mean} over {verdicts.units}"
-    first, _, rest = verdicts.units.partition(" ")
-    return f"{mean} of a typical {' '.join(filter(None, [first.removesuffix('s'), rest]))}"
+    unit = verdicts.units.removesuffix("s").replace("combinations of", "combination of")
+    return f"{mean} of a typical {unit}"
 
 
 def in_unit(values: Sequence[float], unit: str) -> str:
@@ -354,7 +354,18 @@ def _sentence(verdicts: Verdicts) -> str:
         answer = _throughout(verdicts, stands, sorted(leaders))
     else:
         answer = f"{_depends(verdicts, stands)}{_compromise(verdicts, stands)}"
-    return f"{answer}{_against(verdicts, known)}{_besides(verdicts, stands)}{without}"
+    absent = _absent(verdicts, known)
+    return f"{answer}{_against(verdicts, known)}{_besides(verdicts, stands)}{without}{absent}"
+
+
+def _absent(verdicts: Verdicts, known: Sequence[Verdict]) -> str:
+    """Return which methods have no number in some group, which are neither good nor behind."""
+    absent = sorted({place for group in known for place in group.not_compared})
+    if not absent:
+        return ""
+    where = "" if all({*absent} <= {*group.not_compared} for group in known) else " everywhere"
+    names = few(method_names(verdicts, absent))
+    return f" Not compared{where}, without any number: {names}."
 
 
 def _steps(verdicts: Verdicts, stands: Sequence[Verdict]) -> str:
@@ -595,13 +606,17 @@ def scope_sentences(verdicts: Verdicts) -> Markup:
     over_clusters = first is not None and first.kind == "clusters"
     scope = "" if first is None else scope_text(first)
     if over_clusters:
-        held = f"<strong>Scope: {escape(scope.removeprefix('over '))}</strong>."
         what = "Holds" if judged else "Only the intervals hold"
-        holds = f"{held} {what} for further {escape(verdicts.units)}."
+        further = escape(verdicts.units)
+        holds = (
+            f"<strong>Scope: {escape(scope.removeprefix('over '))}. {what} for further {further}"
+        )
+        holds += " of this generator</strong>, untested on people." * verdicts.synthetic
+        holds += "</strong>." * (not verdicts.synthetic)
     elif scope and not judged:
         holds = f"<strong>Scope</strong>: nothing is said {escape(scope)}."
     elif scope:
-        holds = f"<strong>Scope</strong>: holds {escape(scope)}, not for others."
+        holds = f"<strong>Scope: holds {escape(scope)}</strong>, not for others."
     else:
         holds = ""
     cautions = Counter(caution_text(group.scope) for group in groups if group.stands)
@@ -611,10 +626,17 @@ def scope_sentences(verdicts: Verdicts) -> Markup:
         for text, count in cautions.items()
         if text
     )
+    several = sum(group.stands for group in groups)
+    shared = (
+        f" Each of these {several} verdicts errs in up to 5 % of studies: a claim that rests on "
+        f"any one of them multiplies its p by {several}."
+        if several > 1
+        else ""
+    )
     end = "neither end is better" if metric.better == "none" else f"{metric.better} is better"
     unit = in_unit([], metric.unit).strip()
     numbers = f"{escape(number_name(verdicts, unit))}, {end}."
-    return Markup(f"{holds}{of_some} {numbers}")
+    return Markup(f"{holds}{of_some} {numbers}{shared}")
 
 
 def legend(verdicts: Verdicts, *, logarithmic: bool) -> str:
@@ -733,11 +755,14 @@ def _verdict(verdicts: Verdicts, group: Verdict) -> str:
 
 def _apart(verdicts: Verdicts, group: Verdict) -> list[str]:
     close, behind = plain_names(verdicts, group.tied), len(group.behind)
+    absent = plain_names(verdicts, group.not_compared)
+    without = f"; not compared, without any number: {listed(absent, _MOST_TIES)}" if absent else ""
     if not close:
-        return [ALL_BEHIND] if behind else []
+        return [f"{ALL_BEHIND}{without}"] if behind else []
     best = "them" if len(group.best) > 1 else "it"
     rest = f"; the {'other' if behind == 1 else f'other {behind}'} clearly behind"
-    return [f"not clearly apart from {best}: {listed(close, _MOST_TIES)}{rest if behind else ''}"]
+    names = listed(close, _MOST_TIES)
+    return [f"not clearly apart from {best}: {names}{rest if behind else ''}{without}"]
 
 
 def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:

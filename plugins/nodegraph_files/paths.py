@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from nodegraph import NodegraphError, nearest
 
@@ -32,6 +34,12 @@ def sample_folder(name: str) -> Path:
 
 
 _SCHEME = "sample:"
+
+
+def is_sample(settings: Mapping[str, Any]) -> bool:
+    """Whether a reader's path is that of a sample, all of which are synthetic."""
+    path = str(settings["path"])
+    return path.startswith(_SCHEME) or SAMPLES in Path(path).parents or Path(path) == SAMPLES
 
 
 def find_file(path: Path | str, wanted: tuple[str, ...]) -> Path:

@@ -14,7 +14,7 @@ import numpy as np
 from nodegraph import Format, InputFile, Truth, formats, node
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
-from nodegraph_files.paths import find_file
+from nodegraph_files.paths import find_file, is_sample
 from nodegraph_files.rates import RateSetting
 from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
@@ -32,7 +32,7 @@ _MODEL_RATE = 1.0
 """A single frame has no rate, but a recording needs one."""
 
 
-@node("read.recording")
+@node("read.recording", synthetic=is_sample)
 def read_recording(
     *,
     path: InputFile,
@@ -92,7 +92,7 @@ def _read(
     return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
 
 
-@node("read.truth")
+@node("read.truth", synthetic=is_sample)
 def read_truth(
     *,
     path: InputFile,
@@ -225,7 +225,7 @@ class Model(NamedTuple):
     neutral: Trajectories
 
 
-@node("read.model")
+@node("read.model", synthetic=is_sample)
 def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model:
     """Read a blendshape model: NPZ with ``neutral``, ``shapes``, ``shape_names``, ``markers``.
 
@@ -257,7 +257,7 @@ def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model
     return Model(model, with_marker_set(neutral, its_set, file))
 
 
-@node("read.marker_set")
+@node("read.marker_set", synthetic=is_sample)
 def read_marker_set(*, path: InputFile) -> MarkerSet:
     """Read a marker set: which markers are pairs, on the midline, stable, joined when drawn.
 

@@ -47,7 +47,7 @@ class SyntheticFace(NamedTuple):
     impulses: Truth[Mask]
 
 
-@node("synthesize.face", cite=("waters1987", "ekman1978"))
+@node("synthesize.face", cite=("waters1987", "ekman1978"), synthetic=True)
 def synthesize_face(
     *,
     seconds: Annotated[float, Field(gt=0, le=3600), Unit("s")] = 10.0,

@@ -229,12 +229,17 @@ def _combined(summaries: Sequence[Summary]) -> Summary | None:
     )
     against = None if first.against is None else first.group.methods[first.against]
     overall = summarise(group, first.end, ratio=True, against=against, margin=first.margin)
-    blocks = sum(int(summary.blocks.max()) for summary in summaries)
     return replace(
         overall,
-        blocks=np.full(len(methods), blocks),
+        blocks=np.array([_distinct(lost, at) for at in range(len(methods))], dtype=np.intp),
         median=np.full(len(methods), np.nan),
     )
+
+
+def _distinct(summaries: Sequence[tuple[Summary, Sequence[int]]], at: int) -> int:
+    """Return the number of blocks of a method over all groups, the same results counted once."""
+    values = [s.group.values[s.group.complete, columns[at]] for s, columns in summaries]
+    return sum({each.tobytes(): len(each) for each in values}.values())
 
 
 def _usable(summary: Summary) -> tuple[Label, ...]:

@@ -284,6 +284,7 @@ def table(
         margin=margin,
         adapted=_places(comparison, declared, lambda each: "adapted" in each),
         ahead=_places(comparison, declared, lambda each: each.get("lookahead", 0) is None),
+        synthetic=question.synthetic,
         groups=tuple(
             verdict_of(
                 rules,

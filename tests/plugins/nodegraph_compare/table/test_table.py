@@ -17,6 +17,7 @@ from nodegraph.node.decorator import node_of
 from nodegraph_compare.question import margin_of
 from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
+from nodegraph_compare.words import scope_sentences, sentences
 from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, Take, info_of, with_info
 from nodegraph_tables.rendering import render_table
@@ -309,6 +310,48 @@ def test_a_method_without_any_number_leaves_the_others_their_blocks() -> None:
     assert "without any number, not compared: b" in info_of(frame).notes
     assert frame["blocks"].tolist() == [2, 2, 0]
     assert frame.loc[2, ["mean", "low", "median"]].isna().all()
+
+
+def test_a_method_without_any_number_is_not_said_to_be_behind() -> None:
+    near = np.array([1.0, 1.2, 0.9, 1.1, 1.2, 1.0, 0.9, 1.1])
+    scores = {"a": scored(near), "far": scored(9 * near), "none": scored(NAN * near)}
+    with pytest.warns(UserWarning, match="without any number, not compared: none"):
+        result = table(Across.of(scores, axis="fill"))
+    (sentence,) = info_of(result.table).answer
+    end = "every other is clearly behind; not compared, without any number: none."
+    assert sentence.endswith(end)
+    (answer,) = sentences(result.overview.verdicts).values()
+    assert answer.endswith('without any number: <strong data-method="none">none</strong>.')
+
+
+def test_rows_over_groups_count_the_same_results_once() -> None:
+    both = trials(8, lengths=(5,))
+    entries = [
+        ({**labels, "ends": ends}, each.assign(rmse=each["rmse"] * factor))
+        for ends, more in (("as_published", 1.0), ("met", 0.8))
+        for labels, each in both
+        for factor in [1.0 if labels["fill"] == "near" else more]
+    ]
+    scores = Across(("trial", "length", "ends", "fill"), tuple(entries), sources=("trial",))
+    frame = table_of(scores, compare="fill", within=("length", "ends"), blocks=("gap",)).table
+    overall = frame[frame["length"].isna()].set_index("fill")
+    assert overall["blocks"].to_dict() == {"near": 40, "twin": 80, "far": 80}
+    assert overall.loc["near", "mean"] == pytest.approx(frame["mean"][frame["fill"] == "near"][:1])
+
+
+def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
+    scores = replace(trials(8), sources=("trial",), synthetic=True)
+    entries = [({**labels, "recording": labels["trial"]}, each) for labels, each in scores]
+    scores = replace(
+        scores, axes=("recording", "length", "fill"), entries=tuple(entries), sources=("recording",)
+    )
+    verdicts = table_of(scores, within=("length",)).overview.verdicts
+    scope = scope_sentences(verdicts)
+    held = "Scope: 8 synthetic faces. Holds for further synthetic faces of this generator</strong>"
+    assert held in scope
+    assert "Mean rmse (mm) of a typical synthetic face, lower is better." in scope
+    assert "Each of these 2 verdicts errs in up to 5 % of studies" in scope
+    assert "recording" not in scope
 
 
 def test_a_baseline_without_any_number_gives_no_differences() -> None:
