@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
@@ -24,6 +25,10 @@ hypothesis.settings.load_profile("tests")
 # tests run side by side, as steps of a run do: threads of numerical libraries would wait for each
 # other, which takes a third more time; numpy reads it when it is imported
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+# in the background, a shell without job control has SIGINT ignored, by children as well
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 _NUMBERS = count()
 

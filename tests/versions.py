@@ -18,7 +18,7 @@ from tests.readmes import blocks
 
 TESTS = ("cache_key", "graph", "graphfile", "node", "plugin", "store", "execute", "lock")
 """Folders of tests of the machine that depend most on versions of Python and libraries."""
-TESTS_NEED = ("jsonschema>=4.20", "playwright>=1.50", "pytest-xdist>=3.5")
+TESTS_NEED = ("jsonschema>=4.20", "playwright>=1.50", "pytest-timeout>=2.3", "pytest-xdist>=3.5")
 """What those tests import besides the extra for tests of nodes."""
 
 

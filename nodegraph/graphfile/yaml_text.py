@@ -18,6 +18,7 @@ import yaml
 from nodegraph.errors import GraphError, Place, Problem, Problems, quoted
 
 _MOST_DEPTH = 100
+_TOO_DEEP = f"nested more than {_MOST_DEPTH} deep"
 _MOST_VALUES = 1_000_000
 _MOST_DIGITS = 3000  # Python shows no number of more than 4300
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -102,8 +103,11 @@ def read_yaml(text: str, file: str, problems: Problems | None = None) -> Located
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
-        place, reason = _reason(error, text, place)
-        noted.add(place, f"this is not YAML: {reason}")
+        if "nesting depth" in (error.problem or ""):  # PyYAML has a bound, too
+            noted.add(place, _TOO_DEEP)
+        else:
+            place, reason = _reason(error, text, place)
+            noted.add(place, f"this is not YAML: {reason}")
         raise GraphError(noted.all()) from error
     except yaml.YAMLError as error:
         noted.add(Place(file, 1, 1), f"this is not YAML: {error}")
@@ -272,7 +276,7 @@ class _Parser:
 
     def _refuse_depth(self, place: Place, depth: int) -> None:
         if depth > _MOST_DEPTH:
-            self._fail(place, f"nested more than {_MOST_DEPTH} deep")
+            self._fail(place, _TOO_DEEP)
 
     def _add(self, item: Located, size: int, height: int) -> None:
         if not self._open:

@@ -150,7 +150,7 @@ def test_aliases_that_unfold_without_end_are_refused() -> None:
 def test_nesting_is_bounded() -> None:
     assert plain("[" * 100 + "]" * 100)
     assert mistake("[" * 101 + "]" * 101) == "t.yaml:1:101: nested more than 100 deep"
-    assert "nested more than 100 deep" in mistake("[" * 100_000)
+    assert mistake("[" * 100_000).endswith(": nested more than 100 deep")
 
 
 def test_nesting_by_aliases_is_bounded_too() -> None:
