@@ -11,6 +11,7 @@ from nodegraph.errors import (
     closest,
     listed,
     nearest,
+    quoted,
 )
 from nodegraph.node.declaration import Declared
 from nodegraph.node.decorator import node
@@ -117,6 +118,7 @@ __all__ = [
     "load",
     "nearest",
     "node",
+    "quoted",
     "read_only",
     "run",
     "standalone_page",

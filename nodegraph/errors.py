@@ -191,7 +191,7 @@ def closest(name: object, known: Iterable[object]) -> str:
 
 
 def listed(names: Iterable[object], most: int = 20) -> str:
-    """Return the first names as text, and how many more there are.
+    """Return the first names as text, each without the middle of a long one, and how many more.
 
     Parameters
     ----------
@@ -207,6 +207,6 @@ def listed(names: Iterable[object], most: int = 20) -> str:
     >>> listed([])
     'none'
     """
-    texts = list(map(str, names))
+    texts = [without_middle(str(name), _LONGEST_NAME) for name in names]
     more = f", and {len(texts) - most} more" if len(texts) > most else ""
     return (", ".join(texts[:most]) or "none") + more

@@ -132,7 +132,11 @@ class PacketFileReader:
             except ValidationError as error:
                 raise self.damage(first_error(error, {})) from error
             except NodegraphError as error:
-                raise self.damage(f"header: {error}") from error
+                cause = error.__cause__ or error
+                # other errors speak of Python, not of what was written
+                is_said = type(cause) in (ValueError, type(error))
+                reason = cause if is_said else "it is not what such a file begins with"
+                raise self.damage(f"header: {reason}") from error
             self.source = head.source
             self._start = file.tell()
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from nodegraph import Format
+from nodegraph import Format, quoted
 from nodegraph_files.c3d_header import (
     BLOCK,
     FLOAT,
@@ -343,8 +343,8 @@ def _head(recording: Trajectories) -> bytes:
         fits = name.isprintable() and 0 < len(name.encode()) <= LONGEST_NAME
         if not fits or name != name.strip():
             raise ValueError(
-                f"C3D cannot keep the marker name {name!r}: 1 to {LONGEST_NAME} bytes that are "
-                "printed, no spaces around it"
+                f"C3D cannot keep the marker name {quoted(name)}: 1 to {LONGEST_NAME} bytes that "
+                "are printed, no spaces around it"
             )
     # fmax and fmin pass over NaN, and need no array of their own
     ends = np.fmax.reduce(recording.positions, None), np.fmin.reduce(recording.positions, None)

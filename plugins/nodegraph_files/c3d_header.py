@@ -19,6 +19,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import quoted
+from nodegraph_files.text.text_file import other_format
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -265,8 +268,10 @@ def read_description(path: Path) -> Description:
     size = path.stat().st_size
     with path.open("rb") as stream:
         content = stream.read(LARGEST_SECTION)
-    if len(content) < BLOCK or content[1] != 0x50:
-        raise ValueError("it does not start with a C3D header")
+    if content[1:2] != b"\x50":
+        raise ValueError(f"{_what_it_is(content)}; the second byte of C3D is 0x50")
+    if len(content) < BLOCK:
+        raise ValueError("it ends before its header does")
     section = (content[0] - 1) * BLOCK
     if section < BLOCK or section + 4 > len(content):
         raise ValueError("it ends before its parameters, or they are not where it says")
@@ -281,6 +286,16 @@ def read_description(path: Path) -> Description:
         rate=_rate(header, parameters),
         scales=_scales(header, parameters, layout.width),
     )
+
+
+def _what_it_is(content: bytes) -> str:
+    """Return what a file is that does not begin as C3D does, as far as its first bytes tell."""
+    if other := other_format(content):
+        return f"it is {other}"
+    first = content[:BLOCK].split(b"\n", maxsplit=1)[0]
+    if first and all(0x20 <= byte < 0x7F or byte in b"\t\r" for byte in first):
+        return f"it is text, and begins with {quoted(first.decode().strip())}"
+    return f"it begins with the bytes {content[:4].hex(' ')}"
 
 
 def _header(content: bytes, processor: Processor) -> _Header:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import quoted
 from nodegraph_files.units import HEAD, MILLIMETRES
 from nodegraph_mocap.head import Head
 
@@ -129,7 +130,9 @@ def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
     try:
         header = [cell.strip().lower() for cell in next(rows, [])]
         if header != _COLUMNS:
-            raise ValueError(f"the header must be {','.join(_COLUMNS)}, not {','.join(header)!r}")
+            raise ValueError(
+                f"the header must be {','.join(_COLUMNS)}, not {quoted(','.join(header))}"
+            )
         for row in rows:
             cells = [cell.strip() for cell in row]
             if any(cells):
@@ -141,13 +144,15 @@ def read_marker_vertices(path: Path, vertices: int) -> dict[str, int]:
 
 def _add(vertex_of: dict[str, int], cells: list[str], vertices: int) -> None:
     if len(cells) != 2 or not cells[0]:
-        raise ValueError(f"a marker and its vertex are needed, not {','.join(cells)!r}")
+        raise ValueError(f"a marker and its vertex are needed, not {quoted(','.join(cells))}")
     marker, written = cells
     if marker in vertex_of:
-        raise ValueError(f"marker {marker!r} again")
+        raise ValueError(f"marker {quoted(marker)} again")
     if not (written.isascii() and written.isdecimal()):
-        raise ValueError(f"{written!r} is not the number of a vertex")
+        raise ValueError(f"{quoted(written)} is not the number of a vertex")
     vertex = int(written)
     if vertex >= vertices:
-        raise ValueError(f"marker {marker!r}: no vertex {vertex}; the mesh has {vertices}, from 0")
+        raise ValueError(
+            f"marker {quoted(marker)}: no vertex {vertex}; the mesh has {vertices}, from 0"
+        )
     vertex_of[marker] = vertex

@@ -6,7 +6,7 @@ import warnings
 from collections import Counter
 from collections.abc import Sequence
 
-from nodegraph import listed
+from nodegraph import listed, quoted
 
 _MOST_NAMES = 10
 
@@ -34,7 +34,7 @@ def unique_names(labels: Sequence[str], count: int) -> tuple[str, ...]:
     for place, label in enumerate(wanted, start=1):
         name = label if label and label not in names else _free(label, place, taken)
         if name != label:
-            renamed.append(f"{label!r} is now {name!r}")
+            renamed.append(f"{quoted(label)} is now {quoted(name)}")
         names[name] = None
         taken.add(name)
     if renamed:

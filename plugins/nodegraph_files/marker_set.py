@@ -8,6 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from nodegraph import quoted
 from nodegraph_mocap.marker_set import MarkerSet
 
 PARTS = tuple(field.name for field in fields(MarkerSet))
@@ -45,7 +46,9 @@ def _check_keys(node: Any) -> None:
     for key, _ in pairs:
         line = key.start_mark.line + 1
         if key.id == "scalar" and lines.setdefault(key.value, line) != line:
-            raise ValueError(f"line {line}: {key.value!r} again, after line {lines[key.value]}")
+            raise ValueError(
+                f"line {line}: {quoted(key.value)} again, after line {lines[key.value]}"
+            )
 
 
 def marker_set_of(data: object) -> MarkerSet:
@@ -62,7 +65,7 @@ def marker_set_of(data: object) -> MarkerSet:
         )
     unknown = [str(key) for key in data if key not in PARTS]
     if unknown:
-        raise ValueError(f"unknown key {unknown[0]!r}; there is {', '.join(PARTS)}")
+        raise ValueError(f"unknown key {quoted(unknown[0])}; there is {', '.join(PARTS)}")
     return MarkerSet(**{part: _part(part, data[part]) for part in PARTS if part in data})
 
 
@@ -99,16 +102,18 @@ def _part(part: str, items: object) -> tuple[Any, ...]:
     if items in ("", None):
         return ()
     if not isinstance(items, list):
-        raise ValueError(f"{part!r} must be a list")
+        raise ValueError(f"{quoted(part)} must be a list")
     if part in _COUPLES:
         return tuple(_couple(part, item) for item in items)
     bad = [item for item in items if not isinstance(item, str) or not item]
     if bad:
-        raise ValueError(f"{part!r} must be a list of names, not {reprlib.repr(bad[0])}")
+        raise ValueError(f"{quoted(part)} must be a list of names, not {reprlib.repr(bad[0])}")
     return tuple(items)
 
 
 def _couple(part: str, item: object) -> tuple[str, str]:
     if not isinstance(item, list) or len(item) != 2 or not all(isinstance(x, str) for x in item):
-        raise ValueError(f"{part!r} must be a list of two names each, not {reprlib.repr(item)}")
+        raise ValueError(
+            f"{quoted(part)} must be a list of two names each, not {reprlib.repr(item)}"
+        )
     return item[0], item[1]

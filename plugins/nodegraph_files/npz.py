@@ -11,7 +11,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph import Format
+from nodegraph import Format, listed, quoted
 from nodegraph_files.marker_set import marker_set_of, plain_marker_set
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.rates import rate_from
@@ -73,8 +73,7 @@ def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) ->
 def _check_names(members: Mapping[str, ZipInfo], required: Sequence[str]) -> None:
     lacking = [name for name in required if name not in members]
     if lacking:
-        there = ", ".join(members) or "nothing"
-        raise ValueError(f"no array {', '.join(lacking)}; there is {there}")
+        raise ValueError(f"no array {', '.join(lacking)}; there is {listed(members)}")
 
 
 def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[np.generic]:
@@ -82,11 +81,11 @@ def _array(archive: ZipFile, name: str, member: ZipInfo, kinds: str) -> NDArray[
         shape, fortran, kind = _described(stream)
         size = stream.tell() + math.prod(shape) * kind.itemsize
         if kind.kind not in kinds:
-            raise ValueError(f"array {name!r} is of type {kind}")
+            raise ValueError(f"array {quoted(name)} is of type {kind}")
         if size != member.file_size or size > _MOST_INFLATION * member.compress_size:
-            raise ValueError(f"array {name!r} is not of the size {shape} that it announces")
+            raise ValueError(f"array {quoted(name)} is not of the size {shape} that it announces")
         if kind.kind == "U" and size > _LONGEST_TEXTS:
-            raise ValueError(f"array {name!r} has {size} bytes of text")
+            raise ValueError(f"array {quoted(name)} has {size} bytes of text")
         array = _filled(np.empty(shape, kind, order="F" if fortran else "C"), stream)
     if kind.kind == "U":
         _check_text(name, array)
@@ -116,7 +115,7 @@ def _check_text(name: str, array: NDArray[np.generic]) -> None:
     try:
         array.astype(array.dtype.newbyteorder("<")).tobytes().decode("utf-32-le")
     except UnicodeDecodeError as error:
-        raise ValueError(f"array {name!r} holds what is not text: {error.reason}") from None
+        raise ValueError(f"array {quoted(name)} holds what is not text: {error.reason}") from None
 
 
 _KINDS = {

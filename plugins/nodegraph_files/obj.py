@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Format
+from nodegraph import Format, quoted
 from nodegraph_files.head import NEUTRAL, RawHead
 from nodegraph_files.text.table import cell_numbers
 
@@ -113,7 +113,7 @@ def _corner(path: Path, line: int, word: str, vertices: int) -> int:
     named = _CORNER.fullmatch(word)
     number = int(named[1]) if named else 0
     if not number:
-        raise ValueError(f"{path}:{line}: {word!r} names no vertex")
+        raise ValueError(f"{path}:{line}: {quoted(word)} names no vertex")
     if -number > vertices:
         raise ValueError(f"{path}:{line}: a face names vertex {number} of {vertices} so far")
     return number - 1 if number > 0 else vertices + number

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from nodegraph import NodegraphError, nearest
+from nodegraph import NodegraphError, listed, nearest, quoted
 
 SAMPLES = Path(__file__).parent / "samples"
 """A folder for each sample."""
@@ -30,7 +30,7 @@ def sample_folder(name: str) -> Path:
     known = sorted(folder.name for folder in SAMPLES.glob("*/"))
     if name in known:
         return SAMPLES / name
-    raise NodegraphError(f"no sample {name!r}; {nearest(name, known)}")
+    raise NodegraphError(f"no sample {quoted(name)}; {nearest(name, known)}")
 
 
 _SCHEME = "sample:"
@@ -72,5 +72,5 @@ def _from_folder(folder: Path, wanted: tuple[str, ...]) -> Path:
     for name in wanted:
         if (folder / name).is_file():
             return folder / name
-    there = ", ".join(sorted(file.name for file in folder.iterdir())) or "nothing"
+    there = listed(sorted(file.name for file in folder.iterdir()))
     raise ValueError(f"{folder}: the folder holds no {' or '.join(wanted)}; there is {there}")

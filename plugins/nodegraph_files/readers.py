@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from nodegraph import Format, InputFile, Truth, formats, node
+from nodegraph import Format, InputFile, Truth, formats, listed, node
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file, is_sample
@@ -86,8 +86,8 @@ def _read(
     rate: float | None,
     zeros_missing: bool,
 ) -> Trajectories:
-    read = format_of(file, known).read
-    recording: Trajectories = read(file, zeros_missing=zeros_missing, unit=unit, rate=rate)
+    settings = {"zeros_missing": zeros_missing, "unit": unit, "rate": rate}
+    recording: Trajectories = _value_of(file, known, **settings)
     _check_recording(path, recording)
     return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
 
@@ -166,7 +166,7 @@ def read_weights(*, path: InputFile, rate: RateSetting = None) -> Weights:
     """
     known = formats(Weights)
     file = find_file(path, file_names("weights", known))
-    weights: Weights = format_of(file, known).read(file, rate=rate)
+    weights: Weights = _value_of(file, known, rate=rate)
     if np.isnan(weights.values).all():
         warnings.warn(f"{path}: every weight is missing", stacklevel=2)
     return weights
@@ -208,7 +208,7 @@ def read_head(
     known = formats(RawHead)
     file = find_file(path, _head_names(file_names("head", known)))
     is_folder = Path(path) != file
-    raw: RawHead = format_of(file, known).read(file, is_folder=is_folder)
+    raw: RawHead = _value_of(file, known, is_folder=is_folder)
     table = _marker_vertices(file, marker_vertices, is_folder=is_folder)
     if table is not None:
         raw = replace(raw, marker_vertices=read_marker_vertices(table, len(raw.vertices)))
@@ -251,7 +251,7 @@ def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model
     """
     known = formats(BlendshapeModel)
     file = find_file(path, file_names("model", known))
-    model: BlendshapeModel = format_of(file, known).read(file)
+    model: BlendshapeModel = _value_of(file, known)
     neutral = Trajectories(positions=model.neutral[None], markers=model.markers, rate=_MODEL_RATE)
     its_set = marker_set_for(Path(path), file, marker_set)
     return Model(model, with_marker_set(neutral, its_set, file))
@@ -277,6 +277,17 @@ def read_marker_set(*, path: InputFile) -> MarkerSet:
         If the file is not of that form, with the place where it is not.
     """
     return read_marker_set_yaml(find_file(path, _MARKER_SETS))
+
+
+def _value_of(file: Path, formats: Sequence[Format], **settings: object) -> Any:
+    """Return what a file holds; an error names the file."""
+    read = format_of(file, formats).read
+    try:
+        return read(file, **settings)
+    except ValueError as error:
+        if str(file) in str(error):
+            raise
+        raise ValueError(f"{file}: {error}") from None
 
 
 def format_of(file: Path, formats: Sequence[Format]) -> Format:
@@ -340,8 +351,8 @@ def with_marker_set(
     absent = [name for name in marker_set.markers if name not in known]
     if absent:
         raise ValueError(
-            f"{file}: the marker set names {', '.join(absent)}, which the recording lacks; it has "
-            f"{', '.join(recording.markers)}"
+            f"{file}: the marker set names {listed(absent)}, which the recording lacks; it has "
+            f"{listed(recording.markers)}"
         )
     return replace(recording, marker_set=marker_set)
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from nodegraph import quoted
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -133,5 +135,6 @@ def unit_from(setting: str, stated: str, *, assumed: str = "mm") -> LengthUnit:
     name = unit_named(stated) if setting == AUTO else setting
     if name is not None:
         return LengthUnit(name)
-    problem = f"unit of length {stated!r} is unknown" if stated.strip() else "no unit of length"
+    is_stated = bool(stated.strip())
+    problem = f"unit of length {quoted(stated)} is unknown" if is_stated else "no unit of length"
     return LengthUnit(assumed, problem)

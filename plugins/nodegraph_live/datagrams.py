@@ -10,7 +10,7 @@ from threading import Event
 from time import monotonic
 from typing import Any
 
-from nodegraph import Frame, NodegraphError
+from nodegraph import Frame, NodegraphError, quoted
 from nodegraph_live.address import EVERY_HOST, HOST, Settings
 
 TIMEOUT = 10.0
@@ -63,7 +63,7 @@ def resolved(settings: Settings, host: str, port: int) -> tuple[str, int]:
     try:
         return socket.gethostbyname(host), port
     except OSError as error:
-        raise settings.error(f"no host {host!r}: {error.strerror}") from error
+        raise settings.error(f"no host {quoted(host)}: {error.strerror}") from error
 
 
 class DatagramReceiver:

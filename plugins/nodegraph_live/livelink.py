@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph import Frame, NodegraphError, listed
+from nodegraph import Frame, NodegraphError, listed, quoted
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT, DatagramSink, DatagramSource
 from nodegraph_live.packet_reader import PacketReader
@@ -153,7 +153,9 @@ class LiveLinkSource(DatagramSource):
         if self._subject is None:
             self._subject = face.subject
         if face.subject != self._subject:
-            raise ValueError(f"it is of {face.subject!r}, the stream of {self._subject!r}")
+            raise ValueError(
+                f"it is of {quoted(face.subject)}, the stream of {quoted(self._subject)}"
+            )
         per_day = round(face.rate * _DAY)
         # a timecode begins again at midnight
         if self._last - face.frame > per_day // 2:

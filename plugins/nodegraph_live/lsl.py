@@ -20,7 +20,7 @@ import pylsl
 from numpy.typing import NDArray
 from pylsl.util import LostError
 
-from nodegraph import Frame, NodegraphError
+from nodegraph import Frame, NodegraphError, quoted
 from nodegraph_files.units import MILLIMETRES, unit_named
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT
@@ -64,7 +64,7 @@ class LslSource:
             header, self._places, self._scales = _channels(described.as_xml())
             self._inlet.open_stream(timeout=seconds)
         except RuntimeError as error:  # of pylsl: lost, or too late
-            raise ConnectionError(f"the stream {self._name!r} was lost: {error}") from error
+            raise ConnectionError(f"the stream {quoted(self._name)} was lost: {error}") from error
         except ValueError as error:
             raise NodegraphError(f"{self._settings.address}: {error}") from error
         return header
@@ -74,7 +74,7 @@ class LslSource:
         try:
             yield from self._samples()
         except LostError as error:
-            raise ConnectionResetError(f"the stream {self._name!r} was lost") from error
+            raise ConnectionResetError(f"the stream {quoted(self._name)} was lost") from error
         finally:
             self._inlet.close_stream()
 
@@ -225,7 +225,9 @@ def _coordinate(channel: dict[str, str]) -> tuple[str, str] | None:
     if by_type:
         named = channel.get("marker") or (label[1] if label else "")
         if not named:
-            raise ValueError(f"the channel {channel.get('label', '')!r} does not name its marker")
+            raise ValueError(
+                f"the channel {quoted(channel.get('label', ''))} does not name its marker"
+            )
         return named, by_type[1].lower()
     if label and unit_named(channel.get("unit", "")):
         return label[1], label[2].lower()
@@ -236,7 +238,8 @@ def _millimetres(channel: dict[str, str]) -> float:
     unit = unit_named(channel.get("unit", ""))
     if unit is None:
         raise ValueError(
-            f"the channel {channel.get('label', '')!r} has the unit {channel.get('unit', '')!r}; "
-            f"known are {', '.join(MILLIMETRES)}, also written out"
+            f"the channel {quoted(channel.get('label', ''))} has the unit "
+            f"{quoted(channel.get('unit', ''))}; known are {', '.join(MILLIMETRES)}, also "
+            "written out"
         )
     return MILLIMETRES[unit]

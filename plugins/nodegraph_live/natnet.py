@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph import Frame, NodegraphError
+from nodegraph import Frame, NodegraphError, quoted
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT, DatagramReceiver, datagram_socket, resolved
 from nodegraph_live.packet_reader import PacketReader
@@ -219,8 +219,8 @@ class NatNetSource(DatagramReceiver):
         for name, markers in _wanted(self._marker_sets).items():
             if len(data.positions.get(name, ())) != len(markers):
                 raise ValueError(
-                    f"marker set {name!r} has {len(data.positions.get(name, ()))} markers, not "
-                    f"{len(markers)}"
+                    f"marker set {quoted(name)} has {len(data.positions.get(name, ()))} markers, "
+                    f"not {len(markers)}"
                 )
             if markers:
                 parts.append(data.positions[name])

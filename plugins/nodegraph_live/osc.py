@@ -8,6 +8,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable, Iterator, Sequence
 
+from nodegraph import quoted
 from nodegraph_live.packet_reader import PacketReader
 
 _BUNDLE = b"#bundle\0"
@@ -81,7 +82,7 @@ def _argument(reader: PacketReader, tag: str) -> object:
         return content
     if tag in _CONSTANTS:
         return _CONSTANTS[tag]
-    raise ValueError(f"an argument of the unknown type {tag!r}")
+    raise ValueError(f"an argument of the unknown type {quoted(tag)}")
 
 
 def _text(reader: PacketReader) -> str:

@@ -20,7 +20,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
-from nodegraph import Frame, NodegraphError
+from nodegraph import Frame, NodegraphError, quoted
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT
 from nodegraph_live.packet_reader import PacketReader
@@ -130,7 +130,7 @@ class QtmSource:
                 self.close()
                 raise NodegraphError(f"{self._settings.address}: {error}") from error
             except socket.gaierror as error:
-                raise self._settings.error(f"no host {self._target[0]!r}: {error}") from error
+                raise self._settings.error(f"no host {quoted(self._target[0])}: {error}") from error
             except OSError:
                 self._disconnect()
                 self._closed.wait(_POLL)
@@ -176,7 +176,7 @@ class QtmSource:
                 return message
             if kind == ERROR:
                 text = message[_HEAD.size :].rstrip(b"\0").decode(errors="replace")
-                raise ValueError(f"QTM answers {command!r} with {text!r}")
+                raise ValueError(f"QTM answers {quoted(command)} with {quoted(text)}")
         raise ConnectionError("closed")
 
     def _receive(self, endpoint: socket.socket) -> Iterator[tuple[int, bytes]]:

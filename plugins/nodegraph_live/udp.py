@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nodegraph import Frame, NodegraphError
+from nodegraph import Frame, NodegraphError, quoted
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import TIMEOUT, DatagramSink, DatagramSource
 from nodegraph_live.payloads import (
@@ -45,6 +45,7 @@ from nodegraph_live.payloads import (
     weights_header,
 )
 from nodegraph_mocap import Trajectories, Weights
+from nodegraph_mocap.checks import FASTEST, SLOWEST
 
 PORT = 51140
 _HEAD = struct.Struct("<4sBBHIIQq")
@@ -89,16 +90,20 @@ def decode_description(content: memoryview) -> Trajectories | Weights:
     """Return the header that a description gives; a wrong one is a ValueError."""
     try:
         fields = json.loads(bytes(content))
-        rate = float(fields["rate"])
-    except (KeyError, OverflowError, RecursionError, TypeError) as error:
-        raise ValueError(f"the description cannot be read: {error}") from error
+    except (ValueError, RecursionError):
+        raise ValueError("the description is not JSON in UTF-8") from None
+    if not isinstance(fields, dict):
+        raise ValueError(f"the description is no object with names and a rate: {quoted(fields)}")
+    rate = fields.get("rate")
+    if not isinstance(rate, int | float) or not SLOWEST <= rate <= FASTEST:
+        raise ValueError(f"the rate of the description is no rate in Hz: {quoted(rate)}")
     kinds = {"markers", "weights"} & fields.keys()
     if len(kinds) != 1:
         raise ValueError("the description has not either markers or weights")
     names = fields[min(kinds)]
     if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
         raise ValueError("the names of the description are not a list of texts")
-    return (recording_header if "markers" in kinds else weights_header)(names, rate)
+    return (recording_header if "markers" in kinds else weights_header)(names, float(rate))
 
 
 def _check_same(content: memoryview, header: Trajectories | Weights) -> None:

@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from nodegraph import Frame, NodegraphError
+from nodegraph import Frame, NodegraphError, quoted
 from nodegraph_live import osc
 from nodegraph_live.address import Settings
 from nodegraph_live.datagrams import LARGEST_UNSPLIT, TIMEOUT, DatagramSink, DatagramSource
@@ -107,7 +107,8 @@ class VmcSource(DatagramSource):
         if name not in self._unknown and len(self._unknown) < _MOST_SHAPES:
             self._unknown.add(name)
             warnings.warn(
-                f"the weight {name!r} was not in the first frames and is left out", stacklevel=3
+                f"the weight {quoted(name)} was not in the first frames and is left out",
+                stacklevel=3,
             )
 
 

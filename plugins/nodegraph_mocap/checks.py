@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import read_only
+from nodegraph import listed, read_only
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -77,14 +77,14 @@ def indices(
 
 def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
     """Return the names as a tuple; one that stands twice, or is no text, is a ValueError."""
-    listed = tuple(names)
-    for name in listed:
+    texts = tuple(names)
+    for name in texts:
         if not isinstance(name, str):
             raise ValueError(f"{what}: names are texts, not {name!r}")
-    repeated = twice(listed)
+    repeated = twice(texts)
     if repeated:
-        raise ValueError(f"{what}: named twice: {', '.join(repeated)}")
-    return listed
+        raise ValueError(f"{what}: named twice: {listed(repeated)}")
+    return texts
 
 
 def twice(names: Iterable[str]) -> list[str]:

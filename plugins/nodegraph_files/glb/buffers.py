@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nodegraph import quoted
 from nodegraph_files.glb.document import Accessor, Document, Sparse, entry_at
 
 if TYPE_CHECKING:
@@ -300,7 +301,7 @@ def _chunk(data: bytes, place: int, stop: int, kind: bytes) -> tuple[bytes, int]
     if name == kind:
         return data[start : start + length], start + length
     if kind == _JSON:
-        raise ValueError(f"the first chunk is {name!r}, not JSON")
+        raise ValueError(f"the first chunk is {quoted(name)}, not JSON")
     return b"", start + length
 
 

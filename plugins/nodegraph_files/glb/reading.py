@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Format, listed
+from nodegraph import Format, listed, quoted
 from nodegraph_files.glb.buffers import (
     MAGIC,
     MARKER_VERTICES,
@@ -317,7 +317,7 @@ def _vertices(
     morphs = {}
     for name, target in zip(names, primitive.targets, strict=True):
         if "POSITION" in target:
-            at = f"{where}, morph target {name!r}"
+            at = f"{where}, morph target {quoted(name)}"
             offsets = accessors.numbers(target["POSITION"], at, kind="VEC3", count=count)
         else:
             accessors.charge(rest.size)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import quoted
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -70,11 +72,11 @@ def in_seconds(name: str, values: NDArray[np.float64]) -> NDArray[np.float64] | 
 def _assumed(name: str, taken: str, likely: str, step: float) -> str:
     if not taken:
         return (
-            f"the column {name!r} states no unit, and steps of {step:g} are no usual rate in s, "
-            "ms, us or ns: its times do not count"
+            f"the column {quoted(name)} states no unit, and steps of {step:g} are no usual rate "
+            "in s, ms, us or ns: its times do not count"
         )
     text = (
-        f"the column {name!r} states no unit; {taken} is assumed, that is "
+        f"the column {quoted(name)} states no unit; {taken} is assumed, that is "
         f"{1 / (step * _SECONDS[taken]):.4g} frames per second"
     )
     return text if taken == likely else f"{text}; if it is in {likely}, name it '{name} ({likely})'"

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from nodegraph import Format, listed
+from nodegraph import Format, listed, quoted
 from nodegraph_files.text.counters import in_seconds, is_counter, is_frame, is_time
 from nodegraph_files.text.motive import is_motive, read_motive
+from nodegraph_files.text.openface import is_openface, read_openface
 from nodegraph_files.text.qtm import is_qtm, read_qtm
 from nodegraph_files.text.table import (
     SEPARATORS,
@@ -101,8 +102,9 @@ class Columns:
         axes = self.markers.setdefault(marker, {})
         if self.unit and unit and unit != self.unit:
             raise ValueError(
-                f"{self.table.place(self.header, column)}: the column {self.names[column]!r} is in "
-                f"{unit!r}, but others are in {self.unit!r}"
+                f"{self.table.place(self.header, column)}: the column "
+                f"{quoted(self.names[column])} is in {quoted(unit)}, but others are in "
+                f"{quoted(self.unit)}"
             )
         self.unit = self.unit or unit
         if marker and axis.lower() not in axes:
@@ -110,7 +112,8 @@ class Columns:
             return
         wrong = "is there twice" if marker else "names no marker"
         raise ValueError(
-            f"{self.table.place(self.header, column)}: the column {self.names[column]!r} {wrong}"
+            f"{self.table.place(self.header, column)}: the column {quoted(self.names[column])} "
+            f"{wrong}"
         )
 
     @cached_property
@@ -179,7 +182,7 @@ def check_axes(columns: Columns) -> None:
     for marker, axes in lacking.items():
         if axes:
             raise ValueError(
-                f"{path}:{columns.header.line}: marker {marker!r} has no column for "
+                f"{path}:{columns.header.line}: marker {quoted(marker)} has no column for "
                 f"{', '.join(axes)}"
             )
 
@@ -231,7 +234,7 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str, rate: float | Non
         else:
             columns.add_other(place)
     if not columns.markers:
-        shown = ", ".join(header.cells[:_MOST_CELLS])
+        shown = listed(header.cells, _MOST_CELLS)
         weights = "; read.weights reads weights of blendshapes" if columns.left_out else ""
         raise ValueError(
             f"{table.path}:{header.line}: no columns NAME.X, NAME.Y, NAME.Z; there is {shown}"
@@ -314,7 +317,7 @@ def _columns(table: Table) -> tuple[Columns, int]:
     if lacking:
         raise ValueError(
             f"{table.path}:{header.line}: no column {', '.join(lacking)}; a recording has three "
-            f"dimensions; there is {', '.join(header.cells)}"
+            f"dimensions; there is {listed(header.cells)}"
         )
     warn_left_out(columns)
     return columns, marker
@@ -341,8 +344,8 @@ def _grid(rows: Rows, name: str, there: NDArray[np.float64]) -> NDArray[np.int64
     if steps is None:
         if len(there) > 1:
             warnings.warn(
-                f"the {len(there)} values of the column {name!r} are not whole steps apart; they "
-                "count as evenly spaced frames",
+                f"the {len(there)} values of the column {quoted(name)} are not whole steps apart; "
+                "they count as evenly spaced frames",
                 stacklevel=4,
             )
         return even
@@ -350,12 +353,13 @@ def _grid(rows: Rows, name: str, there: NDArray[np.float64]) -> NDArray[np.int64
     skipped = int(frames[-1]) + 1 - len(there)
     if skipped > len(there):
         raise ValueError(
-            f"{rows.text.path}: the column {name!r} goes from {there[0]:g} to {there[-1]:g}, but "
-            f"only {len(there)} frames have rows, and {skipped} have none"
+            f"{rows.text.path}: the column {quoted(name)} goes from {there[0]:g} to "
+            f"{there[-1]:g}, but only {len(there)} frames have rows, and {skipped} have none"
         )
     if skipped:
         warnings.warn(
-            f"{skipped} frames have no row, by the column {name!r}; they are missing", stacklevel=4
+            f"{skipped} frames have no row, by the column {quoted(name)}; they are missing",
+            stacklevel=4,
         )
     return frames.astype(np.int64)
 
@@ -374,8 +378,8 @@ def _check_samples(
     if again.any():
         row = int(order[1:][again].min())
         raise ValueError(
-            f"{rows.text.path}:{_line(rows, row)}: marker {names[of_marker[row]]!r} is in this "
-            "frame already"
+            f"{rows.text.path}:{_line(rows, row)}: marker {quoted(names[of_marker[row]])} is in "
+            "this frame already"
         )
 
 
@@ -481,6 +485,7 @@ _FORMS: tuple[tuple[Callable[[Table], bool], _Read], ...] = (
     (is_qtm, read_qtm),
     (is_motive, read_motive),
     (is_vicon, read_vicon),
+    (is_openface, read_openface),
     (is_long, read_long),
     (is_levels, read_levels),
 )
@@ -491,11 +496,12 @@ def read_csv(
 ) -> Trajectories:
     """Read a recording from a table of text; its first rows decide the form.
 
-    Exports of Qualisys Track Manager (TSV), OptiTrack Motive and Vicon Nexus; long tables of
-    columns frame or time, marker, x, y, z; tables with a row of markers above a row of axes, as
-    pandas and DeepLabCut write them; and tables with columns ``NAME.X, NAME.Y, NAME.Z`` or
-    ``x0, y0, z0, x1, ...``. Commas, semicolons or tabs separate cells. Empty cells and ``NaN`` are
-    missing. The text is in UTF-8, or in UTF-16 with a byte order mark.
+    Exports of Qualisys Track Manager (TSV), OptiTrack Motive and Vicon Nexus; tables of OpenFace,
+    of which the points in space are read; long tables of columns frame or time, marker, x, y, z;
+    tables with a row of markers above a row of axes, as pandas and DeepLabCut write them; and
+    tables with columns ``NAME.X, NAME.Y, NAME.Z`` or ``x0, y0, z0, x1, ...``. Commas, semicolons
+    or tabs separate cells. Empty cells and ``NaN`` are missing. The text is in UTF-8, or in UTF-16
+    with a byte order mark.
 
     Where the form itself does not hold them, the rate comes from a line ``# rate: 60`` or from
     a column ``time`` in seconds (``time (ms)`` in milliseconds) or ``timestamp``, whose unit its
@@ -552,7 +558,7 @@ def csv_bytes(recording: Trajectories) -> bytes:
     """
     unfit = [name for name in recording.markers if not name.isprintable() or name != name.strip()]
     if unfit or "" in recording.markers:
-        raise ValueError(f"CSV cannot keep the marker name {(unfit or [''])[0]!r}")
+        raise ValueError(f"CSV cannot keep the marker name {quoted((unfit or [''])[0])}")
     target = StringIO()
     target.write(f"# rate: {recording.rate!r}\n# unit: mm\n")
     names = [f"{marker}.{axis}" for marker in recording.markers for axis in "XYZ"]

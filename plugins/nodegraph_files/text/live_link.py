@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Format
+from nodegraph import Format, quoted
 from nodegraph_files.rates import rate_from
 from nodegraph_files.text.table import cell_numbers, check_distinct, text_lines
 from nodegraph_files.text.text_file import start_in_utf8
@@ -95,7 +95,7 @@ def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     (_, names), *rows = [(number, cells) for number, cells in split if any(cells)] or [(1, [])]
     if [name.lower() for name in names[:2]] != _HEADER:
         raise ValueError(
-            f"{path}: no Live Link Face file: it begins with {','.join(names[:2])[:40]!r}, not "
+            f"{path}: no Live Link Face file: it begins with {quoted(','.join(names[:2]))}, not "
             "with the columns Timecode, BlendShapeCount"
         )
     if not rows:
@@ -169,7 +169,9 @@ def _times(path: Path, rows: list[tuple[int, list[str]]]) -> _Times:
     for line, cells in rows:
         match = _TIMECODE.fullmatch(cells[0])
         if match is None:
-            raise ValueError(f"{path}:{line}:1: {cells[0]!r} is not a timecode hh:mm:ss:ff.fff")
+            raise ValueError(
+                f"{path}:{line}:1: {quoted(cells[0])} is not a timecode hh:mm:ss:ff.fff"
+            )
         hours, minutes, seconds, counts = (float(part) for part in match.groups())
         parts.append((3600 * hours + 60 * minutes + seconds, counts))
     seconds_of, counts_of = np.array(parts).T

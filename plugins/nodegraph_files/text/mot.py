@@ -12,7 +12,7 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
-from nodegraph import Format, listed
+from nodegraph import Format, listed, quoted
 from nodegraph_files.text.table import Row, Table, check_distinct, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
     known_rate,
@@ -113,7 +113,7 @@ def _names(table: Table, header: Row) -> list[str]:
     names = header.cells[: filled_width(header.cells)]
     place = f"{table.path}:{header.line}"
     if names[0].lower() != "time":
-        raise ValueError(f"{place}: the first column is {names[0]!r}, where time is expected")
+        raise ValueError(f"{place}: the first column is {quoted(names[0])}, where time is expected")
     if "" in names:
         raise ValueError(f"{place}:{names.index('') + 1}: a column has no name")
     if len(names) == 1:

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from nodegraph import quoted
 from nodegraph_files.text.table import Row, Table, filled, read_rows
 from nodegraph_files.text.table_recording import (
     rate_of_header,
@@ -105,7 +106,9 @@ def _rate(table: Table, setting: float | None) -> float:
 def _unit(table: Table, setting: str) -> LengthUnit:
     written, place = _fact(table, "Length Units")
     if setting == AUTO and written and unit_named(written) is None:
-        raise ValueError(f"{place}: Length Units {written!r}; there is {', '.join(MILLIMETRES)}")
+        raise ValueError(
+            f"{place}: Length Units {quoted(written)}; there is {', '.join(MILLIMETRES)}"
+        )
     return unit_from(setting, written, assumed="m")
 
 
@@ -166,7 +169,7 @@ def _triples(table: Table, header: _Header) -> list[int]:
         if axes[column : column + 3] != ["X", "Y", "Z"]:
             raise ValueError(
                 f"{table.place(header.axes, column)}: the columns of marker "
-                f"{header.names[column]!r} are not X, Y, Z"
+                f"{quoted(header.names[column])} are not X, Y, Z"
             )
     if not columns:
         there = sorted({kind for kind in header.types[2:] if kind})

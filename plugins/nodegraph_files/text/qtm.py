@@ -12,6 +12,7 @@ import re
 import warnings
 from collections.abc import Mapping, Sequence
 
+from nodegraph import quoted
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
     is_number,
@@ -94,8 +95,8 @@ def _check_kind(table: Table, facts: Mapping[str, Row]) -> None:
     kind = facts.get("DATA_INCLUDED")
     if kind is not None and kind.cells[1:2] != ["3D"]:
         raise ValueError(
-            f"{table.place(kind, 1)}: DATA_INCLUDED is {' '.join(kind.cells[1:]).strip()!r}; only "
-            "3D data are a recording of markers"
+            f"{table.place(kind, 1)}: DATA_INCLUDED is "
+            f"{quoted(' '.join(kind.cells[1:]).strip())}; only 3D data are a recording of markers"
         )
     if "MARKER_NAMES" not in facts or filled_width(facts["MARKER_NAMES"].cells) < 2:
         raise ValueError(f"{table.path}: no names follow MARKER_NAMES in the header")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from nodegraph import listed, quoted
 from nodegraph_files.text.text_file import Comment, Line, TextFile, read_text_file
 from nodegraph_mocap.checks import distinct
 
@@ -89,7 +90,7 @@ def cell_numbers(
             return [float(cell or "nan") for cell in cells]
     except ValueError:
         pass  # one of them is special, or wrong
-    suffixes = [f" (column {name})" for name in names] or [""] * len(cells)
+    suffixes = [f" (column {listed([name])})" for name in names] or [""] * len(cells)
     return [
         _number(f"{path}:{line}:{column}", cell, where)
         for column, cell, where in zip(
@@ -106,7 +107,7 @@ def _number(place: str, cell: str, where: str) -> float:
         # Python reads 1_000 as a number; a table does not mean one.
         return float(plain.replace("_", "?"))
     except ValueError:
-        raise ValueError(f"{place}: {plain[:40]!r} is not a number{where}") from None
+        raise ValueError(f"{place}: {quoted(plain)} is not a number{where}") from None
 
 
 def is_missing(cell: str) -> bool:
@@ -345,7 +346,8 @@ def _commas_are_points(rows: Rows, table: list[tuple[int, list[str]]]) -> bool:
         return False
     _check_commas(rows, table, commas)
     warnings.warn(
-        f"commas count as decimal points, in {len(commas)} cells; the first is {commas[0][1]!r}",
+        f"commas count as decimal points, in {len(commas)} cells; the first is "
+        f"{quoted(commas[0][1])}",
         stacklevel=5,
     )
     return True
@@ -356,17 +358,18 @@ def _check_commas(
 ) -> None:
     for place, cell in commas:
         if not _COMMA.fullmatch(cell):
-            raise ValueError(f"{place}: {cell[:40]!r} is not a number")
+            raise ValueError(f"{place}: {quoted(cell)} is not a number")
     for line, cells in table:
         for column in rows.wanted:
             if "." in cells[column]:
                 raise ValueError(
-                    f"{rows.text.path}:{line}:{column + 1}: {cells[column]!r} has a dot, but "
-                    f"{commas[0][1]!r} ({commas[0][0]}) a comma: only one can separate decimals"
+                    f"{rows.text.path}:{line}:{column + 1}: {quoted(cells[column])} has a dot, but "
+                    f"{quoted(commas[0][1])} ({commas[0][0]}) a comma: only one can separate "
+                    "decimals"
                 )
     if all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
         raise ValueError(
-            f"{commas[0][0]}: {commas[0][1]!r} may be {commas[0][1].replace(',', '.')} or "
+            f"{commas[0][0]}: {quoted(commas[0][1])} may be {commas[0][1].replace(',', '.')} or "
             f"{commas[0][1].replace(',', '')}: write decimals after a dot, and thousands without "
             "a separator"
         )

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph import quoted
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.rates import rate_from
 from nodegraph_files.text.table import Table
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
+from nodegraph_mocap.checks import possible_rate
 from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
@@ -89,8 +91,8 @@ def warn_irregular(name: str, values: NDArray[np.float64]) -> None:
     irregular = int(np.count_nonzero(~(np.abs(steps - usual) <= np.median(np.abs(steps)) / 2)))
     if irregular:
         warnings.warn(
-            f"{irregular} of {len(steps)} steps of the column {name!r} are irregular: frames were "
-            "dropped or repeated; the rows count as evenly spaced",
+            f"{irregular} of {len(steps)} steps of the column {quoted(name)} are irregular: "
+            "frames were dropped or repeated; the rows count as evenly spaced",
             stacklevel=4,
         )
 
@@ -192,8 +194,8 @@ def unit_of_table(table: Table, setting: str, of_columns: str = "") -> LengthUni
     name = unit_named(comment.value)
     if name is None or (of_columns and unit_named(of_columns) != name):
         known = f"there is {', '.join(MILLIMETRES)}"
-        instead = f"the columns are in {of_columns!r}" if name else known
-        raise ValueError(f"{table.path}:{comment.line}: unit {comment.value!r}; {instead}")
+        instead = f"the columns are in {quoted(of_columns)}" if name else known
+        raise ValueError(f"{table.path}:{comment.line}: unit {quoted(comment.value)}; {instead}")
     return LengthUnit(name)
 
 
@@ -211,7 +213,7 @@ def stated_rate(table: Table) -> float | None:
     rate = positive_number(comment.value)
     if rate is None:
         raise ValueError(
-            f"{table.path}:{comment.line}: rate {comment.value!r} is not a positive number"
+            f"{table.path}:{comment.line}: rate {quoted(comment.value)} is not a positive number"
         )
     return rate
 
@@ -228,9 +230,9 @@ def rate_of_header(setting: float | None, written: str, place: str, fact: str) -
     if rate is None:
         raise ValueError(
             f"{place}: {fact} must be a positive number of frames per second, the header says "
-            f"{repr(written) if written else 'none'}; set `rate` in Hz"
+            f"{quoted(written) if written else 'none'}; set `rate` in Hz"
         )
-    return rate
+    return _possible(rate, place)
 
 
 def known_rate(
@@ -261,4 +263,11 @@ def known_rate(
             f"{table.path}: no rate; set `rate` in Hz, or add a line '# rate: 60' above the head "
             "or a column 'time' in seconds"
         )
-    return rate
+    return _possible(rate, str(table.path))
+
+
+def _possible(rate: float, place: str) -> float:
+    try:
+        return possible_rate(rate)
+    except ValueError as error:
+        raise ValueError(f"{place}: {error}") from None

@@ -22,8 +22,11 @@ _OTHERS = {
     b"MATLAB 5": "a MATLAB file; save the recording as CSV or NPZ",
     b"\x00\x00\x00\x06": "probably a record of Live Link packets; use the CSV file of the take",
     b"\x06": "probably a record of Live Link packets; use the CSV file of the take",
+    b"version https://git-lfs": "a pointer of Git LFS; fetch the file with git lfs pull",
+    b"<!DOCTYPE": "a web page; download the file that it shows",
+    b"<html": "a web page; download the file that it shows",
 }
-"""File formats by their first bytes, with which no text begins."""
+"""File formats by their first bytes, with which no table begins."""
 _COMMENT = re.compile(r"#\s*(\w+)\s*[:=]\s*(\S+)(?:\s+\w+)?")
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from nodegraph import Format
+from nodegraph import Format, quoted
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import (
     is_number,
@@ -138,14 +138,14 @@ def _check_writable(recording: Trajectories) -> None:
         )
     for name in recording.markers:
         if not name or not name.isprintable() or name != name.strip():
-            raise ValueError(f"TRC cannot keep the marker name {name!r}")
+            raise ValueError(f"TRC cannot keep the marker name {quoted(name)}")
 
 
 def _table(path: Path) -> Table:
     text = read_text_file(path)
     first = next((line.text for line in text.lines()), "")
     if not first.startswith(_FIRST_WORD):
-        raise ValueError(f"{path}: no TRC file: it begins with {first[:20]!r}, not {_FIRST_WORD}")
+        raise ValueError(f"{path}: no TRC file: it begins with {quoted(first)}, not {_FIRST_WORD}")
     separator = max("\t,", key=first.count)
     if separator not in first:
         raise ValueError(f"{path}:1: neither tabs nor commas separate cells")

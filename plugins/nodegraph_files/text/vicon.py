@@ -13,6 +13,7 @@ from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
+from nodegraph import quoted
 from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
 from nodegraph_files.text.table_recording import rate_of_header, recording_of, warn_skipped
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
@@ -33,8 +34,8 @@ def labels_over(path: Path, line: int, cells: Sequence[str]) -> Sequence[str]:
     for column, cell in enumerate(cells[LEADING:], LEADING + 1):
         if cell and (column - LEADING) % 3 != 1:
             raise ValueError(
-                f"{path}:{line}:{column}: the name {cell!r} is out of place: names stand over X "
-                "columns, every third from the third on"
+                f"{path}:{line}:{column}: the name {quoted(cell)} is out of place: names stand "
+                "over X columns, every third from the third on"
             )
     return cells[LEADING::3]
 
@@ -57,7 +58,8 @@ def count_triples(path: Path, line: int, cells: Sequence[str], leading: int = LE
         match = _COORDINATE.fullmatch(cell)
         if (match[1].upper() if match else cell) != wanted[:1]:
             raise ValueError(
-                f"{path}:{line}:{column}: {cell!r} where {wanted or 'an empty cell'} is expected"
+                f"{path}:{line}:{column}: {quoted(cell)} where {wanted or 'an empty cell'} is "
+                "expected"
             )
     if last <= leading or (last - leading) % 3:
         raise ValueError(
@@ -138,7 +140,7 @@ def _unit(table: Table, units: Row, width: int, setting: str) -> LengthUnit:
     if setting == AUTO and (unit_named(first) is None or set(names) != {first}):
         wrong = next((place for place, unit in enumerate(names) if unit != first), 0)
         raise ValueError(
-            f"{table.place(units, LEADING + wrong)}: unit {names[wrong]!r}, where one unit of all "
-            f"columns is expected; there is {', '.join(MILLIMETRES)}"
+            f"{table.place(units, LEADING + wrong)}: unit {quoted(names[wrong])}, where one unit "
+            f"of all columns is expected; there is {', '.join(MILLIMETRES)}"
         )
     return unit_from(setting, first)

@@ -255,3 +255,20 @@ def test_reading_prints_nothing(
         read_c3d(build_c3d(samples, cut=-100))
     read_c3d(build_c3d(samples))
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"version https://git-lfs.github.com/spec/v1\n", "a pointer of Git LFS"),
+        (b"<!DOCTYPE html><html>", "it is a web page"),
+        (b"PK\3\4" + bytes(600), "it is a ZIP archive"),
+        (b"Trajectories\n100\n", "it is text, and begins with 'Trajectories'"),
+        (b"\2\x51\7\0" + bytes(600), "it begins with the bytes 02 51 07 00"),
+        (b"\2\x50\7\0", "it ends before its header"),
+    ],
+)
+def test_what_is_no_c3d_is_named(tmp_path: Path, content: bytes, message: str) -> None:
+    (tmp_path / "take.c3d").write_bytes(content)
+    with pytest.raises(ValueError, match=rf"take\.c3d: .*{message}"):
+        read_c3d(tmp_path / "take.c3d")

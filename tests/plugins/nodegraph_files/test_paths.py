@@ -30,7 +30,7 @@ def test_a_sample_is_a_folder() -> None:
 
 
 def test_a_folder_without_it_tells_what_is_there(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"no recording\.c3d or recording\.csv; there is nothing"):
+    with pytest.raises(ValueError, match=r"no recording\.c3d or recording\.csv; there is none"):
         find_file(tmp_path, WANTED)
     (tmp_path / "b.txt").write_text("x")
     (tmp_path / "a.c3d").write_text("x")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from nodegraph import get_node
+from nodegraph_files import read_mot
 
 HEADER = "markers\nversion=1\nnRows=3\nnColumns=7\nUnits=m\ninDegrees=no\n{more}endheader\n"
 ROWS = ("0.00 1 2 3 4 5 6", "0.01 nan nan nan 4 5 7", "0.02 1 2 4 4 5 8")
@@ -98,3 +100,20 @@ def test_a_file_without_a_unit_and_of_no_plausible_size_is_in_metres(tmp_path: P
 def test_a_file_that_ends_early_says_so(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="the header says 3 rows, the file holds 2"):
         get_node("read.recording")(path=saved(tmp_path, mot(POINTS, ROWS[:2])))
+
+
+@pytest.mark.parametrize("read", [get_node("read.recording"), read_mot])
+def test_times_that_give_no_possible_rate_are_refused_with_the_file(
+    tmp_path: Path, read: Callable[..., object]
+) -> None:
+    rows = tuple(f"{time}e9 1 2 3" for time in range(3))
+    path = saved(tmp_path, mot("lip_tx lip_ty lip_tz", rows))
+    with pytest.raises(ValueError, match=r"take\.mot: rate must be from 0\.001"):
+        read(path=path)
+
+
+def test_a_long_cell_is_quoted_without_its_middle(tmp_path: Path) -> None:
+    path = saved(tmp_path, mot("lip_tx lip_ty lip_tz", (f"0 {'z' * 9999} 2 3",)))
+    with pytest.raises(ValueError, match=r"take\.mot:9:2: 'z+ … z+' is not a number") as caught:
+        read_mot(path)
+    assert len(str(caught.value)) < len(str(path)) + 130
