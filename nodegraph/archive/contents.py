@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import io
+import shlex
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from nodegraph.archive.inputs import ReadFile
+from nodegraph.archive.inputs import PLUGINS, ReadFile
 from nodegraph.archive.relocate import Relocation
 from nodegraph.remote import is_remote
 from nodegraph.report.study import Study
@@ -108,7 +109,10 @@ def _fetch(contents: Contents) -> Iterator[str]:
 def _verify(contents: Contents) -> Iterator[str]:
     lock = next((name for name in contents.files if name.endswith(".lock")), "")
     if lock and "/" not in lock:
-        yield f"Verify that it still has the same results: `nodegraph verify {lock}`"
+        plugins = [name for name in contents.files if name.startswith(f"{PLUGINS}/")]
+        options = [word for name in sorted(plugins) for word in ("--plugin", name)]
+        command = shlex.join(["nodegraph", "verify", lock, *options])
+        yield f"Verify that it still has the same results: `{command}`"
         yield ""
 
 

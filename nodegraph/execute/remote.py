@@ -166,6 +166,7 @@ class _Plugins:
             self.registry = Registry.installed([_same_file(Path(p), text) for p, text in files])
         # a value may be of a class in any module that a plugin uses
         self.packer = Packer(self.registry.hooks.storages, lambda package: True)
+        self._distributions = {each.name: each.distribution for each in self.registry.loaded}
         self._code = code_of(self.registry)
         self._known: dict[bytes, tuple[Node, str]] = {}
 
@@ -195,8 +196,9 @@ class _Plugins:
             registered = self.registry.find(f"{plugin}:{name}")
         except UnknownNodeError:
             raise _MissingNode(self._why_missing(plugin, name, distribution)) from None
-        if registered.distribution != distribution:
-            theirs, ours = (text or "a file" for text in (registered.distribution, distribution))
+        there = self._distributions.get(plugin, registered.distribution)
+        if there != distribution:
+            theirs, ours = (text or "a file" for text in (there, distribution))
             raise _MissingNode(f"has {theirs}, here it is {ours}, for {name}")
         if code is not None:
             here = self._code.of(registered.node.function)
@@ -213,7 +215,7 @@ class _Plugins:
         for broken in self.registry.broken:
             if broken.name == plugin:
                 return f"has left out the plugin {plugin!r}, which defines {name}: {broken.reason}"
-        there = {loaded.name: loaded.distribution for loaded in self.registry.loaded}.get(plugin)
+        there = self._distributions.get(plugin)
         if there is None:
             version = f" ({distribution})" if distribution else ""
             return f"has no plugin {plugin!r}, which defines {name}; install it there{version}"

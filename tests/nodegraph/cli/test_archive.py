@@ -270,7 +270,8 @@ def test_a_lock_goes_in_beside_the_graph(
     text = locked_and_run(command)
     files, err = archived(command)
     assert (files["toy.lock"], err) == (text, "")
-    assert "`nodegraph verify toy.lock`" in files["README.md"].decode()
+    words = ["verify", "toy.lock", "--plugin", "plugins/toys.py"]
+    assert f"`nodegraph {' '.join(words)}`" in files["README.md"].decode()
     Path("study/toy.lock").rename("other")
     assert "toy.lock" not in archived(command)[0]
     files, _ = archived(command, "--lock", "other")
@@ -279,8 +280,7 @@ def test_a_lock_goes_in_beside_the_graph(
     with zipfile.ZipFile("ran.zip") as file:
         file.extractall(there)
     monkeypatch.chdir(there)
-    words = ("verify", "toy.lock", "--plugin", "plugins/toys.py", "--store", "kept")
-    status, out, err = command(*words, nodes=False)
+    status, out, err = command(*words, "--store", "kept", nodes=False)
     assert (status, "text" in err) == (0, False)
     assert out.startswith("identical: toy.lock")
 

@@ -17,6 +17,10 @@ from sklearn.svm import SVR
 
 import nodegraph
 from nodegraph import NodegraphError, get_node
+from nodegraph.execute.call import Call, Outcome
+from nodegraph.execute.remote import CallCodec, respond
+from nodegraph.plugin.registry import Registry
+from nodegraph.store import Packer
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
 
@@ -186,3 +190,17 @@ def test_settings_are_checked_before_the_run(
     with pytest.raises(NodegraphError, match=re.escape(message)) as caught:
         nodegraph.load(path)
     assert "wrong.yaml:6:" in str(caught.value)
+
+
+def test_an_estimator_is_a_node_in_another_process(gappy: Trajectories) -> None:
+    registry = Registry.installed()
+    entry = registry.find("sklearn:sklearn.impute.KNNImputer")
+    packer = Packer(registry.hooks.storages)
+    codec = CallCodec(registry, packer, local=True)
+    request = codec.encode(Call(0, entry.node, entry.plugin, {"recording": gappy}, {}))
+    assert request is not None
+    outcome = codec.decode(respond(request), "a process")
+    assert isinstance(outcome, Outcome)
+    assert isinstance(outcome.values[0], Trajectories)
+    filled = applied("sklearn.impute.KNNImputer", gappy)
+    np.testing.assert_array_equal(outcome.values[0].positions, filled.positions)
