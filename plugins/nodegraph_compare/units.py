@@ -114,8 +114,8 @@ class Units:
     @property
     def positive(self) -> bool:
         """Whether every mean that a logarithm is taken of is above 0."""
-        every = (self.recordings, self.without if self.kind in ("draws", "segments") else None)
-        return all(bool((means > 1e-9 * means.max()).all()) for means in every if means is not None)
+        every = np.concatenate([self.recordings, self.without])
+        return bool((every > 1e-9 * every.max(initial=0.0)).all())
 
     def typical(self, ratio: bool) -> NDArray[np.float64]:
         """Return (K,), the numbers of the methods, in which every cluster weighs the same.
@@ -123,9 +123,11 @@ class Units:
         The geometric mean over clusters, which is the error of a typical one, or the arithmetic
         mean. They depend neither on the kind of unit nor on other methods.
         """
+        # of a row each, so that its sum is the same to the last bit whatever else there is
+        of_methods = np.ascontiguousarray(self.recordings.T)
         if self.clusters == 1 or not ratio:
-            return np.asarray(self.recordings.mean(axis=0))
-        return np.asarray(np.exp(np.log(self.recordings).mean(axis=0)))
+            return np.asarray(of_methods.mean(axis=1))
+        return np.asarray(np.exp(np.log(of_methods).mean(axis=1)))
 
     def numbers(self, ratio: bool) -> NDArray[np.float64]:
         """Return y, (N, K), whose differences are judged; its mean is that of `typical`.
@@ -272,19 +274,21 @@ def _placed(
 ) -> Units:
     """Return units from the cluster and the unit of each block."""
     sums, blocks = _sums(values, cluster)
+    count = len(blocks)
+    recordings = sums / blocks[:, np.newaxis]
+    if kind in ("clusters", "nothing"):
+        recordings = tied(recordings)
+        fewest = int(blocks.min()) if count else 0
+        none = recordings[:0]
+        return Units(kind, recordings, recordings, none, place, np.arange(count), fewest)
     of_units, counts = _sums(values, place)
     strata = np.zeros(len(counts), dtype=np.intp)
     strata[place] = cluster
-    rest = np.maximum(blocks[strata] - counts, 1)[:, np.newaxis]
-    return Units(
-        kind,
-        recordings=tied(sums / blocks[:, np.newaxis]),
-        means=tied(of_units / counts[:, np.newaxis]),
-        without=tied((sums[strata] - of_units) / rest),
-        place=place,
-        strata=strata,
-        fewest=int(counts.min()) if len(counts) else 0,
-    )
+    rest = (blocks[strata] - counts)[:, np.newaxis]
+    means, without = of_units / counts[:, np.newaxis], (sums[strata] - of_units) / rest
+    every = tied(np.concatenate([recordings, means, without]))
+    recordings, means, without = np.split(every, [count, count + len(counts)])
+    return Units(kind, recordings, means, without, place, strata, int(counts.min()))
 
 
 def _sums(

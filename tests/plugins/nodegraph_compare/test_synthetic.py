@@ -21,6 +21,8 @@ from nodegraph.plan import Gathered, plan
 def test_what_is_gathered_is_synthetic_where_every_source_is(
     tmp_path: Path, recordings: str, synthetic: bool
 ) -> None:
+    for name in ("mine.c3d", "yours.c3d"):
+        (tmp_path / name).touch()
     path = tmp_path / "graph.yaml"
     path.write_text(
         f"""
