@@ -43,7 +43,7 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         rows = list(csv.DictReader((tmp_path / f"{fill}.csv").read_text().splitlines()))
         errors = run["error"].at(fill=fill)
         for name, column in (("rmse", "rmse (mm)"), ("max", "max (mm)"), ("jump", "jump (mm)")):
-            last = counts["running"][f"error(fill={fill})"][name]
+            last = counts["running"][f"error(trial=0, fill={fill})"][name]
             assert float(rows[-1][column]) == last
             assert last == pytest.approx(errors[name].mean(), rel=1e-9)
         assert len(rows) == 600

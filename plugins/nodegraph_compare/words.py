@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Label, Origin
     from nodegraph_compare.question import Question
+    from nodegraph_compare.units import Shortage
     from nodegraph_compare.verdict import Metric, Paired, Rule, Scope, Verdict, Verdicts
 
 UNCLEAR = "with no clear change"
@@ -84,25 +85,27 @@ def _shortage_text(scope: Scope) -> str:
     shortage = scope.shortage
     if shortage is None:
         return ""
-    there, needed = f"{shortage.there:,.0f}", f"{shortage.needed:,.0f}"
     if shortage.of == "numbers":
         return "no block has a number for every method"
     if shortage.of == "repetitions":
-        many = "one repetition" if shortage.there < 2 else f"{there} repetitions"
-        return f"{many} where {needed} are needed{_remedy(scope)}"
-    if shortage.of == "segments":
-        return (
-            f"{there} {scope.blocks or 'blocks'} leave one of {needed} segments of time "
-            f"without any{_remedy(scope)}"
+        there = f"{shortage.there:.0f}" if shortage.there > 1 else "one"
+        few = (
+            f"{there} repetition{'s' * (shortage.there > 1)} where {shortage.needed:.0f} are needed"
         )
-    return f"{there} frames where {needed} are needed{_remedy(scope)}"
-
-
-def _remedy(scope: Scope) -> str:
-    """Return what to do about one recording of which nothing can be said."""
+    else:
+        few = f"fewer than three repetitions, and {_segments_text(scope, shortage)}"
     if not scope.drawn:
-        return "; an axis of repetitions, each with damage of its own, would help"
-    return f'; ten draws help: --axis "{scope.drawn}={{count: 10}}"'
+        return f"{few}; an axis of repetitions, each with damage of its own, would help"
+    return f'{few}; ten draws help: --axis "{scope.drawn}={{count: 10}}"'
+
+
+def _segments_text(scope: Scope, shortage: Shortage) -> str:
+    """Return why a recording has no segments."""
+    there, needed = f"{shortage.there:,.0f}", f"{shortage.needed:,.0f}"
+    if shortage.of == "frames":
+        return f"{there} frames where {needed} are needed"
+    of = scope.blocks or "blocks"
+    return f"{there} {of} leave one of {needed} segments of time without any"
 
 
 def few_blocks_text(scope: Scope) -> str:
@@ -767,9 +770,10 @@ def _apart(verdicts: Verdicts, group: Verdict) -> list[str]:
 
 def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:
     """Return what the segments of a recording say, beside its repetitions."""
-    scope, caution = scope_text(group.scope), caution_text(group.scope)
-    if not group.judged:
-        return f"nothing can be said for its next minutes: {caution}"
+    scope = scope_text(group.scope)
+    if group.scope.shortage is not None:
+        lacking = _segments_text(group.scope, group.scope.shortage)
+        return f"nothing can be said for its next minutes: {lacking}"
     apart = _apart(verdicts, group) or ["nothing is apart"]
     return f"{scope} ({units_text(group.scope)}) {'; '.join(apart)}"
 

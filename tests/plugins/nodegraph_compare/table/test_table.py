@@ -166,8 +166,14 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
 @pytest.mark.parametrize(
     ("frames", "expected"),
     [
-        (1000, "20 gaps leave one of 6 segments of time without any; an axis of repetitions"),
-        (500, "500 frames where 900 are needed; an axis of repetitions"),
+        (
+            1000,
+            "fewer than three repetitions, and 20 gaps leave one of 6 segments of time without any",
+        ),
+        (
+            500,
+            "fewer than three repetitions, and 500 frames where 900 are needed; an axis",
+        ),
     ],
 )
 def test_a_recording_without_enough_segments_is_said_to_lack_what_it_lacks(
