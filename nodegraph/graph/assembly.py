@@ -172,14 +172,14 @@ class Assembler:
         """Record axes that the node would see under the same name."""
         names = [node.local_name(axis) for axis in node.gathered]
         for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-            message = f"{node.name}: gathers two axes with the inner name {name!r}"
-            self._problems.add(node.place, message, f"rename one of the axes {name!r}")
+            message = f"{node.name}: gathers two axes with the inner name {quoted(name)}"
+            self._problems.add(node.place, message, f"rename one of the axes {quoted(name)}")
         for method in node.methods.values():
             for gather in method.gathers:
                 if gather.axis in names:
                     place = next(iter(gather.sources.values())).place
-                    message = f"port {gather.axis!r} gathers an axis of the same name"
-                    instead = f"rename the axis {gather.axis!r}"
+                    message = f"port {quoted(gather.axis)} gathers an axis of the same name"
+                    instead = f"rename the axis {quoted(gather.axis)}"
                     self._problems.add(place, f"{node.name}: {message}", instead)
 
     def _check_fixed_axes(self, source: Reference) -> str:
@@ -228,7 +228,7 @@ class Assembler:
         for label in labels:
             if not is_label(label) or label not in there:
                 hint = partial(nearest, label, known.labels, what="labels")
-                message = f"skip: axis {axis!r} has no label {quoted(label)}"
+                message = f"skip: axis {quoted(axis)} has no label {quoted(label)}"
                 self._problems.add(place, message, hint)
 
     def _remove_left_out(self, network: nx.MultiDiGraph[str]) -> None:

@@ -75,12 +75,12 @@ def check_fixed_axes(
     for name, label in source.at.items():
         if name not in node.axes:
             hint = partial(nearest, name, node.axes, what=f"axes of {source.node}")
-            problems.add(source.place, f"{source.node!r} has no axis {quoted(name)}", hint)
+            problems.add(source.place, f"{quoted(source.node)} has no axis {quoted(name)}", hint)
         elif label in axes[name].removed:
             removed = f"{name}={label}"
         elif label not in axes[name].labels and axes[name].labels:
             hint = partial(nearest, label, axes[name].labels, what="labels")
-            problems.add(source.place, f"axis {name!r} has no label {quoted(label)}", hint)
+            problems.add(source.place, f"axis {quoted(name)} has no label {quoted(label)}", hint)
     return removed
 
 
@@ -93,11 +93,11 @@ def _over(
 ) -> set[str]:
     for name, place in over:
         if name in matched:
-            message = f"{spec.name}: {name!r} is an axis of its plain ports or settings"
+            message = f"{spec.name}: {quoted(name)} is an axis of its plain ports or settings"
             problems.add(place, message, "such an axis is matched and cannot be gathered")
         elif name not in free:
             hint = nearest(name, sorted(free), what="axes that can be gathered")
-            problems.add(place, f"{spec.name}: no axis {name!r} to gather", hint)
+            problems.add(place, f"{spec.name}: no axis {quoted(name)} to gather", hint)
     return {name for name, _ in over} & free
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nodegraph.errors import GraphError, Problems
+from nodegraph.errors import GraphError, Problems, quoted
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph.model import Choices, Graph
 from nodegraph.graphfile.spec import GraphSpec
@@ -33,8 +33,8 @@ def build(spec: GraphSpec, registry: Registry, choices: Choices | None = None) -
     flat = UsedGraphs(written.graphs, registry, problems).flat(written, problems)
     for name, port in flat.ports.items():
         message = (
-            f"{flat.spec.file} takes {name!r} ({port.type.__name__}) from the graph that uses it; "
-            "it cannot run by itself"
+            f"{flat.spec.file} takes {quoted(name)} ({port.type.__name__}) from the graph that "
+            "uses it; it cannot run by itself"
         )
         instead = f"in another graph: {{use: {flat.spec.file}, in: {{{name}: node}}}}"
         problems.add(flat.spec.inputs[name].place, message, instead)

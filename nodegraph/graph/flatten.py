@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from nodegraph.errors import Place, Problems
+from nodegraph.errors import Place, Problems, quoted
 from nodegraph.graph.methods import labelled
 from nodegraph.graph.pass_through import PassThrough, port_stand_in
 from nodegraph.graph.subgraph import StandIns, Subgraph, Use, check_use, field_of
@@ -200,8 +200,8 @@ class _Flattening:
     def _add_nodes(self, inlined: _Inlined, use: Use) -> None:
         for node in inlined.nodes():
             if node.name in self._nodes:
-                message = f"two nodes would be called {node.name!r}"
-                instead = f"rename the label {use.method.label!r}"
+                message = f"two nodes would be called {quoted(node.name)}"
+                instead = f"rename the label {quoted(use.method.label)}"
                 self._problems.add(use.method.place, message, instead)
             self._nodes[node.name] = node
         self._axes |= {axis.name: axis for axis in inlined.axes()}

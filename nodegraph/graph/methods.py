@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
 from typing import TypeVar
 
-from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest
+from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest, quoted
 from nodegraph.graph.model import Axis, method_name
 from nodegraph.graph.pass_through import pass_beside, public_inputs
 from nodegraph.graphfile.spec import (
@@ -134,11 +134,11 @@ def _expanded(spec: NodeSpec, registry: Registry, problems: Problems) -> Iterato
         current = {label: member for label, member in family.items() if not member.node.deprecated}
         if not family:
             hint = nearest(method.use, [f"{name}.*" for name in registry.families])
-            problems.add(method.place, f"no node of the family {method.use!r}", hint)
+            problems.add(method.place, f"no node of the family {quoted(method.use)}", hint)
         elif not current:
             nodes = [member.node for member in family.values()]
             hint = "; ".join(f"{node.name}: {node.deprecated}" for node in nodes)
-            problems.add(method.place, f"all nodes of {method.use!r} are deprecated", hint)
+            problems.add(method.place, f"all nodes of {quoted(method.use)} are deprecated", hint)
         for label, member in current.items():
             yield replace(method, label=label, use=member.full_name)
 
@@ -233,7 +233,7 @@ def _check_family(
     nodes = [member.node for member in registered.values() if member is not None]
     for node in nodes[1:]:
         if _signature(node) != _signature(nodes[0]):
-            message = f"{node.name!r} cannot be an alternative to {nodes[0].name!r}"
+            message = f"{quoted(node.name)} cannot be an alternative to {quoted(nodes[0].name)}"
             shapes = f"{_signature_text(node)} differs from {_signature_text(nodes[0])}"
             problems.add(spec.place, message, f"{shapes}; list the methods by name instead")
 
@@ -260,7 +260,7 @@ def check_requires(spec: GraphSpec, problems: Problems) -> None:
             requirement = Requirement(text)
         except InvalidRequirement:
             hint = "write a package as pip takes it: my-plugin>=1.2"
-            problems.add(place, f"requires: {text!r} is not a package", hint)
+            problems.add(place, f"requires: {quoted(text)} is not a package", hint)
             continue
         condition = attrgetter("marker")(requirement)  # what follows a semicolon
         if condition is not None and not condition.evaluate():
@@ -314,7 +314,7 @@ def _deprecated_in_method(name: str, method: ResolvedMethod) -> Iterator[Problem
     for setting, written in method.settings.items():
         described = node.settings.get(setting)
         if described is not None and described.deprecated:
-            message = f"{where}: setting {setting!r} of {node.name} is deprecated"
+            message = f"{where}: setting {quoted(setting)} of {node.name} is deprecated"
             yield Problem(written.place, message, described.deprecated)
 
 

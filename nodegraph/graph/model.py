@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
-from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest
+from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest, quoted
 from nodegraph.graphfile.axes import FILE, axis_from_option, is_label, is_pattern
 from nodegraph.graphfile.spec import GraphSpec, Reference, ReportEntry
 from nodegraph.node.decorator import Node
@@ -294,8 +294,8 @@ class Graph:
     def __getitem__(self, name: str) -> NoReturn:
         """Refuse, as a graph has no values; a run has."""
         raise TypeError(
-            f"a graph has no values: nodegraph.run(graph)[{name!r}] has them; "
-            f"graph.nodes[{name!r}] describes the node"
+            f"a graph has no values: nodegraph.run(graph)[{quoted(name)}] has them; "
+            f"graph.nodes[{quoted(name)}] describes the node"
         )
 
     @cached_property
@@ -390,7 +390,7 @@ class Graph:
         for name in targets:
             if name not in self.nodes:
                 hint = nearest(name, self.nodes)
-                raise NodegraphError(f"the graph has no node {name!r}; {hint}")
+                raise NodegraphError(f"the graph has no node {quoted(name)}; {hint}")
             needed |= nx.ancestors(self.network, name)
         network = self.network.copy()  # unlike a subgraph view, it keeps the order of the nodes
         network.remove_nodes_from(self.nodes.keys() - needed)

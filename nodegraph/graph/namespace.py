@@ -61,7 +61,7 @@ class Namespace:
         """Add the axis of a node with alternatives."""
         if node in self._choices.axes:
             place = Place(f"--axis {node}")
-            self._problems.add(place, f"{node!r} is a node", f"write --only {node}=...")
+            self._problems.add(place, f"{quoted(node)} is a node", f"write --only {node}=...")
         self.axes[node] = self._restricted(Axis(node, labels))
 
     def check_choices(self) -> None:
@@ -71,7 +71,7 @@ class Namespace:
         for option, names in (("--axis", self._choices.axes), ("--only", self._choices.only)):
             for name in names:
                 if name not in self.axes:
-                    message = f"the graph has no axis {name!r}"
+                    message = f"the graph has no axis {quoted(name)}"
                     known = {**self.axes, **(self.inputs if option == "--axis" else {})}
                     what = "axes and inputs" if len(known) > len(self.axes) else "axes"
                     hint = nearest(name, known, what=what)
@@ -82,7 +82,7 @@ class Namespace:
             for name, part in parts.items():
                 is_used = name in self.used or f"${name}" in methods
                 if not is_used and name.isidentifier():
-                    message = f"nothing uses the {kind} {name!r}"
+                    message = f"nothing uses the {kind} {quoted(name)}"
                     usage = (
                         f"in: ${name}" if name in self._ports else f"${name} as a setting's value"
                     )
@@ -104,7 +104,9 @@ class Namespace:
             hint = partial(nearest, f"${name}", known)
             self._reject(variable, f"no input or axis {quoted(name)}", hint)
         elif variable.field and not isinstance(self.inputs[name], dict):
-            message = f"{variable}: the input {name!r} has no fields, {self.inputs[name]!r}"
+            message = (
+                f"{variable}: the input {quoted(name)} has no fields, {quoted(self.inputs[name])}"
+            )
             self._reject(variable, message, "an axis, or an input that is a mapping, has fields")
         return None
 
@@ -125,8 +127,10 @@ class Namespace:
             return value
         if not isinstance(value, dict) or variable.field not in value:
             fields = list(value) if isinstance(value, dict) else []
-            owner = f"label {labels[name]!r}" if axis is not None else f"the input {name!r}"
-            message = f"{variable}: {owner} has no field {variable.field!r}"
+            owner = (
+                f"label {quoted(labels[name])}" if axis is not None else f"the input {quoted(name)}"
+            )
+            message = f"{variable}: {owner} has no field {quoted(variable.field)}"
             self._problems.add(variable.place, message, nearest(variable.field, fields))
             return None
         return value[variable.field]
@@ -187,16 +191,16 @@ class Namespace:
         if name in self._spec.inputs and name not in self._valued:
             return
         if name in self._spec.inputs:
-            message = f"{name!r} is set, and is an axis as well"
+            message = f"{quoted(name)} is set, and is an axis as well"
             hint = f"leave out --set {name} or --axis {name}"
         elif name in self._valued:
-            message, hint = f"{name!r} is an axis", f"write --axis {name}={value}"
+            message, hint = f"{quoted(name)} is an axis", f"write --axis {name}={value}"
         elif name in self.axes:
-            message, hint = f"{name!r} is a node", f"write --only {name}={value}"
+            message, hint = f"{quoted(name)} is a node", f"write --only {name}={value}"
         elif dot and node in self._spec.nodes:
-            message = f"{name!r} is a setting of a node, and the graph has no such input"
+            message = f"{quoted(name)} is a setting of a node, and the graph has no such input"
             hint = f"write with: {{{setting}: {value}}} at the node, or make it an input"
         else:
-            message = f"the graph has no input {name!r}"
+            message = f"the graph has no input {quoted(name)}"
             hint = nearest(name, self._spec.inputs)
         self._problems.add(Place(f"--set {name}"), message, hint)

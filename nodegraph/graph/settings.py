@@ -129,7 +129,7 @@ class SettingsReader:
             for message, hint in itertools.islice(messages.items(), _MOST_VALUES):
                 self._problems.add(place, message, hint)
             if len(messages) > _MOST_VALUES:
-                more = f"{len(messages) - _MOST_VALUES} more values of {name!r} are not valid"
+                more = f"{len(messages) - _MOST_VALUES} more values of {quoted(name)} are not valid"
                 self._problems.add(place, f"{pending.where}: {more}")
 
     def _is_valid(self, written: Written) -> bool:
@@ -237,9 +237,9 @@ def _messages(
         value = detail["input"]
         if detail["type"] == "value_error":  # of a check that the node's author has written
             text = f"{detail['ctx']['error']}".rstrip(".")
-            yield name, f"{where}: setting {name!r} of {node.name} is not valid: {text}", ""
+            yield name, f"{where}: setting {quoted(name)} of {node.name} is not valid: {text}", ""
             continue
-        reason = _REASONS.get(detail["type"]) or f"{_clause(detail['msg'])}, got {value!r}"
+        reason = _REASONS.get(detail["type"]) or f"{_clause(detail['msg'])}, got {quoted(value)}"
         setting = node.settings.get(name)
         unit = f", {setting.unit}" if setting is not None and setting.unit else ""
         hint = f"expected: {setting_kind(node, name)}{unit}" if setting is not None else ""
@@ -247,11 +247,13 @@ def _messages(
         if kinds & _LIST_TYPES and isinstance(value, (str, int, float)):
             reason = "is a list" if kinds <= _LIST_TYPES else reason
             written = method.settings[name].value
-            hint = f"{hint}; write [{written if isinstance(written, Variable) else value}]"
+            hint = (
+                f"{hint}; write [{listed([written if isinstance(written, Variable) else value])}]"
+            )
         elif isinstance(value, list) and len(detail["loc"]) == 1:
             axis = f"{name}: {value_text(value)}"
             hint = f"{hint}; several values are an axis: axes: {{{axis}}}, and ${name} here"
-        yield name, f"{where}: setting {name!r} of {node.name} {reason}", hint
+        yield name, f"{where}: setting {quoted(name)} of {node.name} {reason}", hint
 
 
 def _clause(message: str) -> str:
@@ -327,7 +329,9 @@ class _NameCheck:
                     if name in _names(values, other):
                         where = method_name(self.node.name, self.method.label)
                         place = self.method.places.get(self.setting, self.method.place)
-                        message = f"{where}: {self.setting} and {other} share a name: {name!r}"
+                        message = (
+                            f"{where}: {self.setting} and {other} share a name: {quoted(name)}"
+                        )
                         self.problems.add(place, message)
 
     def _check_independent(self) -> None:
@@ -343,9 +347,9 @@ class _NameCheck:
             labels = self.graph.axes[axes[name]].labels
             known = [local for local, axis in axes.items() if axis in differing]
             if len(labels) < 2:
-                self._add(f"axis {name!r} has one label, {labels[0]}")
+                self._add(f"axis {quoted(name)} has one label, {labels[0]}")
             elif axes[name] not in differing:
-                message = f"the same data are treated along {name!r}"
+                message = f"the same data are treated along {quoted(name)}"
                 self._add(message, f"axes along which they differ: {listed(known)}")
 
     def _check_labels(self, axis_setting: str) -> None:
@@ -358,7 +362,7 @@ class _NameCheck:
                     self._add_problem("label", name, nearest(name, labels, what="labels"))
 
     def _add_problem(self, kind: str, name: str, hint: str) -> None:
-        self._add(f"port {self.port!r} has no {kind} {name!r}", hint)
+        self._add(f"port {quoted(self.port)} has no {kind} {quoted(name)}", hint)
 
     def _add(self, message: str, hint: str = "") -> None:
         where = method_name(self.node.name, self.method.label)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import networkx as nx
 
-from nodegraph.errors import Problems, nearest
+from nodegraph.errors import Problems, nearest, quoted
 from nodegraph.graph.methods import shared_and_own
 from nodegraph.graph.model import Gather, Graph, method_name, sources_of
 from nodegraph.graph.pass_through import PassThrough, graph_stand_in
@@ -143,7 +143,7 @@ def _output(
     if source.node.startswith("$"):
         return replace(inputs[source.node[1:]], name=name, across=False)
     if name in graph.nodes and not _is_node_itself(name, source, graph):
-        message = f"output {name!r} is not the node of that name"
+        message = f"output {quoted(name)} is not the node of that name"
         problems.add(source.place, message, "outside, both would have one name; rename the output")
     nodes = [method.node for method in graph.nodes[source.node].methods.values()]
     ports = [node.output(source.port) or node.outputs[0] for node in nodes]
@@ -152,7 +152,7 @@ def _output(
         types = ", ".join(
             f"{port.type.__name__} ({node.name})" for node, port in zip(nodes, ports, strict=True)
         )
-        problems.add(source.place, f"output {name!r} has no one type: {types}")
+        problems.add(source.place, f"output {quoted(name)} has no one type: {types}")
     output_type = (widest or ports)[0].type
     columns = common_columns(ports)
     return Port(name, output_type, truth=any(port.truth for port in ports), columns=columns)
@@ -248,13 +248,13 @@ class _UseCheck:
     def _check_port(self, name: str, feed: Reference | Gathering) -> None:
         port = self._graph.inputs.get(name)
         if port is None:
-            missing = f"no input port {name!r}" if name else "no input port"
+            missing = f"no input port {quoted(name)}" if name else "no input port"
             hint = nearest(name, self._graph.inputs, what="ports")
             if name in self._graph.spec.inputs:
                 hint = f"it is a setting: with: {{{name}: value}}"
             self._add(feed, f"{self._name} has {missing}", hint)
         elif isinstance(feed, Gathering) and not port.across:
-            message = f"port {name!r} takes one value, not a mapping of several"
+            message = f"port {quoted(name)} takes one value, not a mapping of several"
             self._add(feed, message, f"inside, ${name} feeds ports that do not gather")
 
     def _check_setting(self, name: str, written: Written) -> None:
@@ -262,9 +262,9 @@ class _UseCheck:
             hint = nearest(name, self._graph.spec.inputs, what="settings")
             if name in self._graph.inputs:
                 hint = f"it is a port: in: {{{name}: node}}"
-            self._add(written, f"{self._name} has no setting {name!r}", hint)
+            self._add(written, f"{self._name} has no setting {quoted(name)}", hint)
         elif self._graph.is_valid and name not in {variable.name for variable in self._read}:
-            message = f"setting {name!r} of {self._name} leads to none of its outputs"
+            message = f"setting {quoted(name)} of {self._name} leads to none of its outputs"
             self._add(written, message, "leave it out: it would change nothing")
 
     def _check_fields(self) -> None:
@@ -277,7 +277,8 @@ class _UseCheck:
                 field_of(written.value, variable.field)
             except KeyError:
                 fields = list(written.value) if isinstance(written.value, dict) else []
-                message = f"setting {variable.name!r} of {self._name} needs {variable.field!r}"
+                what = f"setting {quoted(variable.name)} of {self._name}"
+                message = f"{what} needs {quoted(variable.field)}"
                 self._add(written, message, nearest(variable.field, fields, what="fields"))
 
     @cached_property

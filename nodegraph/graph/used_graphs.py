@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 
-from nodegraph.errors import Problems
+from nodegraph.errors import Problems, quoted
 from nodegraph.graph.assembly import Assembler
 from nodegraph.graph.flatten import FlatGraph, flatten
 from nodegraph.graph.model import Choices
@@ -69,7 +69,9 @@ class UsedGraphs:
             types = self._types.get(part.value, {})
             if len(types) > 1:
                 names = " and ".join(sorted(f"{kind.__module__}.{part.value}" for kind in types))
-                problems.add(part.place, f"{part.value!r} is the name of several types: {names}")
+                problems.add(
+                    part.place, f"{quoted(part.value)} is the name of several types: {names}"
+                )
             if types:
                 yield name, Port(name, next(iter(types)))
 

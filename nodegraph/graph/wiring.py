@@ -55,7 +55,7 @@ class WireChecker:
             elif port.across:
                 inputs[port.name] = Gather(port.name, sources)
             else:
-                message = f"port {port.name!r} takes one value, not a mapping of several"
+                message = f"port {quoted(port.name)} takes one value, not a mapping of several"
                 self._note(feed.place, where, message, "a port typed Across gathers")
         self._check_open_ports(where, method, node)
         return inputs
@@ -96,7 +96,9 @@ class WireChecker:
         """Return a suggestion: a port whose type is unknown, or a node."""
         value = self._namespace.inputs.get(name[1:])
         if isinstance(value, str):
-            return f"{name[1:]!r} is a port only if {value!r} is the name of a port's type"
+            return (
+                f"{quoted(name[1:])} is a port only if {quoted(value)} is the name of a port's type"
+            )
         return self._nearest(name)
 
     def _nearest(self, name: str) -> str:
@@ -108,7 +110,7 @@ class WireChecker:
             node, name = method.node, reference.port
             output = node.output(name) if name else node.outputs[0]
             if output is None:
-                reason = f" has no output {name!r}"
+                reason = f" has no output {quoted(name)}"
                 hint = nearest(name, public_outputs(node))
             elif target is not None and (misfit := mismatch(output, target)):
                 reason = f": {misfit}"
@@ -125,7 +127,7 @@ class WireChecker:
         port = node.port(name) if name else next(iter(node.inputs), None)
         if port is None:
             hint = nearest(name, [port.name for port in node.inputs], what="ports")
-            missing = f"no input port {name!r}" if name else "no input port"
+            missing = f"no input port {quoted(name)}" if name else "no input port"
             self._problems.add(place, f"{where}: {node.name} has {missing}", hint)
         return port
 
@@ -218,5 +220,5 @@ def _remove_cycles(
         cycle = [source for source, _ in nx.find_cycle(inner, source=min(component))]
         first, last = cycle[0], cycle[-1]
         place = next(source.place for source in sources[first] if source.node == last)
-        problems.add(place, f"{first!r} feeds itself: {' -> '.join([*cycle, first])}")
+        problems.add(place, f"{quoted(first)} feeds itself: {' -> '.join([*cycle, first])}")
         network.remove_edges_from(list(inner.edges))

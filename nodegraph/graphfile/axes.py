@@ -9,7 +9,7 @@ from glob import iglob
 from itertools import islice
 from pathlib import Path, PurePath
 
-from nodegraph.errors import Place, Problems
+from nodegraph.errors import Place, Problems, quoted
 from nodegraph.graphfile.keys import AXIS_HINT, IDENTIFIER, MOST_LABELS
 from nodegraph.graphfile.spec import AxisSpec
 from nodegraph.graphfile.yaml_text import Located, located
@@ -37,7 +37,7 @@ def read_axis(name: str, item: Located, folder: Path, problems: Problems) -> Axi
     """
     entries = _entries(item, folder, problems)
     if entries == []:
-        problems.add(item.place, f"axis {name!r} has no label", AXIS_HINT)
+        problems.add(item.place, f"axis {quoted(name)} has no label", AXIS_HINT)
     if not entries:
         return AxisSpec(name, item.place, (), ())
     _refuse_repeats(name, entries, problems)
@@ -49,7 +49,7 @@ def axis_from_option(name: str, value: object, folder: Path, problems: Problems)
     """Return the axis that a command or a caller describes by plain data; see `read_axis`."""
     place = Place(f"--axis {name}")
     if isinstance(value, (list, tuple, range)) and value[MOST_LABELS : MOST_LABELS + 1]:
-        problems.add(place, f"axis {name!r} has more than {MOST_LABELS:,} labels")
+        problems.add(place, f"axis {quoted(name)} has more than {MOST_LABELS:,} labels")
         return AxisSpec(name, place, (), ())
     return read_axis(name, located(value, place), folder, problems)
 
@@ -76,7 +76,7 @@ def _entries(item: Located, folder: Path, problems: Problems) -> _Entries | None
         if generator == "files":
             return _from_files(item.value["files"], folder, problems)
         return _from_labels(item, problems)
-    problems.add(item.place, f"an axis cannot be {item.value!r}", AXIS_HINT)
+    problems.add(item.place, f"an axis cannot be {quoted(item.value)}", AXIS_HINT)
     return None
 
 
@@ -91,7 +91,7 @@ def _from_list(items: list[Located], problems: Problems) -> _Entries | None:
 def _from_labels(item: Located, problems: Problems) -> _Entries | None:
     wrong = [key for key in item.value if not is_label(key)]
     for key in wrong:
-        problems.add(item.keys[key], f"{key!r} cannot be a label", AXIS_HINT)
+        problems.add(item.keys[key], f"{quoted(key)} cannot be a label", AXIS_HINT)
     if wrong:
         return None
     return [(key, value.plain(), item.keys[key]) for key, value in item.value.items()]
@@ -157,13 +157,13 @@ def _matches(item: Located, pattern: str, folder: Path, problems: Problems) -> l
         matches = iglob(_FIELD.sub("?*", pattern), root_dir=folder, recursive=True)
         names = sorted(PurePath(name).as_posix() for name in islice(matches, MOST_LABELS + 1))
     except (OSError, ValueError) as error:
-        problems.add(item.place, f"files: {pattern!r} cannot be searched: {error}")
+        problems.add(item.place, f"files: {quoted(pattern)} cannot be searched: {error}")
         return []
     if not names:
         hint = f"the folder is {(folder / pattern).parent}"
-        problems.add(item.place, f"no file matches {pattern!r}", hint)
+        problems.add(item.place, f"no file matches {quoted(pattern)}", hint)
     if len(names) > MOST_LABELS:
-        problems.add(item.place, f"more than {MOST_LABELS:,} files match {pattern!r}")
+        problems.add(item.place, f"more than {MOST_LABELS:,} files match {quoted(pattern)}")
         return []
     return names
 
@@ -194,5 +194,5 @@ def _refuse_repeats(name: str, entries: _Entries, problems: Problems) -> None:
     seen: set[Label] = set()
     for label, _, place in entries:
         if label in seen:
-            problems.add(place, f"axis {name!r} has the label {label!r} twice")
+            problems.add(place, f"axis {quoted(name)} has the label {quoted(label)} twice")
         seen.add(label)

@@ -46,7 +46,7 @@ def read_reference(item: Located, problems: Problems) -> Reference | None:
     if isinstance(item.value, dict):
         return _fixed_reference(item, problems)
     if not isinstance(item.value, str) or not _REFERENCE.fullmatch(item.value):
-        problems.add(item.place, f"{item.plain()!r} is not a reference", REFERENCE_HINT)
+        problems.add(item.place, f"{quoted(item.plain())} is not a reference", REFERENCE_HINT)
         return None
     node, _, port = item.value.partition(".")
     return Reference(node, port, item.place)
@@ -55,7 +55,7 @@ def read_reference(item: Located, problems: Problems) -> Reference | None:
 def _fixed_reference(item: Located, problems: Problems) -> Reference | None:
     for key in item.value:
         if key not in FIXED_REFERENCE:
-            problems.add(item.keys[key], f"unknown key {key!r}", REFERENCE_HINT)
+            problems.add(item.keys[key], f"unknown key {quoted(key)}", REFERENCE_HINT)
     if "from" not in item.value:
         problems.add(item.place, "a reference needs 'from'", REFERENCE_HINT)
         return None
@@ -80,7 +80,7 @@ def read_report_entry(item: Located, problems: Problems) -> ReportEntry | None:
         return _entry(read_reference(item, problems))
     for key in parts:
         if key not in REPORT_ENTRY:
-            problems.add(item.keys[key], f"unknown key {key!r}", REPORT_HINT)
+            problems.add(item.keys[key], f"unknown key {quoted(key)}", REPORT_HINT)
     shown = parts["show"]
     if isinstance(shown.value, dict):
         problems.add(shown.place, "'show' is a node or one of its ports", REPORT_HINT)
@@ -102,7 +102,7 @@ def read_text(key: str, item: Located | None, problems: Problems) -> str:
     if item is None or item.value is None:
         return ""
     if isinstance(item.value, (dict, list)):
-        problems.add(item.place, f"{key!r} must be text")
+        problems.add(item.place, f"{quoted(key)} must be text")
         return ""
     return str(item.value)
 
@@ -123,7 +123,7 @@ class NodeReader:
 
     def read(self, name: str, item: Located) -> NodeSpec:
         """Return the spec of one entry, without methods if it cannot be read."""
-        if not self._is_mapping(item, f"node {name!r}", NODE):
+        if not self._is_mapping(item, f"node {quoted(name)}", NODE):
             return NodeSpec(name, item.place, (), False, {}, {}, None)
         return NodeSpec(
             name=name,
@@ -138,17 +138,17 @@ class NodeReader:
     def _methods(self, name: str, item: Located) -> tuple[MethodSpec, ...]:
         use, alternatives = item.value.get("use"), item.value.get("alternatives")
         if use is None and alternatives is None and not _lacks_space(item):
-            message = f"node {name!r} needs 'use' or 'alternatives'"
+            message = f"node {quoted(name)} needs 'use' or 'alternatives'"
             self._problems.add(item.place, message, "give one of the two")
         if use is not None and alternatives is not None:
-            message = f"node {name!r} has both 'use' and 'alternatives'"
+            message = f"node {quoted(name)} has both 'use' and 'alternatives'"
             self._problems.add(item.place, message, "give one of the two")
         if alternatives is not None:
             return self._alternatives(name, alternatives)
         if use is None or not self._is_word(use, "'use' names a node", "write alternatives: [...]"):
             return ()
         if use.value.endswith(".*"):
-            message = f"{use.value!r} stands only among alternatives"
+            message = f"{quoted(use.value)} stands only among alternatives"
             self._problems.add(use.place, message, f"write alternatives: {use.value}")
             return ()
         return (MethodSpec("", use.value, use.place),)
@@ -164,11 +164,13 @@ class NodeReader:
                 self._labelled(key, item.keys[key], each) for key, each in item.value.items()
             ]
         if not methods:
-            self._problems.add(item.place, f"node {name!r} has no alternative", ALTERNATIVES_HINT)
+            self._problems.add(
+                item.place, f"node {quoted(name)} has no alternative", ALTERNATIVES_HINT
+            )
         seen: set[str] = set()
         for method in methods:
             if method.label and method.label in seen:
-                message = f"label {method.label!r} is used twice"
+                message = f"label {quoted(method.label)} is used twice"
                 self._problems.add(method.place, message, ALTERNATIVES_HINT)
             seen.add(method.label)
         return tuple(methods)
@@ -192,7 +194,9 @@ class NodeReader:
             item = Located({}, item.place)
         if isinstance(item.value, str):
             item = Located({"use": item}, item.place, {"use": item.place})
-        if not self._is_mapping(item, f"alternative {label!r}", FAMILY if is_family else METHOD):
+        if not self._is_mapping(
+            item, f"alternative {quoted(label)}", FAMILY if is_family else METHOD
+        ):
             return MethodSpec(label, "", place)
         if is_family:
             use = label
@@ -212,13 +216,13 @@ class NodeReader:
         use = item.value.get("use")
         if use is None:
             if not _lacks_space(item):
-                message = f"alternative {label!r} has no 'use'"
+                message = f"alternative {quoted(label)} has no 'use'"
                 self._problems.add(item.place, message, ALTERNATIVES_HINT)
             return ""
         if not self._is_word(use, "'use' names a node"):
             return ""
         if use.value.endswith(".*"):
-            message = f"{use.value!r} has a label for each of its methods, and takes none"
+            message = f"{quoted(use.value)} has a label for each of its methods, and takes none"
             self._problems.add(use.place, message, f"write {{{use.value}: {{}}}}")
             return ""
         return str(use.value)
@@ -238,7 +242,7 @@ class NodeReader:
         sources: dict[str, Reference] = {}
         for key, source in item.value.items():
             if str(key) in sources:
-                self._problems.add(item.keys[key], f"label {str(key)!r} is used twice")
+                self._problems.add(item.keys[key], f"label {quoted(str(key))} is used twice")
             reference = read_reference(source, self._problems)
             if reference is not None:
                 sources[str(key)] = reference
@@ -281,7 +285,7 @@ class NodeReader:
         if isinstance(item.value, str) and item.value:
             return True
         hint = of_list if isinstance(item.value, list) else ""
-        self._problems.add(item.place, f"{message}, not {item.plain()!r}", hint)
+        self._problems.add(item.place, f"{message}, not {quoted(item.plain())}", hint)
         return False
 
 

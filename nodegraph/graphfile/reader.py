@@ -108,7 +108,7 @@ def _beside(path: Path) -> str:
     """Return the graph files in the folder of a file that is not there, and the nearest name."""
     files = _graph_files(path.parent)
     same = next((file.name for file in files if file.stem == path.name), "")
-    guess = f"did you mean {same!r}? " if same else ""
+    guess = f"did you mean {quoted(same)}? " if same else ""
     return guess + nearest(path.name, [file.name for file in files], what="in that folder there is")
 
 
@@ -184,7 +184,7 @@ class _SpecReader:
             hint = f"write 'nodegraph: {FORMAT}'"
             self._problems.add(root.place, "the format's number is missing", hint)
         elif number.value != FORMAT or number.value is True:  # which Python takes for 1
-            message = f"this version reads format {FORMAT}, not {number.value!r}"
+            message = f"this version reads format {FORMAT}, not {quoted(number.value)}"
             self._problems.add(number.place, message)
 
     def _check_names(self) -> None:
@@ -193,7 +193,9 @@ class _SpecReader:
         for section in ("inputs", "axes", "nodes"):
             for name, place in self._names(section):
                 if self._check_name(name, place) and name in seen:
-                    message = f"{name!r} is a name in {section!r} and in {seen[name]!r}"
+                    message = (
+                        f"{quoted(name)} is a name in {quoted(section)} and in {quoted(seen[name])}"
+                    )
                     self._problems.add(place, message, "they share one namespace")
                 seen.setdefault(name, section)
         for name, place in self._names("outputs"):
@@ -202,7 +204,7 @@ class _SpecReader:
     def _check_name(self, name: object, place: Place) -> bool:
         if isinstance(name, str) and _IDENTIFIER.fullmatch(name):
             return True
-        self._problems.add(place, f"{name!r} cannot be a name", IDENTIFIER_HINT)
+        self._problems.add(place, f"{quoted(name)} cannot be a name", IDENTIFIER_HINT)
         return False
 
     def _names(self, section: str) -> list[tuple[Any, Place]]:
@@ -217,7 +219,7 @@ class _SpecReader:
         if section is None:
             return {}
         if not isinstance(section.value, dict):
-            self._problems.add(section.place, f"{key!r} must be a mapping: name: ...")
+            self._problems.add(section.place, f"{quoted(key)} must be a mapping: name: ...")
             return {}
         items = {str(name): read(str(name), item) for name, item in section.value.items()}
         return {name: item for name, item in items.items() if item is not None}
@@ -227,7 +229,7 @@ class _SpecReader:
         if section is None:
             return ()
         if not isinstance(section.value, list):
-            self._problems.add(section.place, f"{key!r} must be a list: [...]")
+            self._problems.add(section.place, f"{quoted(key)} must be a list: [...]")
             return ()
         return tuple(item for item in map(read, section.value) if item is not None)
 
@@ -313,7 +315,7 @@ class _UsedGraphs:
         try:
             return (spec.folder / method.use).resolve()
         except (OSError, ValueError, RuntimeError) as error:
-            self._problems.add(method.place, f"{method.use!r} cannot be read: {error}")
+            self._problems.add(method.place, f"{quoted(method.use)} cannot be read: {error}")
             return None
 
     def _size(self, spec: GraphSpec, method: MethodSpec, path: Path, chain: _Chain) -> _Size | None:

@@ -195,7 +195,7 @@ def _refuse_unprintable(text: str, file: str) -> None:
     if match:
         line = text.count("\n", 0, match.start()) + 1
         place = Place(file, line, match.start() - text.rfind("\n", 0, match.start()))
-        message = f"this is not YAML: the character {match[0]!r} is not allowed"
+        message = f"this is not YAML: the character {quoted(match[0])} is not allowed"
         raise GraphError([Problem(place, message)])
 
 
@@ -299,7 +299,7 @@ class _Parser:
                 self._fail(item.place, "a key must be one word or number")
             first = parent.keys.setdefault(item.value, item.place)
             if first is not item.place:
-                message = f"duplicate key {item.value!r}; first in line {first.line}"
+                message = f"duplicate key {quoted(item.value)}; first in line {first.line}"
                 self._problems.add(item.place, message)
             parent.key, parent.has_key = item.value, True
 
@@ -307,7 +307,9 @@ class _Parser:
         self, event: yaml.ScalarEvent | yaml.CollectionStartEvent, place: Place
     ) -> None:
         if event.tag not in (None, "!"):
-            self._fail(place, f"tag {event.tag!r} has no meaning in a graph file; leave it out")
+            self._fail(
+                place, f"tag {quoted(event.tag)} has no meaning in a graph file; leave it out"
+            )
 
     def _place(self, event: Any) -> Place:
         mark = event.start_mark
