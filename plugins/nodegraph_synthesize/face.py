@@ -25,8 +25,9 @@ from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on
 from nodegraph_synthesize.damage import occlusions, unlabelled
 from nodegraph_synthesize.movement import head_motion as motion_of_head
-from nodegraph_synthesize.movement import moved, skin_movement
+from nodegraph_synthesize.movement import moved, own_movement, skin_movement, tempo
 from nodegraph_synthesize.muscles import CHANNELS
+from nodegraph_synthesize.noise import noise_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,6 +55,8 @@ def synthesize_face(
     rate: Annotated[float, Field(gt=0, le=1000), Unit("Hz")] = 60.0,
     markers: Annotated[int, Field(ge=10, le=150)] = 60,
     noise: Annotated[float, Field(ge=0, le=100), Unit("mm")] = 0.1,
+    noise_cutoff: Annotated[float | None, Field(gt=0, le=1000), Unit("Hz")] = None,
+    residual: Annotated[float, Field(ge=0, le=1), Unit("share")] = 0.0,
     missing: Annotated[float, Field(ge=0, le=0.5)] = 0.05,
     impulses: Annotated[float, Field(ge=0, le=0.2)] = 0.005,
     head_motion: bool = True,
@@ -82,6 +85,14 @@ def synthesize_face(
         and temples; fewer are a part of these, more fill the spaces between them.
     noise
         Standard deviation of the measurement noise of each coordinate.
+    noise_cutoff
+        The noise is low-passed there, as in a recording that was low-passed before it was
+        published; see `noise.add`. None: white, as cameras make it.
+    residual
+        Each marker's movement by itself, which it shares with no neighbour, as a share of the
+        standard deviation of its movement by muscles: red, its power falling as ``f^-3``. From
+        one actor, on whose markers it is 10 to 20 % (AnimFace, Carretero 2019); in two people of
+        another laboratory neighbours share more.
     missing
         Share of all samples that are hidden: occlusions of 1 to 40 frames, some of them of
         several neighbours together.
@@ -122,7 +133,8 @@ def synthesize_face(
     Raises
     ------
     ValueError
-        If the recording would have fewer than two frames.
+        If the recording would have fewer than two frames, or the cut-off is not below half the
+        rate.
 
     References
     ----------
@@ -138,11 +150,11 @@ def synthesize_face(
     drawn: Seed = (seed, take) if take else seed
     weights = activations(random_for("activations", drawn), actor.habits, frames, rate)
     motion = _motion(drawn, actor, frames, rate) if head_motion else HeadMotion.still(frames)
-    aligned = _aligned(drawn, actor, points, weights, rate)
+    aligned = _aligned(drawn, actor, points, marker_set.markers, weights, rate, residual)
     truth = _recording(moved(aligned, motion), marker_set, rate)
     hidden = occlusions(random_for("occlusions", drawn), missing, frames, points)
     hit, jumps = impulses_on(random_for("impulses", drawn), impulses, ~hidden)
-    shaken = noise * random_for("noise", drawn).standard_normal(jumps.shape)
+    shaken = noise * noise_of(random_for("noise", drawn), jumps.shape, noise_cutoff, rate)
     captured = _captured(truth, shaken + jumps, hidden)
     return SyntheticFace(
         captured=captured,
@@ -176,12 +188,21 @@ def _aligned(
     seed: Seed,
     actor: Actor,
     points: NDArray[np.float64],
+    names: tuple[str, ...],
     weights: NDArray[np.float64],
     rate: float,
+    residual: float,
 ) -> NDArray[np.float64]:
     """Return (T, M, 3) mm of the face without its head motion."""
     skin = skin_movement(random_for("skin", seed), points, len(weights), rate)
-    return np.asarray(points + actor.anatomy(points).offsets(weights) + skin)
+    pulled = actor.anatomy(points).offsets(weights)
+    if residual:
+        clock = tempo(weights, rate)
+        extents = residual * np.sqrt(pulled.var(axis=0).sum(axis=1))
+        for column, (name, extent) in enumerate(zip(names, extents, strict=True)):
+            random = random_for(f"own movement of {name}", seed)
+            skin[:, column] += own_movement(random, extent, clock, rate)
+    return np.asarray(points + pulled + skin)
 
 
 def _captured(

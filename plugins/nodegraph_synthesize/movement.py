@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_mocap import HeadMotion
-from nodegraph_synthesize.smooth_noise import awake, smooth_noise
+from nodegraph_synthesize.smooth_noise import awake, red_noise, smooth_noise
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,6 +22,10 @@ _SHIFT = np.array([0.012, 0.012, 0.015])
 """Typical shift to the side, up and forward, of the head's length."""
 _SKIN = 0.2
 """Standard deviation of the skin's own movement in each direction, mm."""
+_DRIFT = 0.1
+"""Pace at which skin settles or drifts while no muscle moves, of the mean pace."""
+_SETTLING = 0.25
+"""Seconds that skin takes to follow."""
 _PATTERNS = 40
 _PATTERN_LENGTH = 60.0
 """Typical wavelength of the skin's patterns, mm."""
@@ -65,6 +69,19 @@ def rotations_of(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.eye(3) + sine * cross + versine * (cross @ cross))
 
 
+def tempo(activations: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
+    """Return (T,) seconds of a clock by which skin moves: fast while muscles do, slow at rest.
+
+    Soft tissue follows what it is attached to; by itself it only drifts: where no activation
+    changes, the clock runs at a tenth of its mean pace.
+    """
+    change = np.linalg.norm(np.diff(activations, axis=0, prepend=activations[:1]), axis=1)
+    width = max(1, round(_SETTLING * rate))
+    change = np.convolve(change, np.ones(width) / width)[: len(change)]
+    pace = _DRIFT + (1.0 - _DRIFT) * change / max(change.mean(), 1e-300)
+    return np.asarray(np.cumsum(pace) / rate)
+
+
 def skin_movement(
     random: np.random.Generator, points: NDArray[np.float64], frames: int, rate: float
 ) -> NDArray[np.float64]:
@@ -79,6 +96,33 @@ def skin_movement(
     courses = smooth_noise(random, frames, [1.5] * _PATTERNS, rate)
     courses *= _SKIN * np.sqrt(2.0 / _PATTERNS) * awake(frames, rate)[:, None]
     return np.asarray(np.einsum("tp,cnp->tnc", courses, waves))
+
+
+def own_movement(
+    random: np.random.Generator,
+    extent: float,
+    clock: NDArray[np.float64],
+    rate: float,
+) -> NDArray[np.float64]:
+    """Return (T, 3) mm that one marker moves by itself, from rest, by a standard deviation.
+
+    Red: its power falls as ``f^-3`` by the clock.
+    """
+    course = _at(red_noise(random, _length(clock, rate), 3, -3.0, rate), clock, rate)
+    return np.asarray(extent / np.sqrt(3.0) * course * awake(len(clock), rate)[:, None])
+
+
+def _length(clock: NDArray[np.float64], rate: float) -> int:
+    return 2 + int(clock[-1] * rate)
+
+
+def _at(
+    curves: NDArray[np.float64], clock: NDArray[np.float64], rate: float
+) -> NDArray[np.float64]:
+    """Return the values of curves, sampled at a rate, at the times of a clock."""
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(np.arange(len(curves)) / rate, curves)(clock))
 
 
 def _limited(vectors: NDArray[np.float64], largest: float) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pydantic
 import pytest
+from scipy.signal import welch
 from scipy.spatial.transform import Rotation
 
 from nodegraph.node.decorator import Node, node_of
@@ -270,8 +271,25 @@ def test_another_take_is_another_performance_of_the_same_actor() -> None:
     assert (first.captured.origin != other.captured.origin).any()
 
 
-def test_markers_watch_the_same_performance() -> None:
-    few, many = _face(markers=30), _face(markers=100)
+def test_a_marker_moves_by_itself_by_a_share_of_its_movement_and_no_neighbour_does() -> None:
+    plain, own = (_face(seconds=40.0, head_motion=False, residual=share) for share in (0.0, 0.2))
+    apart = own.truth.positions - plain.truth.positions
+    extent = np.sqrt(plain.truth.positions.var(axis=0).sum(axis=1))
+    moves = extent > 1.0
+    ratio = np.sqrt(apart.var(axis=0).sum(axis=1)) / extent
+    assert np.mean(ratio[moves]) == pytest.approx(0.2, abs=0.05)
+    shared = np.corrcoef(apart[60:, moves, 0].T) - np.eye(int(moves.sum()))
+    assert abs(shared.mean()) < 0.03
+    frequencies, power = welch(apart[:, moves], fs=60.0, nperseg=480, axis=0)
+    band = (frequencies >= 0.5) & (frequencies <= 4.0)
+    mean = power[band].mean(axis=(1, 2))
+    slope = np.polyfit(np.log(frequencies[band]), np.log(mean), 1)[0]
+    assert -3.6 < slope < -2.2
+
+
+@pytest.mark.parametrize("residual", [0.0, 0.15])
+def test_markers_watch_the_same_performance(residual: float) -> None:
+    few, many = (_face(markers=count, residual=residual) for count in (30, 100))
     assert _bytes(few.weights) == _bytes(many.weights)
     shared = [name for name in few.truth.markers if name in many.truth.markers]
     np.testing.assert_allclose(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import welch
 
 from nodegraph_mocap import Trajectories
 from nodegraph_synthesize.face import synthesize_face
@@ -41,6 +42,30 @@ def test_neither_frames_nor_markers_share_noise() -> None:
     np.testing.assert_allclose(np.corrcoef(error.T), np.eye(12), rtol=0, atol=0.08)
     following = [np.corrcoef(column[1:], column[:-1])[0, 1] for column in error.T]
     np.testing.assert_allclose(following, 0.0, rtol=0, atol=0.08)
+
+
+def test_low_passed_noise_is_what_a_filter_leaves_of_white_noise() -> None:
+    """Its size is sigma; its power at the cut-off is a quarter of that at low frequencies."""
+    take = recording(6000, 8, missing=0.0)
+    error = (add(take, sigma=0.3, cutoff=6.0).noisy.positions - take.positions).reshape(6000, 24)
+    np.testing.assert_allclose(error.std(axis=0), 0.3, rtol=0.1)
+    np.testing.assert_allclose(np.corrcoef(error.T) - np.eye(24), 0.0, rtol=0, atol=0.15)
+    frequencies, power = welch(error, fs=60.0, nperseg=600, axis=0)
+    mean = power.mean(axis=1)
+    low = mean[(frequencies > 0.5) & (frequencies < 2.5)].mean()
+    for frequency in (4.5, 6.0, 9.0, 12.0):
+        near = np.abs(frequencies - frequency) < 0.25
+        expected = 1.0 / (1.0 + (frequency / 6.0) ** 4) ** 2
+        assert mean[near].mean() / low == pytest.approx(expected, rel=0.15)
+
+
+@pytest.mark.parametrize("cutoff", [30.0, 45.0])
+def test_a_cutoff_at_or_above_half_the_rate_is_refused(cutoff: float) -> None:
+    expected = f"cut-off of {cutoff:g} Hz is not below half the rate, 30 Hz"
+    with pytest.raises(ValueError, match=expected):
+        add(recording(20, 3), cutoff=cutoff)
+    with pytest.raises(ValueError, match=expected):
+        synthesize_face(seconds=0.5, markers=10, noise_cutoff=cutoff)
 
 
 @settings(max_examples=20)
