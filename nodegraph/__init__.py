@@ -46,20 +46,17 @@ if TYPE_CHECKING:
     from nodegraph.plugin.formats import formats
     from nodegraph.plugin.hook_types import (
         Command,
-        Comparison,
-        Conclusion,
         Contract,
         Detail,
         Format,
         Grid,
         Origin,
         Rendered,
-        Renderer,
-        Storage,
         Tried,
         json_script,
     )
     from nodegraph.plugin.hooks import hookimpl
+    from nodegraph.plugin.kind import Kind, late
     from nodegraph.plugin.registry import get_node
     from nodegraph.plugin.streaming import Frame, LiveView, Sink, Source, Streamable
     from nodegraph.report.page import standalone_page
@@ -70,8 +67,6 @@ __all__ = [
     "ColumnOf",
     "Columns",
     "Command",
-    "Comparison",
-    "Conclusion",
     "Contract",
     "Declared",
     "Deprecated",
@@ -83,6 +78,7 @@ __all__ = [
     "GraphError",
     "Grid",
     "InputFile",
+    "Kind",
     "Label",
     "LabelOf",
     "LiveState",
@@ -92,14 +88,12 @@ __all__ = [
     "Origin",
     "Refusal",
     "Rendered",
-    "Renderer",
     "RunningForm",
     "RunningNumbers",
     "RunningState",
     "Sink",
     "Source",
     "StateForm",
-    "Storage",
     "Streamable",
     "Tried",
     "Truth",
@@ -114,6 +108,7 @@ __all__ = [
     "hookimpl",
     "json_script",
     "kernel",
+    "late",
     "listed",
     "load",
     "nearest",
@@ -128,6 +123,7 @@ _LATE = {
     "load": "nodegraph.api",
     "run": "nodegraph.api",
     "Frame": "nodegraph.plugin.streaming",
+    "Kind": "nodegraph.plugin.kind",
     "LiveView": "nodegraph.plugin.streaming",
     "RunningNumbers": "nodegraph.live.running_numbers",
     "Sink": "nodegraph.plugin.streaming",
@@ -138,6 +134,7 @@ _LATE = {
     "get_node": "nodegraph.plugin.registry",
     "hookimpl": "nodegraph.plugin.hooks",
     "kernel": "nodegraph.kernels",
+    "late": "nodegraph.plugin.kind",
     "standalone_page": "nodegraph.report.page",
 }
 

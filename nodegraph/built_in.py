@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-from nodegraph.plugin.hook_types import Renderer
 from nodegraph.plugin.hooks import hookimpl
-from nodegraph.plugin.streaming import Sink, Source, Streamable
+from nodegraph.plugin.kind import Kind
+from nodegraph.plugin.streaming import Sink, Source
 
 
 @hookimpl
@@ -37,19 +37,11 @@ def nodegraph_sinks() -> Mapping[str, Callable[[str], Sink]]:
 
 
 @hookimpl
-def nodegraph_streamables() -> Iterable[Streamable]:
-    """Return how running numbers are split into frames."""
-    from nodegraph.live.running_numbers import STREAMABLE
+def nodegraph_kinds() -> Iterable[Kind]:
+    """Return how running numbers are split into frames, and how they appear in a report."""
+    from nodegraph.live.running_numbers import KIND
 
-    return [STREAMABLE]
-
-
-@hookimpl
-def nodegraph_renderers() -> Iterable[Renderer]:
-    """Return how running numbers appear in a report."""
-    from nodegraph.live.running_numbers import RENDERER
-
-    return [RENDERER]
+    return [KIND]
 
 
 @hookimpl

@@ -164,7 +164,11 @@ def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, str, Read, 
     """Yield files of every kind: their names, what reads them, by name and itself, and contents."""
     for name, content in packet_files(folder):
         yield name, "replay", replayed, content
-    specimens = {kind: next(iter(make().values())) for kind, make in registry.hooks.specimens()}
+    specimens = {
+        kind.type: next(iter(kind.specimens().values()))
+        for kind in registry.hooks.having("specimens")
+        if kind.specimens is not None
+    }
     files = {name: text.encode() for name, text in TEXTS.items()}
     for writer in (each.node for each in registry if each.node.name.startswith("write.")):
         ports = [port for port in writer.inputs if not port.optional] or writer.inputs[:1]

@@ -23,7 +23,7 @@ import struct
 import sys
 from dataclasses import replace
 
-from nodegraph import Frame, LiveView, get_node, hookimpl
+from nodegraph import Frame, Kind, LiveView, get_node, hookimpl
 from nodegraph_mocap import HeadMotion, MarkerFrame, Weights
 
 
@@ -77,17 +77,15 @@ nodegraph.define("fed/weights", [], () => ({ show: async (element, begun, labels
 
 
 @hookimpl
-def nodegraph_live_views():
-    return [
-        LiveView(
-            Weights,
-            lambda values: [type(value).__name__ for value in values.values()],
-            lambda weights: weights.tobytes(),
-            "fed/weights",
-            scripts=(SCRIPT,),
-        ),
-        LiveView(HeadMotion, lambda values: 1 / 0, lambda pose: b"", "fed/weights"),
-    ]
+def nodegraph_kinds():
+    view = LiveView(
+        lambda values: [type(value).__name__ for value in values.values()],
+        lambda weights: weights.tobytes(),
+        "fed/weights",
+        scripts=(SCRIPT,),
+    )
+    broken = LiveView(lambda values: 1 / 0, lambda pose: b"", "fed/weights")
+    return [Kind(Weights, live_view=lambda: view), Kind(HeadMotion, live_view=lambda: broken)]
 
 
 @hookimpl

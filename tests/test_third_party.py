@@ -82,7 +82,7 @@ def render(value: Sparkline, title: str) -> Rendered:
 PLUGIN = '''
 """A plugin that adds a method, a figure, a file format, an executor and a command."""
 
-from nodegraph import Command, Format, Renderer, get_node, hookimpl
+from nodegraph import Command, Format, Kind, get_node, hookimpl
 
 
 @hookimpl
@@ -101,10 +101,10 @@ def nodegraph_bibtex():
 
 
 @hookimpl
-def nodegraph_renderers():
+def nodegraph_kinds():
     from nodegraph_lab.sparkline import Sparkline, render
 
-    return [Renderer(Sparkline, render)]
+    return [Kind(Sparkline, render)]
 
 
 @hookimpl

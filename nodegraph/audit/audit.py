@@ -135,7 +135,7 @@ class _Trial:
         self._repeats = repeats
         self._case = case
         self._floor = floor_of(case.call.inputs, run.packer)
-        self._comparisons = run.plan.graph.registry.hooks.comparisons
+        self._hooks = run.plan.graph.registry.hooks
         self._drifts: dict[str, Drift] = {}
         self._modified = ""
         self._first = self._call()
@@ -184,7 +184,7 @@ class _Trial:
 
     def _drift(self, result: CallResult) -> Drift:
         ports = [port.name for port in self._step.method.node.outputs]
-        return drift(self._result, result, ports, self._comparisons, self._floor)
+        return drift(self._result, result, ports, self._hooks, self._floor)
 
 
 def _ending(outcome: Outcome) -> str:

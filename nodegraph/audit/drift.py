@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from nodegraph.lock.sketch import FLOOR, TOLERANCE, sketch
-from nodegraph.plugin.hook_types import Comparison
+from nodegraph.plugin.hook_results import HookResults
 from nodegraph.runs.compare import value_differences
 from nodegraph.store import Packed, Packer, Unstorable
 
@@ -85,7 +85,7 @@ def drift(
     first: CallResult,
     second: CallResult,
     ports: Sequence[str],
-    comparisons: Iterable[Comparison],
+    hooks: HookResults,
     floor: float = 0.0,
 ) -> Drift:
     """Return how far two results of one call are apart.
@@ -99,18 +99,17 @@ def drift(
     first, second
     ports
         Names of the outputs.
-    comparisons
-        Those of plugins, which describe differences.
+    hooks
+        Of plugins, which describe differences.
     floor
         Smaller numbers are compared as if they were of this size.
     """
-    comparisons = tuple(comparisons)
     grades = [Grade.IDENTICAL]
     differences: list[str] = []
     for position, port in enumerate(ports):
         if first.digests[position] and first.digests[position] == second.digests[position]:
             continue
-        texts = value_differences(first.values[position], second.values[position], comparisons)
+        texts = value_differences(first.values[position], second.values[position], hooks)
         grade = _grade(first.packed[position], second.packed[position], texts, floor)
         if grade is Grade.CLOSE and not texts:
             differences.append(_SAME_NUMBERS)

@@ -157,7 +157,7 @@ class StepDigests:
 
 def code_of(registry: Registry, remembered: Mapping[str, Any] | None = None) -> Code:
     """Return a finder of the code of nodes that use the plugins of a registry."""
-    return Code(followed(registry), remembered, lambda: registry.hooks.unguarded_formats)
+    return Code(followed(registry), remembered, lambda: registry.hooks.of("formats"))
 
 
 def followed(registry: Registry) -> set[str]:

@@ -45,7 +45,7 @@ def completion(arguments: Namespace) -> int:
     nodes = [entry.node.name for entry in registry]
     operands = {
         "show": [*registry.families, *nodes],
-        "new": [*registry.hooks.templates, *registry.hooks.graphs],
+        "new": [*registry.hooks.of("templates"), *registry.hooks.graphs],
     }
     parsers = all_parsers(registry)
     cases = []

@@ -74,4 +74,4 @@ def _values(
         dict(zip(names, values, strict=False))
         for names, values in zip(outputs, (before, after), strict=True)
     )
-    yield from few(output_differences(was, now, registry.hooks.comparisons), "differences")
+    yield from few(output_differences(was, now, registry.hooks), "differences")

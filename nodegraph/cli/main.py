@@ -225,7 +225,7 @@ def all_parsers(registry: Registry) -> dict[str, ArgumentParser]:
 
 def _all_commands(registry: Registry) -> Mapping[str, _Command]:
     commands = {name: _built_in(name) for name in COMMANDS}
-    added = registry.hooks.commands
+    added = registry.hooks.of("commands")
     for name in added.keys() & commands.keys():
         warnings.warn(f"command {name!r} of a plugin is left out: it is built in", stacklevel=2)
     return commands | {

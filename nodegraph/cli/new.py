@@ -55,7 +55,7 @@ def new(arguments: Namespace) -> int:
     from nodegraph.plugin.registry import Registry
 
     registry = Registry.installed(arguments.plugin)
-    templates, studies = registry.hooks.templates, registry.hooks.graphs
+    templates, studies = registry.hooks.of("templates"), registry.hooks.graphs
     if arguments.kind is None:
         _list(templates, studies)
         return 0

@@ -77,7 +77,7 @@ def _description(name: str, registry: Registry) -> str:
     parts.append(without_parameters(node.doc))
     if not has_example(node):
         parts.append(_example(entry, registry))
-    cited = references(registry.hooks.bibtex, node.cite).values()
+    cited = references(registry.hooks.of("bibtex"), node.cite).values()
     parts.append("cite: " + ("\n      ".join(cited) or "nothing"))
     return "\n\n".join(parts)
 

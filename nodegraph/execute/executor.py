@@ -98,7 +98,7 @@ def executor_of(how: HowToRun, registry: Registry) -> Executor:
     NodegraphError
         If there is none of that name, a number is out of its range, or it cannot limit memory.
     """
-    executors = registry.hooks.executors
+    executors = registry.hooks.of("executors")
     if how.executor not in executors:
         raise NodegraphError(f"no executor {how.executor!r}; {nearest(how.executor, executors)}")
     if how.at_a_time < 1:

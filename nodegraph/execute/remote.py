@@ -165,7 +165,7 @@ class _Plugins:
             warnings.simplefilter("ignore")  # the run itself warns of plugins that are broken
             self.registry = Registry.installed([_same_file(Path(p), text) for p, text in files])
         # a value may be of a class in any module that a plugin uses
-        self.packer = Packer(self.registry.hooks.storages, lambda package: True)
+        self.packer = Packer(self.registry.hooks.kinds, lambda package: True)
         self._distributions = {each.name: each.distribution for each in self.registry.loaded}
         self._code = code_of(self.registry)
         self._known: dict[bytes, tuple[Node, str]] = {}

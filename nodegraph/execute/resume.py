@@ -40,7 +40,7 @@ def open_store(registry: Registry, folder: Path | None, report: Callable[[str], 
         Called with what is wrong with the store; runs continue without it.
     """
     packages = followed(registry)
-    packer = Packer(registry.hooks.storages, packages.__contains__)
+    packer = Packer(registry.hooks.kinds, packages.__contains__)
     return Store(store_folder(folder), packer, report)
 
 

@@ -71,9 +71,7 @@ def execute(
             plan,
             cache=cache,
             known=known,
-            packer=store.packer
-            if store is not None
-            else Packer(plan.graph.registry.hooks.storages),
+            packer=store.packer if store is not None else Packer(plan.graph.registry.hooks.kinds),
             keep=[index for name in keep for index in plan.cells.get(name, {}).values()],
             observer=log if log.listeners else None,
             timeout=how.timeout,

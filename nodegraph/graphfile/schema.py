@@ -170,7 +170,8 @@ def _node_names(names: Mapping[Registered, Sequence[str]], registry: Registry) -
     A node with its plugin is allowed as well, and so are a graph file and a node of a scheme; an
     editor does not offer these.
     """
-    patterns = [r"\.ya?ml$", *(f"^{re.escape(scheme)}:." for scheme in registry.hooks.node_finders)]
+    schemes = registry.hooks.of("node_finders")
+    patterns = [r"\.ya?ml$", *(f"^{re.escape(scheme)}:." for scheme in schemes)]
     patterns += [f"^{re.escape(name)}$" for _, *more in names.values() for name in more]
     message = "no installed node has this name; nodegraph show lists them"
     rest = {"type": "string", "pattern": "|".join(patterns), "patternErrorMessage": message}

@@ -48,7 +48,7 @@ def sink_of(address: str) -> Sink:
 
 def _create_end(address: str, kind: str) -> Any:
     scheme, colon, rest = address.partition(":")
-    known = getattr(current_registry().hooks, kind)
+    known = current_registry().hooks.of(kind)
     if not colon:
         file = "replay" if kind == "sources" else "file"
         raise NodegraphError(f"{address!r}: write SCHEME:..., for a file {file}:{address}")

@@ -285,7 +285,7 @@ def read_streamable(path: Path) -> object:
 
 def _only_file(node: Node) -> str:
     """Return the setting that names the file, if a node reads one and gives what is streamable."""
-    streamable = tuple(each.type for each in current_registry().hooks.streamables)
+    streamable = tuple(kind.type for kind in current_registry().hooks.having("stream"))
     output = node.outputs[0]
     required = [setting for setting in node.settings.values() if setting.required]
     if node.inputs or node.splits or output.truth or len(required) != 1:

@@ -32,14 +32,14 @@ def streamable_of(kind: type) -> Streamable:
     NodegraphError
         If no plugin says how.
     """
-    known = current_registry().hooks.streamables
-    for streamable in known:
-        if issubclass(kind, streamable.type):
-            return streamable
-    names = listed(sorted(streamable.type.__name__ for streamable in known)) or "none"
+    hooks = current_registry().hooks
+    known = hooks.kind(kind, "stream")
+    if known is not None and known.stream is not None:
+        return known.stream()
+    names = listed(sorted(each.type.__name__ for each in hooks.having("stream"))) or "none"
     raise NodegraphError(
         f"values of type {kind.__name__} cannot be streamed; there is {names} (plugins add types "
-        "by the hook nodegraph_streamables)"
+        "by the hook nodegraph_kinds)"
     )
 
 

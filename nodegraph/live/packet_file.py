@@ -70,7 +70,7 @@ class PacketFileWriter:
         """Note that the source was opened; the first time, begin the file."""
         self._is_reopened = self._file is not None
         if self._file is None:
-            packed = Packer(current_registry().hooks.storages).pack(header)
+            packed = Packer(current_registry().hooks.kinds).pack(header)
             sizes = [len(buffer) for buffer in packed.buffers]
             head = _Head(source=self._address, header=packed.head, sizes=sizes)
             line = head.model_dump_json().encode()
@@ -127,7 +127,7 @@ class PacketFileReader:
             try:
                 head = _Head.model_validate_json(line)
                 buffers = [self._read(file, size) for size in head.sizes]
-                packer = Packer(current_registry().hooks.storages)
+                packer = Packer(current_registry().hooks.kinds)
                 self.header = header_of(packer.unpack(head.header, buffers))
             except ValidationError as error:
                 raise self.damage(first_error(error, {})) from error

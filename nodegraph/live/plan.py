@@ -320,7 +320,7 @@ class _Planner:
         self._sinks = sinks
         self._problems = Problems()
         hooks = planned.graph.registry.hooks
-        self._streamable = tuple(streamable.type for streamable in hooks.streamables)
+        self._streamable = tuple(kind.type for kind in hooks.having("stream"))
         step = planned.steps[next(iter(planned.cells[node].values()))]
         self._source = Output(step.index, _position(step, port))
         self._node = node

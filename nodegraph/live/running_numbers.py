@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph.node.live_form import RunningForm, RunningState
-from nodegraph.plugin.hook_types import Rendered, Renderer
+from nodegraph.plugin.hook_types import Rendered
+from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.streaming import Frame, Streamable
 
 if TYPE_CHECKING:
@@ -79,8 +80,7 @@ class Latest:
         }
 
 
-STREAMABLE = Streamable(
-    RunningNumbers,
+_STREAM = Streamable(
     header=lambda numbers: replace(numbers, values=numbers.values[:0]),
     split=lambda numbers: list(numbers.values),
     join=lambda header, rows: replace(header, values=np.stack(rows)) if rows else header,
@@ -102,4 +102,4 @@ def _render(numbers: RunningNumbers, title: str) -> Rendered:
     return Rendered(html=f"<p>{escape(text)}</p>", text=text, files={".csv": content})
 
 
-RENDERER = Renderer(RunningNumbers, _render)
+KIND = Kind(RunningNumbers, render=_render, stream=lambda: _STREAM)

@@ -38,18 +38,19 @@ class Reported:
 def reported_by(run: Run) -> Iterator[Reported]:
     """Yield the reported values of a run from which a plugin draws conclusions."""
     graph = run.plan.graph
-    kinds = graph.registry.hooks.conclusions
+    hooks = graph.registry.hooks
     for node, port in graph.reported:
         outputs = graph.nodes[node].outputs
         for output in [port] if port else outputs:
             for labels, value in run[f"{node}.{output}"].shown():
                 if graph.report_entry(node, port, labels) is None:
                     continue
-                kind = next((kind for kind in kinds if isinstance(value, kind.type)), None)
-                if kind is not None:
+                kind = hooks.kind(type(value), "conclude")
+                if kind is not None and kind.conclude is not None:
                     name = name_at(f"{node}.{output}" if len(outputs) > 1 else node, labels)
                     conclusions = tuple(map(str, kind.conclude(value)))
-                    yield Reported(name, conclusions, kind.numbers(value))
+                    numbers = kind.numbers(value) if kind.numbers is not None else ""
+                    yield Reported(name, conclusions, numbers)
 
 
 def conclusion_changes(

@@ -113,9 +113,8 @@ class Results:
         return self._run.plan.steps[index].method.node.outputs
 
     def _is_opaque(self, port: Port) -> bool:
-        storages = self._run.plan.graph.registry.hooks.storages
-        storage = next((kind for kind in storages if issubclass(port.type, kind.type)), None)
-        return issubclass(port.type, Files) or (storage is not None and not storage.faithful)
+        kind = self._run.plan.graph.registry.hooks.kind(port.type, "take_apart")
+        return issubclass(port.type, Files) or (kind is not None and not kind.faithful)
 
 
 def _medians(sketches: Iterable[Sketch | None]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Guards around the functions in hook results: a failure names the plugin, the hook and the line.
+"""Guards around the functions that hooks return: a failure names the plugin, the hook and the line.
 
 If the program cannot continue without the result of a function, `PluginError` is raised; any other
 failure is a warning, and a neutral result stands in.
@@ -10,22 +10,14 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.plugin.hook_types import (
-    Command,
-    Comparison,
-    Conclusion,
-    Detail,
-    Format,
-    Rendered,
-    Renderer,
-    Storage,
-    expect,
-)
+from nodegraph.plugin.hook_types import Command, Detail, Format, Rendered, expect
 from nodegraph.plugin.hooks import GROUP
+from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import error_text
 from nodegraph.plugin.streaming import LiveView, Streamable
 
@@ -118,8 +110,9 @@ class _Rule:
     ----------
     what : str
         The function in messages; ``{}`` stands for the record's type or name.
-    checked : callable
-        ``checked(record, result)`` returns the result, or raises TypeError.
+    result : type or callable, optional
+        The type of its result, or ``result(owner, value)``, which returns the value, or raises
+        TypeError; the owner is the `Kind` or `Format`.
     default : callable, optional
         Returns the result where the function fails, which is then a warning and not an error;
         called with the same arguments.
@@ -130,26 +123,22 @@ class _Rule:
     """
 
     what: str
-    checked: Callable[[Any, Any], object] = lambda record, result: result
+    result: Any = object
     default: Function | None = None
     outcome: str = "it is left out"
     passes: tuple[type[Exception], ...] = (NodegraphError,)
 
 
-def _is(hint: object) -> Callable[[Any, Any], object]:
-    return lambda record, result: expect(result, hint)
+def _of_its_type(owner: Any, value: object) -> object:
+    return expect(value, owner.type)
 
 
-def _is_of_its_type(record: Any, result: object) -> object:
-    return expect(result, record.type)
+def _restored(owner: Kind, value: object) -> object:
+    return expect(value, owner.type) if owner.faithful else value
 
 
-def _is_restored(storage: Storage, result: object) -> object:
-    return expect(result, storage.type) if storage.faithful else result
-
-
-def _are_sentences(record: object, result: object) -> tuple[str, ...]:
-    return tuple(expect(sentence, str) for sentence in expect(result, Iterable))
+def _sentences(owner: object, value: object) -> tuple[str, ...]:
+    return tuple(expect(sentence, str) for sentence in expect(value, Iterable))
 
 
 def _nothing(*arguments: object) -> None:
@@ -161,64 +150,76 @@ def _no_sentences(*arguments: object) -> tuple[str, ...]:
 
 
 _RULES: Mapping[type, Mapping[str, _Rule]] = {
-    Renderer: {
-        name: _Rule("the renderer of {}", _is(Rendered)) for name in ("render", "render_in_run")
+    Kind: {
+        "render": _Rule("the renderer of {}", Rendered),
+        "render_in_run": _Rule("the renderer of {}", Rendered),
+        "take_apart": _Rule("take_apart of {}"),
+        "put_together": _Rule("put_together of {}", _restored),
+        "lend": _Rule("lend of {}", _of_its_type, deepcopy, "a copy is lent"),
+        "compare": _Rule("the comparison of {}", _sentences, _no_sentences),
+        "conclude": _Rule("the conclusion of {}", _sentences, _no_sentences),
+        "numbers": _Rule("the numbers of {}", str, lambda value: ""),
+        "stream": _Rule("the stream of {}", Streamable),
+        "live_view": _Rule("the view of {} on a stream", LiveView, _nothing, "it is not shown"),
+        "detail": _Rule("the view of blocks of {}", Detail, _nothing, "it is not shown"),
+        "specimens": _Rule("the specimens of {}", Mapping, dict),
     },
     Detail: {
-        name: _Rule(f"the {what} of {{}}", _is(Mapping | None), _nothing, "it is not shown")
-        for name, what in (("pack", "view of a block"), ("layout", "layout"))
-    },
-    Storage: {
-        "take_apart": _Rule("take_apart of {}"),
-        "put_together": _Rule("put_together of {}", _is_restored),
-        "lend": _Rule("lend of {}", _is_of_its_type, deepcopy, "a copy is lent"),
+        "pack": _Rule("the view of a block of {}", Mapping | None, _nothing, "it is not shown"),
+        "layout": _Rule("the layout of {}", Mapping | None, _nothing, "it is not shown"),
     },
     Streamable: {
         "header": _Rule("header of {}"),
         "split": _Rule("split of {}"),
         # a type itself refuses frames that are not values of it
-        "join": _Rule("join of {}", _is_of_its_type, passes=(NodegraphError, ValueError)),
+        "join": _Rule("join of {}", _of_its_type, passes=(NodegraphError, ValueError)),
         "missing": _Rule("missing of {}"),
     },
     LiveView: {
         "begin": _Rule("the view of {} on a stream"),
-        "pack": _Rule("the view of {} on a stream", _is(bytes)),
-    },
-    Comparison: {
-        "compare": _Rule("the comparison of {}", _are_sentences, _no_sentences),
-    },
-    Conclusion: {
-        "conclude": _Rule("the conclusion of {}", _are_sentences, _no_sentences),
-        "numbers": _Rule("the numbers of {}", _is(str), lambda value: ""),
+        "pack": _Rule("the view of {} on a stream", bytes),
     },
     Format: {
         # a reader refuses files by these errors
-        "read": _Rule(
-            "the format {}", _is_of_its_type, passes=(NodegraphError, ValueError, OSError)
-        ),
+        "read": _Rule("the format {}", _of_its_type, passes=(NodegraphError, ValueError, OSError)),
         "recognizes": _Rule("the format {}", default=lambda start: False),
     },
 }
+_MADE_LATE = ("stream", "live_view", "detail")
+"""Fields of a `Kind` whose functions return a record that is guarded as well."""
 
 
-def guard(record: Any, source: Source) -> Any:
-    """Return a record of a hook whose functions are guarded, each as its rule says."""
-    about = record.name if isinstance(record, Format) else record.type.__name__
-    return replace(
-        record,
-        **{
-            name: _guarded(record, getattr(record, name), rule, about, source)
-            for name, rule in _RULES[type(record)].items()
-            if getattr(record, name) is not None
-        },
-    )
+def guard(record: Any, source: Source, owner: Any = None) -> Any:
+    """Return a `Kind` or a `Format`, or a record that belongs to one, with guarded functions."""
+    owner = record if owner is None else owner
+    about = owner.name if isinstance(owner, Format) else owner.type.__name__
+    guarded: dict[str, Function] = {}
+    for name, rule in _RULES[type(record)].items():
+        function = getattr(record, name)
+        if function is not None:
+            guarded[name] = _guarded(owner, function, rule, about, source)
+            if isinstance(record, Kind) and name in _MADE_LATE:
+                guarded[name] = _made_once(guarded[name], source, record)
+    return replace(record, **guarded)
+
+
+def _made_once(make: Function, source: Source, owner: Kind) -> Function:
+    @cache
+    def call() -> Any:
+        made = make()
+        return None if made is None else guard(made, source, owner)
+
+    return call
 
 
 def _guarded(
-    record: object, function: Function, rule: _Rule, about: str, source: Source
+    owner: object, function: Function, rule: _Rule, about: str, source: Source
 ) -> Function:
+    is_check = callable(rule.result) and not isinstance(rule.result, type)
+
     def call(*arguments: object, **options: object) -> object:
-        return rule.checked(record, function(*arguments, **options))
+        value = function(*arguments, **options)
+        return rule.result(owner, value) if is_check else expect(value, rule.result)
 
     what = rule.what.format(about)
     if rule.default is None:
@@ -226,12 +227,22 @@ def _guarded(
     return source.warning(what, call, rule.default, rule.outcome)
 
 
-def guard_stream_end(scheme: str, make: Function, source: Source) -> Function:
-    """Return what makes a source or a sink, which raises `PluginError` where it fails."""
-    return source.raising(f"{scheme}:...", make)
+def guard_item(hook: str, name: str, item: Any, source: Source) -> Any:
+    """Return an item of a hook that names its items, guarded as the hook needs."""
+    if hook in ("sources", "sinks"):
+        return source.raising(f"{name}:...", item)
+    if hook == "node_finders":
+        return source.raising(f"the nodes {name}:...", lambda word: expect(item(word), Callable))
+    if hook == "places":
+        return source.raising(f"the place {name}:...", lambda word: expect(item(word), Path))
+    if hook == "executors":
+        return _guard_executor(name, item, source)
+    if hook == "commands":
+        return _guard_command(name, item, source)
+    return item
 
 
-def guard_executor(name: str, executor: Function, source: Source) -> Function:
+def _guard_executor(name: str, executor: Function, source: Source) -> Function:
     """Return an executor that raises `PluginError` where another fails, at whatever step."""
     if source.plugin == GROUP:
         return executor  # a failure is an internal error, or a listener's
@@ -251,7 +262,7 @@ def guard_executor(name: str, executor: Function, source: Source) -> Function:
     return guarded
 
 
-def guard_command(name: str, command: Command, source: Source) -> Command:
+def _guard_command(name: str, command: Command, source: Source) -> Command:
     """Return a command that raises `PluginError` where another fails."""
     what = f"command {name!r}"
     return replace(
@@ -259,21 +270,3 @@ def guard_command(name: str, command: Command, source: Source) -> Command:
         add_arguments=source.raising(what, command.add_arguments),
         call=source.raising(what, lambda arguments: expect(command.call(arguments), int)),
     )
-
-
-def guard_node_finder(
-    scheme: str, find: Callable[[str], Function], source: Source
-) -> Callable[[str], Function]:
-    """Return the function of a scheme, which raises `PluginError` where it fails."""
-    return source.raising(f"the nodes {scheme}:...", lambda name: expect(find(name), Callable))
-
-
-def guard_place(scheme: str, find: Function, source: Source) -> Function:
-    """Return a function from a name in a scheme to a path that raises `PluginError` on failure."""
-    return source.raising(f"the place {scheme}:...", lambda name: expect(find(name), Path))
-
-
-def guard_specimens(kind: type, make: Function, source: Source) -> Function:
-    """Return a function that makes specimens of a type, and none, with a warning, on failure."""
-    what = f"the specimens of {kind.__name__}"
-    return source.warning(what, lambda: expect(make(), Mapping), dict)

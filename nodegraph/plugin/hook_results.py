@@ -1,45 +1,26 @@
 """The results of the hooks of the loaded plugins, checked, guarded and combined.
 
-A hook that fails, or an item of another type than the hook's specification declares, is left out
-with a warning that names the plugin and the hook; everything else continues.
+A hook that fails, or an item of another type than the hook declares, is left out with a warning
+that names the plugin and the hook; everything else continues.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cache, cached_property
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any
 
 import pluggy
 
 from nodegraph.errors import nearest
-from nodegraph.plugin import hooks
-from nodegraph.plugin.guards import (
-    Source,
-    guard,
-    guard_command,
-    guard_executor,
-    guard_node_finder,
-    guard_place,
-    guard_specimens,
-    guard_stream_end,
-)
-from nodegraph.plugin.hook_types import (
-    Command,
-    Comparison,
-    Conclusion,
-    Contract,
-    Detail,
-    Format,
-    Renderer,
-    Storage,
-    expect,
-)
+from nodegraph.plugin.guards import Source, guard, guard_item
+from nodegraph.plugin.hook_types import Contract, Format, expect
+from nodegraph.plugin.hooks import GROUP, HOOKS, Shape, specifications
+from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin, error_text, package_of
-from nodegraph.plugin.streaming import LiveView, Streamable
 
 
 @dataclass
@@ -47,92 +28,51 @@ class HookResults:
     """The hook results except nodes; each hook is called when its result is first needed."""
 
     plugins: list[Plugin]
+    _known: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def of(self, hook: str) -> Any:
+        """Return the results of all plugins of one hook of `HOOKS`.
+
+        Returns
+        -------
+        tuple, or mapping by name
+            The last plugin's items first; of one name, the first plugin's.
+        """
+        if hook not in self._known:
+            shape = HOOKS[hook].shape
+            if shape is Shape.NAMED:
+                self._known[hook] = self._named(hook)
+            elif shape is Shape.TEXT:
+                self._known[hook] = tuple(text for text, _ in self._results(hook))
+            else:
+                self._known[hook] = tuple(item for item, _ in self._listed(hook))
+        return self._known[hook]
 
     @cached_property
-    def renderers(self) -> tuple[Renderer, ...]:
-        """Renderers of values in a report; the last plugin comes first."""
-        return self._guarded("nodegraph_renderers")
-
-    @cached_property
-    def details(self) -> tuple[Detail, ...]:
-        """Views of single blocks of a comparison; the last plugin comes first."""
-        return self._guarded("nodegraph_details")
-
-    @cached_property
-    def comparisons(self) -> tuple[Comparison, ...]:
-        """Descriptions of differences; the last plugin comes first."""
-        return self._guarded("nodegraph_comparisons")
-
-    @cached_property
-    def conclusions(self) -> tuple[Conclusion, ...]:
-        """Conclusions that a study draws from values; the last plugin comes first."""
-        return self._guarded("nodegraph_conclusions")
-
-    @cached_property
-    def storages(self) -> tuple[Storage, ...]:
-        """Forms in which values are stored; the last plugin comes first."""
-        return self._guarded("nodegraph_storages")
+    def kinds(self) -> tuple[Kind, ...]:
+        """What plugins know of types, with guarded functions; the last plugin comes first."""
+        return tuple(guard(*pair) for pair in self._listed("kinds"))
 
     @cached_property
     def formats(self) -> tuple[Format, ...]:
-        """Formats of files; the last plugin comes first."""
-        return tuple(guard(*pair) for pair in self._formats)
+        """Formats of files, with guarded functions; the last plugin comes first.
 
-    @property
-    def unguarded_formats(self) -> tuple[Format, ...]:
-        """The formats with the plugins' own functions, whose code counts in the keys of steps."""
-        return tuple(form for form, _ in self._formats)
+        The code of the plugins' own functions, those of ``of("formats")``, counts in keys of steps.
+        """
+        return tuple(guard(*pair) for pair in self._listed("formats"))
 
     @cached_property
-    def streamables(self) -> tuple[Streamable, ...]:
-        """Types whose values are split into frames; the last plugin comes first."""
-        return self._guarded("nodegraph_streamables")
-
-    @cached_property
-    def live_views(self) -> tuple[LiveView, ...]:
-        """Views on the page of a stream; the last plugin comes first."""
-        return self._guarded("nodegraph_live_views")
-
-    @cached_property
-    def sources(self) -> Mapping[str, Callable[[str], object]]:
-        """Functions that open a source of frames at an address, by scheme."""
-        return self._named("nodegraph_sources", guard_stream_end)
-
-    @cached_property
-    def sinks(self) -> Mapping[str, Callable[[str], object]]:
-        """Functions that open a sink of frames at an address, by scheme."""
-        return self._named("nodegraph_sinks", guard_stream_end)
-
-    @cached_property
-    def executors(self) -> Mapping[str, Callable[..., Any]]:
-        """Ways to compute steps, by name."""
-        return self._named("nodegraph_executors", guard_executor)
-
-    @cached_property
-    def node_finders(self) -> Mapping[str, Callable[[str], Callable[..., Any]]]:
-        """Functions from names to nodes, by scheme."""
-        return self._named("nodegraph_node_finders", guard_node_finder)
-
-    @cached_property
-    def bibtex(self) -> tuple[str, ...]:
-        """The BibTeX of each plugin; the last plugin comes first."""
-        return tuple(text for text, _ in self._results("nodegraph_bibtex"))
-
-    @cached_property
-    def graphs(self) -> Mapping[str, Path]:
+    def graphs(self) -> dict[str, Path]:
         """Example graphs by name."""
-        paths = sorted(path for path, _ in self._listed("nodegraph_graphs"))
-        return {path.stem: path for path in paths}
+        return {path.stem: path for path in sorted(self.of("graphs"))}
 
-    @cached_property
-    def templates(self) -> Mapping[str, Path]:
-        """Folders that ``nodegraph new`` copies, by kind."""
-        return self._named("nodegraph_templates")
+    def kind(self, value_type: type, what: str) -> Kind | None:
+        """Return the last plugin's record of a type, or of a base, that has a field; else None."""
+        return next((kind for kind in self.having(what) if issubclass(value_type, kind.type)), None)
 
-    @cached_property
-    def commands(self) -> Mapping[str, Command]:
-        """Commands of the command line, by name."""
-        return self._named("nodegraph_commands", guard_command)
+    def having(self, what: str) -> tuple[Kind, ...]:
+        """Return the records of types that have a field, the last plugin's first."""
+        return tuple(kind for kind in self.kinds if getattr(kind, what) is not None)
 
     def place(self, path: str) -> Path | None:
         """Return the file or folder that ``scheme:name`` names, or None for an unknown scheme.
@@ -143,110 +83,76 @@ class HookResults:
             If the scheme has no such name, or its plugin fails.
         """
         scheme, _, name = path.partition(":")
-        find = self._places.get(scheme) if name else None
+        find = self.of("places").get(scheme) if name else None
         return find(name) if find else None
 
     def is_place(self, path: str) -> bool:
         """Return whether a path is ``scheme:name`` with the scheme of a plugin."""
         scheme, _, name = path.partition(":")
-        return bool(name) and scheme in self._places
+        return bool(name) and scheme in self.of("places")
 
     def contracts(self, family: str) -> Iterator[tuple[Contract, Source]]:
         """Yield the promises of a family, the last plugin's first."""
-        for name, promises, source in self._items("nodegraph_contracts"):
+        for name, promises, source in self._items("contracts"):
             if name == family:
                 yield from _of_type(promises, Contract, source)
 
-    def specimens(self) -> Iterator[tuple[type, Callable[[], Mapping[str, object]]]]:
-        """Yield types with functions that make small values by name, the last plugin's first."""
-        for kind, make, source in self._items("nodegraph_specimens"):
-            yield kind, guard_specimens(kind, make, source)
-
-    @cached_property
-    def _formats(self) -> tuple[tuple[Format, Source], ...]:
-        return tuple(self._listed("nodegraph_formats"))
-
-    @cached_property
-    def _places(self) -> Mapping[str, Callable[[str], Path]]:
-        return self._named("nodegraph_places", guard_place)
-
-    def _guarded(self, hook: str) -> tuple[Any, ...]:
-        return tuple(guard(*pair) for pair in self._listed(hook))
-
-    def _named(
-        self,
-        hook: str,
-        guard: Callable[[str, Any, Source], object] = lambda name, value, source: value,
-    ) -> dict[str, Any]:
+    def _named(self, hook: str) -> dict[str, Any]:
         """Return the items of a hook that returns a mapping; of one name, the first plugin's."""
         named: dict[str, object] = {}
         owner: dict[str, str] = {}
         for name, value, source in reversed(list(self._items(hook))):
             if name in named:
                 why = f"plugin {owner[name]!r} has that name"
-                _warn_left_out(source.plugin, f"{name!r} of {hook}", why)
+                _warn_left_out(source.plugin, f"{name!r} of {source.hook}", why)
             else:
-                named[name], owner[name] = guard(name, value, source), source.plugin
+                named[name], owner[name] = guard_item(hook, name, value, source), source.plugin
         return named
 
-    def _items(self, hook: str) -> Iterator[tuple[Any, Any, Source]]:
-        """Yield the items of a hook that returns a mapping: key, value and source."""
-        key_type, value_type = get_args(declared_hooks()[hook])
+    def _items(self, hook: str) -> Iterator[tuple[str, Any, Source]]:
+        """Yield the items of a hook that returns a mapping: name, value and source."""
         for mapping, source in self._results(hook):
-            for key, value in mapping.items():
+            for name, value in mapping.items():
                 try:
-                    expect(key, key_type)
-                    expect(value, value_type)
+                    expect(name, str)
+                    expect(value, HOOKS[hook].item)
                 except TypeError as error:
-                    _warn_left_out(source.plugin, f"{key!r} of {hook}", str(error))
+                    _warn_left_out(source.plugin, f"{name!r} of {source.hook}", str(error))
                 else:
-                    yield key, value, source
+                    yield name, value, source
 
     def _listed(self, hook: str) -> Iterator[tuple[Any, Source]]:
         """Yield the items of a hook that returns an iterable, with their source."""
-        (item_type,) = get_args(declared_hooks()[hook])
         for items, source in self._results(hook):
-            yield from _of_type(items, item_type, source)
+            yield from _of_type(items, HOOKS[hook].item, source)
 
     def _results(self, hook: str) -> Iterator[tuple[Any, Source]]:
         """Yield the result of each plugin's hook, the last plugin's first."""
-        declared = declared_hooks()[hook]
-        for implementation in reversed(getattr(self._manager.hook, hook).get_hookimpls()):
+        name, shape = f"{GROUP}_{hook}", HOOKS[hook].shape
+        for implementation in reversed(getattr(self._manager.hook, name).get_hookimpls()):
             package = package_of(implementation.function)
-            source = Source(implementation.plugin_name, hook, package)
+            source = Source(implementation.plugin_name, name, package)
             try:
-                result = expect(implementation.function(), declared)
-                result = tuple(result) if get_origin(declared) is Iterable else result
+                result = expect(implementation.function(), shape.value)
+                result = tuple(result) if shape is Shape.LIST else result
             except (Exception, SystemExit) as error:
-                reason = error_text(error, package)
-                _warn_left_out(source.plugin, f"its hook {hook}", reason)
+                _warn_left_out(source.plugin, f"its hook {name}", error_text(error, package))
             else:
                 yield result, source
 
     @cached_property
     def _manager(self) -> pluggy.PluginManager:
-        manager = pluggy.PluginManager(hooks.GROUP)
-        manager.add_hookspecs(hooks)
+        manager = pluggy.PluginManager(GROUP)
+        manager.add_hookspecs(specifications())
         for plugin in self.plugins:
             try:
                 manager.register(plugin.module, plugin.name)
             except pluggy.PluginValidationError as error:
                 manager.unregister(name=plugin.name)
-                reason = " ".join(str(error).split())
-                _warn_left_out(plugin.name, "each of its hooks", reason)
+                _warn_left_out(plugin.name, "each of its hooks", " ".join(str(error).split()))
             else:
                 _warn_of_unknown_hooks(manager, plugin)
         return manager
-
-
-@cache
-def declared_hooks() -> Mapping[str, object]:
-    """Return the type that each hook returns, by the hook's name."""
-    return {
-        name: get_type_hints(specification)["return"]
-        for name, specification in vars(hooks).items()
-        if name.startswith(f"{hooks.GROUP}_")
-    }
 
 
 def _of_type(items: Iterable[object], kind: object, source: Source) -> Iterator[tuple[Any, Source]]:
@@ -259,11 +165,11 @@ def _of_type(items: Iterable[object], kind: object, source: Source) -> Iterator[
 
 def _warn_of_unknown_hooks(manager: pluggy.PluginManager, plugin: Plugin) -> None:
     """Warn of functions that are marked as hooks but have a misspelled name."""
+    known = [f"{GROUP}_{hook}" for hook in HOOKS]
     for name in dir(plugin.module):
         options = manager.parse_hookimpl_opts(plugin.module, name)
-        if options is not None and (options.get("specname") or name) not in declared_hooks():
-            reason = f"there is no such hook; {nearest(name, declared_hooks())}"
-            _warn_left_out(plugin.name, name, reason)
+        if options is not None and (options.get("specname") or name) not in known:
+            _warn_left_out(plugin.name, name, f"there is no such hook; {nearest(name, known)}")
 
 
 def _warn_left_out(plugin: str, what: str, reason: str) -> None:

@@ -1,4 +1,4 @@
-"""The types that hooks of plugins return: how values are read, stored, shown and compared."""
+"""The parts of what hooks of plugins return: what is shown, formats, commands and promises."""
 
 from __future__ import annotations
 
@@ -54,9 +54,6 @@ def check_fields(record: object) -> None:
 @cache
 def _hints(kind: type) -> Mapping[str, object]:
     return get_type_hints(kind)
-
-
-Kind = Literal["", "table", "figure"]
 
 
 @dataclass(frozen=True)
@@ -132,7 +129,7 @@ class Rendered:
     replaces: tuple[str, ...] = ()
     grid: Grid | None = None
     title: str = ""
-    kind: Kind = ""
+    kind: Literal["", "table", "figure"] = ""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -188,9 +185,8 @@ class Origin(Protocol):
     def caption(self) -> str:
         """The author's caption; empty without one."""
 
-    @property
-    def details(self) -> tuple[Detail, ...]:
-        """The views of single blocks of a comparison that plugins add."""
+    def detail(self, value: object) -> Detail | None:
+        """Return the view of single blocks whose scores read such a value; None without one."""
 
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
         """Return the times of results by label of an axis; empty if no node has the name.
@@ -232,40 +228,13 @@ class Origin(Protocol):
 
 
 @dataclass(frozen=True)
-class Renderer:
-    """Shows the values of one type.
-
-    Attributes
-    ----------
-    type : type
-    render : callable
-        ``render(value, title)`` returns a `Rendered`.
-    render_in_run : callable, optional
-        ``render_in_run(value, title, origin)`` takes its place in the report of a run, and may
-        use what the run knows of the value's `Origin`.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
-    """
-
-    type: type
-    render: Callable[[Any, str], Rendered]
-    render_in_run: Callable[[Any, str, Origin], Rendered] | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True)
 class Detail:
     """Shows one block of a comparison: what each method made of it.
 
+    It is that of the type of the first input of the steps that scored the blocks.
+
     Attributes
     ----------
-    type : type
-        Of the first input of the steps that scored the blocks.
     pack : callable
         ``pack(block, inputs)`` returns what the view of a block shows, as data for `json_script`,
         or None if it has nothing to show. ``block`` maps columns such as ``marker`` and ``start``
@@ -285,7 +254,6 @@ class Detail:
         If a field is of another type.
     """
 
-    type: type
     pack: Callable[
         [Mapping[str, Any], Mapping[str, Mapping[str, Any]]], Mapping[str, object] | None
     ]
@@ -293,43 +261,6 @@ class Detail:
     module: str
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True)
-class Storage:
-    """Stores values of one type on disk and sends them to other processes, without pickle.
-
-    Values that derive from `nodegraph.Value`, arrays, numbers, text, bytes, and tuples, lists and
-    mappings of these need none.
-
-    Attributes
-    ----------
-    type : type
-    take_apart : callable
-        Returns the value as a composition of such plain values.
-    put_together : callable
-        Returns the value again. What is stored may be damaged: whatever is raised for parts that
-        `take_apart` does not return has the value computed again.
-    faithful : bool
-        Whether `put_together` returns an equal value. If not, it returns a stand-in that can only
-        be shown, and a step that needs the value computes it again.
-    lend : callable, optional
-        Returns what each reader gets, where a reader could modify the value itself.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
-    """
-
-    type: type
-    take_apart: Callable[[Any], object]
-    put_together: Callable[[Any], object]
-    faithful: bool = True
-    lend: Callable[[Any], object] | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -372,57 +303,6 @@ class Format:
         for suffix in self.suffixes or ("",):
             if not isinstance(suffix, str) or suffix[:1] != "." or suffix != suffix.lower():
                 raise ValueError(f"Format.suffixes: {suffix!r} is not of the form '.c3d'")
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Describes in the terms of its field how two values of one type differ.
-
-    Attributes
-    ----------
-    type : type
-    compare : callable
-        ``compare(first, second)`` yields a sentence per difference, the most important first;
-        nothing if the two are the same. Types without a comparison are compared part by part.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
-    """
-
-    type: type
-    compare: Callable[[Any, Any], Iterable[str]]
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-
-
-@dataclass(frozen=True)
-class Conclusion:
-    """States what readers take from values of one type, as a study quotes it.
-
-    Attributes
-    ----------
-    type : type
-    conclude : callable
-        Yields a sentence per conclusion that the value supports, such as an order of methods,
-        without measured numbers, so that it stays the same while the conclusion does.
-    numbers : callable
-        Returns the value's numbers as CSV with a header.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
-    """
-
-    type: type
-    conclude: Callable[[Any], Iterable[str]]
-    numbers: Callable[[Any], str]
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @dataclass(frozen=True)

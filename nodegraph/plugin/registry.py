@@ -13,7 +13,8 @@ from typing import Any
 from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, closest, listed, quoted
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import loading
-from nodegraph.plugin.hook_results import HookResults, declared_hooks
+from nodegraph.plugin.hook_results import HookResults
+from nodegraph.plugin.hooks import GROUP, HOOKS
 from nodegraph.plugin.loading import BrokenPlugin, NodesHookError, Plugin, error_text
 
 
@@ -101,7 +102,7 @@ class Registry:
             If no plugin defines it, or several do.
         """
         plugin, colon, bare_name = name.rpartition(":")
-        if colon and plugin in self.hooks.node_finders:
+        if colon and plugin in self.hooks.of("node_finders"):
             return self._of_scheme(plugin, bare_name)
         nodes = self._by_name.get(bare_name, [])
         matches = [node for node in nodes if not colon or node.plugin == plugin]
@@ -146,7 +147,7 @@ class Registry:
         """Return the node that the plugin of a scheme makes of a name."""
         if (scheme, name) not in self._by_scheme:
             try:
-                node = _checked_node(self.hooks.node_finders[scheme](name))
+                node = _checked_node(self.hooks.of("node_finders")[scheme](name))
             except NodegraphError as error:
                 message, _, instead = f"no node '{scheme}:{name}': {error}".partition("; ")
                 raise UnknownNodeError(message, instead) from error
@@ -164,7 +165,7 @@ class Registry:
             raise NodegraphError(f"{file}: {error_text(error)}") from error
         has_nodes = any(registered.plugin == plugin.name for registered in self)
         has_other_hooks = any(
-            hasattr(plugin.module, hook) for hook in declared_hooks() if hook != "nodegraph_nodes"
+            hasattr(plugin.module, f"{GROUP}_{hook}") for hook in HOOKS if hook != "nodes"
         )
         if not has_nodes and not has_other_hooks:
             hint = 'write @node("family.method") above a function'

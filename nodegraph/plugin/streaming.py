@@ -43,7 +43,6 @@ class Streamable:
 
     Attributes
     ----------
-    type : type
     header : callable
         ``header(value)`` returns the value without frames: what does not change from frame to
         frame. If frames come at a rate, its attribute ``rate`` is in Hz.
@@ -60,7 +59,6 @@ class Streamable:
         If a field is of another type.
     """
 
-    type: type
     header: Callable[[Any], object]
     split: Callable[[Any], Sequence[object]]
     join: Callable[[Any, Sequence[Any]], object]
@@ -76,7 +74,6 @@ class LiveView:
 
     Attributes
     ----------
-    type : type
     begin : callable
         ``begin(values)`` returns what a script needs before the first frame, as data for
         `json_script`, or None to be called again with a later frame. ``values`` maps the labels
@@ -97,7 +94,6 @@ class LiveView:
         If a field is of another type.
     """
 
-    type: type
     begin: Callable[[Mapping[str, Any]], object]
     pack: Callable[[Any], bytes]
     module: str

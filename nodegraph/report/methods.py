@@ -49,7 +49,7 @@ class Methods:
 
     def __init__(self, run: Run) -> None:
         nodes = run.plan.graph.nodes.values()
-        self._bibtex = run.plan.graph.registry.hooks.bibtex
+        self._bibtex = run.plan.graph.registry.hooks.of("bibtex")
         self._all = [method for node in nodes for method in _method_runs(run, node).values()]
         self._used = [used for used in self._all if used.settings]
 

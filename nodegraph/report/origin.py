@@ -22,11 +22,11 @@ _MOST_VALUES = 32
 
 def render_in_run(value: object, title: str, origin: RunOrigin) -> Rendered | None:
     """Return how a value of a run appears; None if no plugin shows values of its type."""
-    for renderer in origin.run.plan.graph.registry.hooks.renderers:
-        if isinstance(value, renderer.type):
-            if renderer.render_in_run is None:
-                return renderer.render(value, origin.caption or title)
-            return renderer.render_in_run(value, title, origin)
+    kind = origin.run.plan.graph.registry.hooks.kind(type(value), "render")
+    if kind is not None and kind.render_in_run is not None:
+        return kind.render_in_run(value, title, origin)
+    if kind is not None and kind.render is not None:
+        return kind.render(value, origin.caption or title)
     return Rendered("", str(value)) if isinstance(value, (str, int, float)) else None
 
 
@@ -40,10 +40,10 @@ class RunOrigin:
     caption: str = ""
     _values: OrderedDict[Output, object] = field(default_factory=OrderedDict, repr=False)
 
-    @property
-    def details(self) -> tuple[Detail, ...]:
-        """The views of single blocks of a comparison that plugins add."""
-        return self.run.plan.graph.registry.hooks.details
+    def detail(self, value: object) -> Detail | None:
+        """Return the view of single blocks whose scores read such a value; None without one."""
+        kind = self.run.plan.graph.registry.hooks.kind(type(value), "detail")
+        return kind.detail() if kind is not None and kind.detail is not None else None
 
     def seconds(self, axis: str) -> dict[Label, list[float]]:
         """Return the times of results by label of an axis; empty if no node has the name."""

@@ -10,7 +10,7 @@ from functools import cached_property
 
 from nodegraph.equality import difference
 from nodegraph.formatting import labels_of
-from nodegraph.plugin.hook_types import Comparison
+from nodegraph.plugin.hook_results import HookResults
 from nodegraph.runs.record import Cell, Record, RecordedCode, RecordedStep
 from nodegraph.state import State
 from nodegraph.store import Store
@@ -350,24 +350,21 @@ def same_syntax(was: Record, now: Record) -> bool:
     return before == after
 
 
-def value_differences(
-    value: object, other: object, comparisons: Iterable[Comparison]
-) -> tuple[str, ...]:
+def value_differences(value: object, other: object, hooks: HookResults) -> tuple[str, ...]:
     """Return a sentence per difference of two values; nothing if they are equal.
 
     Parameters
     ----------
     value, other
-    comparisons
-        Those of plugins. The first that fits both values is used; if it reports nothing, the
-        values are compared part by part.
+    hooks
+        Of plugins. If none describes a difference, the values are compared part by part.
     """
     rest = difference(value, other)
-    return _described(value, other, comparisons) or ((rest,) if rest else ())
+    return _described(value, other, hooks) or ((rest,) if rest else ())
 
 
 def output_differences(
-    was: Mapping[str, object], now: Mapping[str, object], comparisons: Iterable[Comparison]
+    was: Mapping[str, object], now: Mapping[str, object], hooks: HookResults
 ) -> list[str]:
     """Return a sentence per difference of the outputs of a step.
 
@@ -377,27 +374,23 @@ def output_differences(
     ----------
     was, now
         By the names of outputs.
-    comparisons
-        Those of plugins.
+    hooks
+        Of plugins.
     """
-    comparisons = tuple(comparisons)
     both = [(name, was[name], now[name]) for name in was if name in now]
     prefix = {name: f"{name}: " if len(both) > 1 else "" for name in was}
     described = [
         f"{prefix[name]}{text}"
         for name, value, other in both
-        for text in _described(value, other, comparisons)
+        for text in _described(value, other, hooks)
     ]
     return described or [
         text for name, value, other in both if (text := difference(value, other, name=name))
     ]
 
 
-def _described(value: object, other: object, comparisons: Iterable[Comparison]) -> tuple[str, ...]:
-    fitting = (
-        comparison
-        for comparison in comparisons
-        if isinstance(value, comparison.type) and isinstance(other, comparison.type)
-    )
-    first = next(fitting, None)
-    return tuple(first.compare(value, other)) if first else ()
+def _described(value: object, other: object, hooks: HookResults) -> tuple[str, ...]:
+    kind = hooks.kind(type(value), "compare")
+    if kind is None or kind.compare is None or not isinstance(other, kind.type):
+        return ()
+    return tuple(kind.compare(value, other))

@@ -32,11 +32,9 @@ def exporters_of(value: object, registry: Registry) -> dict[str, Exporter]:
 
 
 def _from_renderer(value: object, registry: Registry) -> dict[str, Exporter]:
-    for renderer in registry.hooks.renderers:
-        if isinstance(value, renderer.type):
-            files = renderer.render(value, "").files
-            return {suffix: partial(_part, files, suffix) for suffix in files}
-    return {}
+    kind = registry.hooks.kind(type(value), "render")
+    files = kind.render(value, "").files if kind is not None and kind.render is not None else {}
+    return {suffix: partial(_part, files, suffix) for suffix in files}
 
 
 def _from_writers(value: object, registry: Registry) -> Iterator[tuple[str, Exporter]]:

@@ -24,6 +24,7 @@ from nodegraph.live.plan import LivePlan, not_given
 from nodegraph.live.session import Session
 from nodegraph.plan import Output
 from nodegraph.plugin.formats import formats_of
+from nodegraph.plugin.hook_results import HookResults
 from nodegraph.plugin.streaming import Frame, LiveView
 from nodegraph.report.page import SCRIPTS, source
 from nodegraph.serve.pages import json_in_script, own_source, page_response
@@ -83,7 +84,7 @@ class StreamPage:
         self._announce = announce
         self._registry = session.plan.plan.graph.registry
         self._source = session.plan.source
-        shown = list(_shown(session.plan, self._registry.hooks.live_views))
+        shown = list(_shown(session.plan, self._registry.hooks))
         self._to_begin = dict.fromkeys(shown)
         self._begun: list[tuple[_Shown, object]] = []
         """The outputs that are shown, each with the data for scripts."""
@@ -215,7 +216,7 @@ class StreamPage:
             yield label, streamable_of(type(header)).join(header, [frame.payload])
 
 
-def _shown(plan: LivePlan, views: Sequence[LiveView]) -> Iterator[_Shown]:
+def _shown(plan: LivePlan, hooks: HookResults) -> Iterator[_Shown]:
     """Yield each output that a view shows, beside that of the source if that has the same view."""
     outputs = [plan.source]
     outputs += [
@@ -227,7 +228,8 @@ def _shown(plan: LivePlan, views: Sequence[LiveView]) -> Iterator[_Shown]:
     for output in outputs:
         step = plan.plan.steps[output.step]
         port = step.method.node.outputs[output.position]
-        view = next((view for view in views if issubclass(port.type, view.type)), None)
+        kind = hooks.kind(port.type, "live_view")
+        view = kind.live_view() if kind is not None and kind.live_view is not None else None
         if view is not None and not not_given(plan.plan, output):
             names[f"{step.node}.{port.name}" if output.position else step.node] = view
     first: tuple[LiveView | None, Mapping[str, Output]] = (None, {})

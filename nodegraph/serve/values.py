@@ -205,11 +205,10 @@ def packed(run: Run, query: Query) -> Mapping[str, object]:
         if all(ended[output.step].has_value for output in step.reads())
     }
     first = next((value for ports in inputs.values() for value in ports.values()), None)
-    for detail in origin.details:
-        if isinstance(first, detail.type):
-            content = detail.pack(labels, inputs)
-            if content is not None:
-                return content
+    detail = origin.detail(first)
+    content = detail.pack(labels, inputs) if detail is not None else None
+    if content is not None:
+        return content
     raise NodegraphError("there is nothing to show of this block")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
@@ -11,7 +12,9 @@ from mkdocs.structure.files import File, Files
 from nodegraph.cli.main import all_parsers
 from nodegraph.graphfile import keys
 from nodegraph.node.description import describe_declaration, describe_settings, summary_of
+from nodegraph.plugin import hooks
 from nodegraph.plugin.bibliography import references
+from nodegraph.plugin.hooks import GROUP, HOOKS, Shape
 from nodegraph.plugin.registry import Registered, Registry
 
 _KEYS: tuple[tuple[str, Mapping[str, keys.Key]], ...] = (
@@ -23,7 +26,7 @@ _KEYS: tuple[tuple[str, Mapping[str, keys.Key]], ...] = (
     ("An entry of the report", keys.REPORT_ENTRY),
 )
 _DOCUMENTED = (
-    "nodegraph.plugin.hooks",
+    "nodegraph.plugin.kind",
     "nodegraph.plugin.hook_types",
     "nodegraph.plugin.streaming",
     "nodegraph.node.live_form",
@@ -45,7 +48,7 @@ def _pages() -> Iterator[tuple[str, str]]:
     for entry in registry:
         families[entry.node.family].append(entry)
     cited = references(
-        registry.hooks.bibtex, sorted({key for e in registry for key in e.node.cite})
+        registry.hooks.of("bibtex"), sorted({key for e in registry for key in e.node.cite})
     )
     overview = [f"# Nodes\n\n{len(list(registry))} nodes in {len(families)} families."]
     for family, entries in families.items():
@@ -72,7 +75,17 @@ def _pages() -> Iterator[tuple[str, str]]:
         for title, table in _KEYS
     ]
     yield "keys.md", "\n\n".join(["# Keys of a graph file", *tables])
-    yield "hooks.md", "\n\n".join(["# Hooks", *(f"::: {module}" for module in _DOCUMENTED)])
+    modules = [f"::: {module}" for module in _DOCUMENTED]
+    yield "hooks.md", "\n\n".join([f"# Hooks\n\n{hooks.__doc__}", *_hooks(), *modules])
+
+
+def _hooks() -> Iterator[str]:
+    """Yield a section for each hook: what it returns, and an example."""
+    shapes = {Shape.LIST: "A list", Shape.NAMED: "A mapping by name", Shape.TEXT: "A text"}
+    for name, hook in HOOKS.items():
+        function = f"{GROUP}_{name}"
+        code = f"@hookimpl\ndef {function}():\n{textwrap.indent(hook.example, '    ')}"
+        yield f"## `{function}`\n\n{shapes[hook.shape]}. {hook.doc}\n\n```python\n{code}\n```"
 
 
 def _node(entry: Registered, cited: Mapping[str, str]) -> str:

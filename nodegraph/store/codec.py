@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from nodegraph.plugin.hook_types import Storage
+    from nodegraph.plugin.kind import Kind
 
 
 class Unstorable(NodegraphError):
@@ -515,7 +515,7 @@ class Decoder:
         return content
 
 
-def encoder_for(kind: type, storage: Storage | None) -> Encode:
+def encoder_for(kind: type, storage: Kind | None) -> Encode:
     """Return the function that encodes values of a type.
 
     Raises
@@ -536,13 +536,13 @@ def encoder_for(kind: type, storage: Storage | None) -> Encode:
     raise Unstorable(kind.__qualname__)
 
 
-def storage_name(storage: Storage) -> str:
+def storage_name(storage: Kind) -> str:
     """Return the name by which a storage is found again."""
     return f"{storage.type.__module__}:{storage.type.__qualname__}"
 
 
 def decoders_with(
-    storages: Iterable[Storage], packages: Callable[[str], bool]
+    storages: Iterable[Kind], packages: Callable[[str], bool]
 ) -> Mapping[str, Decode]:
     """Return the functions that decode each kind of list, by its first item."""
     by_name = {storage_name(storage): storage for storage in reversed(tuple(storages))}
@@ -616,7 +616,8 @@ def _encode_value(name: str, names: tuple[str, ...], value: Value, encoder: Enco
     return ["value", name, list(names), *plain]
 
 
-def _encode_stored(storage: Storage, name: str, value: object, encoder: Encoder) -> object:
+def _encode_stored(storage: Kind, name: str, value: object, encoder: Encoder) -> object:
+    assert storage.take_apart is not None
     try:
         parts = storage.take_apart(value)
     except Unstorable:
@@ -661,7 +662,7 @@ def _decode_absent(decoder: Decoder, *plain: object) -> Absent:
 
 
 def _decode_stored(
-    by_name: Mapping[str, Storage], decoder: Decoder, name: str, plain: object
+    by_name: Mapping[str, Kind], decoder: Decoder, name: str, plain: object
 ) -> object:
     storage = by_name.get(name)
     if storage is None:
@@ -669,6 +670,7 @@ def _decode_stored(
     if not (storage.faithful or decoder.stand_ins):
         raise Unreadable(f"something stands in for a {storage.type.__name__}")
     (parts,) = decoder.all((plain,))
+    assert storage.put_together is not None
     return storage.put_together(parts)
 
 
@@ -759,8 +761,8 @@ class Packer:
 
     Parameters
     ----------
-    storages
-        How values of further types are kept; the first that fits a type is used, before all that
+    kinds
+        What plugins know of further types; the first that stores a type is used, before all that
         is known here.
     packages
         Returns for a top-level package whether a stored value may make the program import it. What
@@ -769,10 +771,10 @@ class Packer:
 
     def __init__(
         self,
-        storages: Iterable[Storage] = (),
+        kinds: Iterable[Kind] = (),
         packages: Callable[[str], bool] = lambda package: False,
     ) -> None:
-        self._storages = tuple(storages)
+        self._storages = tuple(kind for kind in kinds if kind.take_apart is not None)
         self._storage = _ByType(self._storage_of)
         self._encoders = _ByType(lambda kind: encoder_for(kind, self._storage[kind]))
         self._lenders = _ByType(self._lender_of)
@@ -858,7 +860,7 @@ class Packer:
         copier = self._copiers[type(value)]
         return value if copier is None else copier(value)
 
-    def _storage_of(self, kind: type) -> Storage | None:
+    def _storage_of(self, kind: type) -> Kind | None:
         return next((storage for storage in self._storages if issubclass(kind, storage.type)), None)
 
     def _lender_of(self, kind: type) -> Callable[[Any], object] | None:

@@ -181,7 +181,8 @@ def _bibtex(node: Node, registry: Registry) -> Iterable[str]:
                 reason = error_text(error, package_of(hook))
                 message = f"its plugin's hook nodegraph_bibtex failed: {reason}"
                 raise PluginError(message) from error
-    return registry.hooks.bibtex
+    bibtex: Iterable[str] = registry.hooks.of("bibtex")
+    return bibtex
 
 
 def _obstacles(
@@ -191,7 +192,7 @@ def _obstacles(
     for port in ports_without_specimens(node, inputs, registry):
         yield (
             f"port {port.name!r}: no installed plugin ships a specimen of {port.type.__name__}: "
-            "ship one by the hook nodegraph_specimens, or test with "
+            "ship one by the hook nodegraph_kinds, or test with "
             f"check_node(..., inputs={{{port.name!r}: ...}})"
         )
     for name in inputs.keys() - {port.name for port in node.inputs}:

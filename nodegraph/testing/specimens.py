@@ -75,9 +75,9 @@ def examples(node: Node) -> Mapping[str, object]:
 def _specimens_of(kind: type, registry: Registry) -> dict[str, object]:
     """Return the specimens, by name, of a type and its subclasses."""
     specimens: dict[str, object] = {}
-    for each, make in registry.hooks.specimens():
-        if issubclass(each, kind):
-            specimens.update(make())
+    for each in registry.hooks.having("specimens"):
+        if issubclass(each.type, kind) and each.specimens is not None:
+            specimens.update(each.specimens())
     return specimens
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph import Renderer, hookimpl
+from nodegraph import Kind, hookimpl, late
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -23,12 +23,18 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
 
 
 @hookimpl
-def nodegraph_renderers() -> Iterable[Renderer]:
+def nodegraph_kinds() -> Iterable[Kind]:
     """Return how the overview of a comparison appears."""
-    from nodegraph_compare.overview.render import render_overview, render_overview_in_run
     from nodegraph_compare.overview.value import Overview
 
-    return (Renderer(Overview, render_overview, render_overview_in_run),)
+    module = "nodegraph_compare.overview.render"
+    return (
+        Kind(
+            Overview,
+            render=late(f"{module}:render_overview"),
+            render_in_run=late(f"{module}:render_overview_in_run"),
+        ),
+    )
 
 
 @hookimpl

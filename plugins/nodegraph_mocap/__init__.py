@@ -1,9 +1,9 @@
 """Types that travel between nodes that process motion capture."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from nodegraph import Comparison, Detail, Files, LiveView, Renderer, Streamable, hookimpl
+from nodegraph import Files, Kind, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -42,51 +42,11 @@ __all__ = [
 
 
 @hookimpl
-def nodegraph_renderers() -> Iterable[Renderer]:
-    """Return how playbacks appear in a report."""
-    from nodegraph_mocap.player.page import playback_renderers
+def nodegraph_kinds() -> Iterable[Kind]:
+    """Return how this package's types appear, are compared, streamed, and tested."""
+    from nodegraph_mocap.kinds import kinds
 
-    return playback_renderers()
-
-
-@hookimpl
-def nodegraph_details() -> Iterable[Detail]:
-    """Return how blocks of a comparison of recordings are shown."""
-    from nodegraph_mocap.gap.view import details
-
-    return details()
-
-
-@hookimpl
-def nodegraph_comparisons() -> Iterable[Comparison]:
-    """Return how recordings, masks and weights are compared."""
-    from nodegraph_mocap.comparisons import comparisons
-
-    return comparisons()
-
-
-@hookimpl
-def nodegraph_streamables() -> Iterable[Streamable]:
-    """Return how values of this package's types become frames."""
-    from nodegraph_mocap.streaming import streamables
-
-    return streamables()
-
-
-@hookimpl
-def nodegraph_live_views() -> Iterable[LiveView]:
-    """Return how recordings and animations appear on the page of a stream."""
-    from nodegraph_mocap.player.live import live_views
-
-    return live_views()
-
-
-@hookimpl
-def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:
-    """Return small values of this package's types, on which nodes are tested."""
-    from nodegraph_mocap.specimens import specimens
-
-    return specimens()
+    return kinds()
 
 
 @hookimpl

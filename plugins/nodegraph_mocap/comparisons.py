@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Comparison, listed
+from nodegraph import listed
 from nodegraph_mocap.face_model import Weights
 from nodegraph_mocap.recording import Mask, Trajectories
 from nodegraph_tables import differences, name_differences
@@ -18,15 +18,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MOST_NAMES = 5
-
-
-def comparisons() -> tuple[Comparison, ...]:
-    """Return the comparisons of this package's types."""
-    return (
-        Comparison(Trajectories, compare_recordings),
-        Comparison(Mask, compare_masks),
-        Comparison(Weights, compare_weights),
-    )
 
 
 def compare_recordings(first: Trajectories, second: Trajectories) -> Iterator[str]:

@@ -44,13 +44,11 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
         MarkerSet: marker_sets,
         Selection: selections,
         Detections: detections,
-        BlendshapeModel: lambda: {"complete": _model()},
+        BlendshapeModel: models,
         Head: heads,
         Weights: weights,
         Animation: animations,
-        HeadMotion: lambda: {
-            name: HeadMotion.still(recording.frames) for name, recording in recordings().items()
-        },
+        HeadMotion: head_motions,
     }
 
 
@@ -122,6 +120,16 @@ def detections() -> dict[str, Detections]:
             rate=recording.rate,
         )
     return specimens
+
+
+def models() -> dict[str, BlendshapeModel]:
+    """Return one model."""
+    return {"complete": _model()}
+
+
+def head_motions() -> dict[str, HeadMotion]:
+    """Return a head that keeps still, as long as each recording."""
+    return {name: HeadMotion.still(each.frames) for name, each in recordings().items()}
 
 
 def heads() -> dict[str, Head]:

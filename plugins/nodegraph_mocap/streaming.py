@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
@@ -86,45 +86,6 @@ class AnimationFrame(NamedTuple):
 
     weights: NDArray[np.float64]
     pose: HeadPose | None
-
-
-def streamables() -> tuple[Streamable, ...]:
-    """Return how values of this package's types are split into frames."""
-    return (
-        Streamable(Trajectories, _no_frames, _marker_frames, _recording, _missing_markers),
-        Streamable(
-            Weights,
-            lambda weights: replace(weights, values=weights.values[:0]),
-            lambda weights: list(weights.values),
-            lambda header, frames: replace(header, values=_joined(frames, header.values)),
-            lambda header: np.full(len(header.names), np.nan),
-        ),
-        Streamable(
-            Mask,
-            lambda mask: replace(mask, hidden=mask.hidden[:0]),
-            lambda mask: list(mask.hidden),
-            lambda header, frames: replace(header, hidden=_joined(frames, header.hidden)),
-            lambda header: np.zeros(len(header.markers), dtype=np.bool_),
-        ),
-        Streamable(
-            HeadMotion,
-            lambda motion: HeadMotion.still(0),
-            _poses,
-            lambda header, frames: _head_motion(frames),
-            lambda header: _poses(HeadMotion.still(1))[0],
-        ),
-        Streamable(Animation, _animation_header, _animation_frames, _animation, _missing_weights),
-        Streamable(
-            Detections,
-            lambda detections: _detections(detections, ()),
-            # the split of no frames has one part
-            lambda detections: np.split(detections.points, detections.offsets[1:-1])[
-                : len(detections.offsets) - 1
-            ],
-            _detections,
-            lambda header: np.empty((0, 3)),
-        ),
-    )
 
 
 def _joined(frames: Sequence[NDArray[_Scalar]], header: NDArray[_Scalar]) -> NDArray[_Scalar]:
@@ -218,3 +179,37 @@ def _detections(header: Detections, frames: Sequence[NDArray[np.float64]]) -> De
         offsets=np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]),
         rate=header.rate,
     )
+
+
+STREAMS: Mapping[type, Streamable] = {
+    Trajectories: Streamable(_no_frames, _marker_frames, _recording, _missing_markers),
+    Weights: Streamable(
+        lambda weights: replace(weights, values=weights.values[:0]),
+        lambda weights: list(weights.values),
+        lambda header, frames: replace(header, values=_joined(frames, header.values)),
+        lambda header: np.full(len(header.names), np.nan),
+    ),
+    Mask: Streamable(
+        lambda mask: replace(mask, hidden=mask.hidden[:0]),
+        lambda mask: list(mask.hidden),
+        lambda header, frames: replace(header, hidden=_joined(frames, header.hidden)),
+        lambda header: np.zeros(len(header.markers), dtype=np.bool_),
+    ),
+    HeadMotion: Streamable(
+        lambda motion: HeadMotion.still(0),
+        _poses,
+        lambda header, frames: _head_motion(frames),
+        lambda header: _poses(HeadMotion.still(1))[0],
+    ),
+    Animation: Streamable(_animation_header, _animation_frames, _animation, _missing_weights),
+    Detections: Streamable(
+        lambda detections: _detections(detections, ()),
+        # the split of no frames has one part
+        lambda detections: np.split(detections.points, detections.offsets[1:-1])[
+            : len(detections.offsets) - 1
+        ],
+        _detections,
+        lambda header: np.empty((0, 3)),
+    ),
+}
+"""How values of each type are split into frames."""

@@ -1,13 +1,19 @@
 """Tables and figures: their types, storage, appearance, and the conclusions that they hold."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 
-from nodegraph import Comparison, Conclusion, Renderer, Storage, hookimpl
-from nodegraph_tables.comparisons import comparisons, differences, name_differences
+from nodegraph import Kind, hookimpl, late
+from nodegraph_tables.comparisons import (
+    compare_drawings,
+    compare_tables,
+    differences,
+    name_differences,
+)
 from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
 from nodegraph_tables.info import BetterEnd, TableInfo, Take, info_of, with_info
 from nodegraph_tables.lead import Card, Lead
 from nodegraph_tables.poses import Poses, difference, poses_of
+from nodegraph_tables.storage import figure_files, lend_table
 from nodegraph_tables.style import figure_text
 from nodegraph_tables.types import Figure, Table
 
@@ -32,42 +38,29 @@ __all__ = [
 
 
 @hookimpl
-def nodegraph_renderers() -> Iterable[Renderer]:
-    """Return how tables and figures appear in a report."""
-    from nodegraph_tables.rendering import render_table, render_table_in_run
-
+def nodegraph_kinds() -> Iterable[Kind]:
+    """Return how tables and figures appear, are stored and compared, and what tables conclude."""
     return (
-        Renderer(Table, render_table, render_table_in_run),
-        Renderer(Figure, render_figure),
-        Renderer(StoredFigure, render_stored_figure),
+        Kind(
+            Table,
+            render=late("nodegraph_tables.rendering:render_table"),
+            render_in_run=late("nodegraph_tables.rendering:render_table_in_run"),
+            take_apart=late("nodegraph_tables.stored_table:take_apart"),
+            put_together=late("nodegraph_tables.stored_table:put_together"),
+            lend=lend_table,
+            compare=compare_tables,
+            conclude=late("nodegraph_tables.conclusions:conclude_table"),
+            numbers=late("nodegraph_tables.conclusions:table_numbers"),
+            specimens=late("nodegraph_tables.specimens:table_specimens"),
+        ),
+        Kind(
+            Figure,
+            render=render_figure,
+            take_apart=figure_files,
+            # the drawing can only be shown in place of the figure
+            put_together=lambda files: StoredFigure(*files),
+            faithful=False,
+            specimens=late("nodegraph_tables.specimens:figure_specimens"),
+        ),
+        Kind(StoredFigure, render=render_stored_figure, compare=compare_drawings),
     )
-
-
-@hookimpl
-def nodegraph_comparisons() -> Iterable[Comparison]:
-    """Return how tables and figures are compared."""
-    return comparisons()
-
-
-@hookimpl
-def nodegraph_conclusions() -> Iterable[Conclusion]:
-    """Return what a study concludes from tables."""
-    from nodegraph_tables.conclusions import conclude_table, table_numbers
-
-    return (Conclusion(Table, conclude_table, table_numbers),)
-
-
-@hookimpl
-def nodegraph_storages() -> Iterable[Storage]:
-    """Return how tables and figures are stored."""
-    from nodegraph_tables.storage import storages
-
-    return storages()
-
-
-@hookimpl
-def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:
-    """Return small tables and figures, on which nodes are tested."""
-    from nodegraph_tables.specimens import figure_specimens, table_specimens
-
-    return {Table: table_specimens, Figure: figure_specimens}

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Comparison, listed
+from nodegraph import listed
 from nodegraph_tables.figures import StoredFigure
 from nodegraph_tables.types import Table
 
@@ -15,11 +15,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MOST_NAMES = 5
-
-
-def comparisons() -> tuple[Comparison, ...]:
-    """Return how tables and figures are compared."""
-    return (Comparison(Table, compare_tables), Comparison(StoredFigure, compare_drawings))
 
 
 def compare_tables(before: Table, now: Table) -> Iterator[str]:

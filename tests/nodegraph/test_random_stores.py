@@ -21,7 +21,7 @@ from nodegraph.execute import Event, HowToRun, Run, execute, open_store
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import Gathered, Plan, Step, plan
-from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
@@ -54,7 +54,7 @@ def stand_in(text: str) -> Word:
     return Sketch(f"stand-in of {text}", np.zeros(1))
 
 
-SKETCHES = Storage(Sketch, lambda word: word.text, stand_in, faithful=False)
+SKETCHES = Kind(Sketch, take_apart=lambda word: word.text, put_together=stand_in, faithful=False)
 
 
 def word_of(name: str, *parts: object, kind: type[Word] = Word) -> Word:
@@ -95,7 +95,7 @@ def gather(parts: Across[Word], second: Word | None = None, *, mark: int = 0) ->
 
 
 NODES = (make, join, draw, gather)
-MODULE = SimpleNamespace(__name__="sketches", nodegraph_storages=hookimpl(lambda: [SKETCHES]))
+MODULE = SimpleNamespace(__name__="sketches", nodegraph_kinds=hookimpl(lambda: [SKETCHES]))
 
 
 @dataclass(frozen=True)

@@ -208,9 +208,7 @@ class _Takes:
             return None
         inputs = self.read(at, block)
         first = next(iter(next(iter(inputs.values())).values()), None) if inputs else None
-        return next(
-            (detail for detail in self._origin.details if isinstance(first, detail.type)), None
-        )
+        return None if first is None else self._origin.detail(first)
 
     def read(self, at: int, block: int) -> dict[str, Mapping[str, object]] | None:
         """Return what the score of each method had read; None where that is not available."""

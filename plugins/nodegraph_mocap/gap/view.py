@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from functools import cache
 from importlib.resources import files
 
 from nodegraph import Detail
 from nodegraph_mocap.face_layout import layout
 from nodegraph_mocap.gap.data import pack
-from nodegraph_mocap.recording import Trajectories
 
 _SCRIPTS = ("packed", "curves", "closeup", "gap")
 
 
-@cache
-def details() -> tuple[Detail, ...]:
+def detail() -> Detail:
     """Return how blocks are shown whose scores read recordings."""
-    return (
-        Detail(
-            Trajectories,
-            pack,
-            layout,
-            module="mocap/gap",
-            scripts=tuple(_source(f"{name}.js") for name in _SCRIPTS),
-            styles=(_source("gap.css"),),
-        ),
+    return Detail(
+        pack,
+        layout,
+        module="mocap/gap",
+        scripts=tuple(_source(f"{name}.js") for name in _SCRIPTS),
+        styles=(_source("gap.css"),),
     )
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 
@@ -26,15 +25,19 @@ _ENOUGH = 0.5
 """Share of the markers that have to be there to find out from where they are seen."""
 
 
-@cache
-def live_views() -> tuple[LiveView, ...]:
-    """Return how values of this package's types appear on the page of a stream."""
+def view_of_markers() -> LiveView:
+    """Return how recordings appear on the page of a stream."""
+    return LiveView(_begin, _of_markers, "mocap/live", *_scripts_and_styles())
+
+
+def view_of_animations() -> LiveView:
+    """Return how animations appear on the page of a stream."""
+    return LiveView(_begin, _of_animation, "mocap/live", *_scripts_and_styles())
+
+
+def _scripts_and_styles() -> tuple[tuple[str, ...], tuple[str, ...]]:
     scripts = tuple(script_or_style(f"{name}.js") for name in _SCRIPTS)
-    styles = (script_or_style("player.css"), script_or_style("live.css"))
-    return (
-        LiveView(Trajectories, _begin, _of_markers, "mocap/live", scripts, styles),
-        LiveView(Animation, _begin, _of_animation, "mocap/live", scripts, styles),
-    )
+    return scripts, (script_or_style("player.css"), script_or_style("live.css"))
 
 
 def _begin(values: Mapping[str, Trajectories | Animation]) -> str | None:

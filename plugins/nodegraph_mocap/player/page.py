@@ -13,7 +13,7 @@ from functools import cache
 from html import escape
 from importlib.resources import files
 
-from nodegraph import Rendered, Renderer, standalone_page
+from nodegraph import Rendered, standalone_page
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
@@ -24,11 +24,6 @@ _ORIGINS = {
     Origin.MISSING: "missing",
 }
 _SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "player")
-
-
-def playback_renderers() -> tuple[Renderer, ...]:
-    """Return how playbacks appear in a report."""
-    return (Renderer(Playback, render_playback),)
 
 
 def render_playback(playback: Playback, title: str) -> Rendered:

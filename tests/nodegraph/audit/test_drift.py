@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from nodegraph.audit.drift import CallResult, drift
-from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.hook_results import HookResults
+from nodegraph.plugin.kind import Kind
 from nodegraph.store import Packer
 
+NO_HOOKS = HookResults([])
 X = np.linspace(1, 2, 30)
 
 
@@ -31,7 +33,7 @@ def test_numbers_are_close_relative_to_their_size(
     first: object, second: object, floor: float, grade: str
 ) -> None:
     was, now = (CallResult.of((value,), Packer()) for value in (first, second))
-    assert drift(was, now, ["x"], (), floor).grade == grade
+    assert drift(was, now, ["x"], NO_HOOKS, floor).grade == grade
 
 
 def test_a_drawing_is_drawn_once_and_compared_often() -> None:
@@ -48,7 +50,9 @@ def test_a_drawing_is_drawn_once_and_compared_often() -> None:
         drawn.append(value.count)
         return value.count
 
-    packer = Packer([Storage(Drawing, draw, int, False)])
+    packer = Packer([Kind(Drawing, take_apart=draw, put_together=int, faithful=False)])
     first, second = (CallResult.of((Drawing(),), packer) for _ in range(2))
-    assert [drift(first, other, ["x"], ()).grade for other in (first, second)] == ["identical"] * 2
+    assert [drift(first, other, ["x"], NO_HOOKS).grade for other in (first, second)] == [
+        "identical"
+    ] * 2
     assert drawn == [1, 1]

@@ -15,7 +15,7 @@ from pydantic import AfterValidator
 
 from nodegraph import Across, InputFile, NodegraphError, hookimpl, node
 from nodegraph.execute import Event, Run
-from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Packer, Store
 
@@ -142,8 +142,11 @@ class Picture:
         self.text = text
 
 
-PICTURES = Storage(
-    Picture, lambda picture: picture.text, lambda text: Picture("stand-in"), faithful=False
+PICTURES = Kind(
+    Picture,
+    take_apart=lambda picture: picture.text,
+    put_together=lambda text: Picture("stand-in"),
+    faithful=False,
 )
 TIMES: Counter[float] = Counter()
 
@@ -182,7 +185,7 @@ def test_a_result_is_stored_for_what_was_gathered_and_not_for_what_was_expected(
           c: {use: picture.draw, in: b}
           d: {use: picture.label, in: c, with: {unit: mm}}
         """
-    module = SimpleNamespace(__name__="pictures", nodegraph_storages=hookimpl(lambda: [PICTURES]))
+    module = SimpleNamespace(__name__="pictures", nodegraph_kinds=hookimpl(lambda: [PICTURES]))
     more = {
         "more": [shaky, sum_all, draw, label],
         "plugins": [Plugin("pictures", module)],

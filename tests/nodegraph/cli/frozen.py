@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from nodegraph import (
-    Across, Comparison, Conclusion, Files, InputFile, Refusal, Storage, Value, hookimpl, node
+    Across, Files, InputFile, Kind, Refusal, Value, hookimpl, node
 )
 
 SHIFT = 1.0
@@ -90,22 +90,16 @@ def nodegraph_nodes():
 
 
 @hookimpl
-def nodegraph_storages():
-    return (Storage(Drawing, lambda one: one.text, Drawing, faithful=False),)
-
-
-@hookimpl
-def nodegraph_comparisons():
-    return (Comparison(Sheet, lambda one, other: ()),)
-
-
-@hookimpl
-def nodegraph_conclusions():
+def nodegraph_kinds():
     order = lambda one: [" < ".join(sorted(one.means, key=one.means.get))]
     numbers = lambda one: "fill,mean\\n" + "".join(
         f"{name},{value:.10g}\\n" for name, value in one.means.items()
     )
-    return (Conclusion(Order, order, numbers),)
+    return (
+        Kind(Drawing, take_apart=lambda one: one.text, put_together=Drawing, faithful=False),
+        Kind(Sheet, compare=lambda one, other: ()),
+        Kind(Order, conclude=order, numbers=numbers),
+    )
 """
 GRAPH = """\
 nodegraph: 1

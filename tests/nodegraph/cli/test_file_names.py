@@ -17,7 +17,7 @@ from tests.nodegraph.cli.portable import check_portable, paths_in
 from tests.records import read_record
 
 NODES = """
-from nodegraph import Files, Rendered, Renderer, hookimpl
+from nodegraph import Files, Rendered, Kind, hookimpl
 from nodegraph.node.decorator import node_of
 
 class Word(str):
@@ -44,11 +44,11 @@ def nodegraph_nodes():
     return [value for value in globals().values() if node_of(value) is not None]
 
 @hookimpl
-def nodegraph_renderers():
+def nodegraph_kinds():
     def render(value, title):
         suffixes = (".csv", ".html", ".json", ".yaml", ".json.gz", ".jsonl")
         return Rendered("", value, {suffix: value.encode() for suffix in suffixes})
-    return [Renderer(Word, render)]
+    return [Kind(Word, render)]
 """
 JAPANESE = "\N{CJK UNIFIED IDEOGRAPH-6F22}" * 78
 COMPOSED, DECOMPOSED = "caf\u00e9", "cafe\u0301"

@@ -23,7 +23,7 @@ NODES = """
 import os
 from collections.abc import Iterator
 from threading import Lock
-from nodegraph import Files, Rendered, Renderer, hookimpl
+from nodegraph import Files, Rendered, Kind, hookimpl
 from nodegraph.node.decorator import node_of
 
 @node("once.list")
@@ -78,14 +78,14 @@ def nodegraph_nodes():
     return [value for value in globals().values() if node_of(value) is not None]
 
 @hookimpl
-def nodegraph_renderers():
+def nodegraph_kinds():
     def render(value, title):
         if value == "die":
             os._exit(7)
         if value.startswith("fail"):
             raise Silent if value == "fail silently" else ValueError("no ink " * value.count("i"))
         return Rendered("", value[:20], {".csv": value.encode(), ".tex": b"tex"})
-    return [Renderer(Word, render)]
+    return [Kind(Word, render)]
 """
 
 

@@ -150,12 +150,12 @@ def test_a_result_that_cannot_be_shown_ends_with_1(command: Command) -> None:
     text = Path("toys.py").read_text()
     Path("toys.py").write_text(
         f"{text}\n"
-        "from nodegraph import Renderer, hookimpl\n\n"
+        "from nodegraph import Kind, hookimpl\n\n"
         "def explode(value, title):\n"
         "    raise RuntimeError('no ink')\n\n"
         "@hookimpl\n"
-        "def nodegraph_renderers():\n"
-        "    return [Renderer(float, explode)]\n"
+        "def nodegraph_kinds():\n"
+        "    return [Kind(float, explode)]\n"
     )
     status, out, _ = command("run", "toy.yaml", "--until", "a")
     assert status == 1

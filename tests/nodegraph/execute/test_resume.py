@@ -14,7 +14,7 @@ import pytest
 
 from nodegraph import hookimpl, node
 from nodegraph.execute import Event, HowToRun, Run
-from nodegraph.plugin.hook_types import Storage
+from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Store
 
@@ -284,7 +284,7 @@ def test_a_stand_in_is_shown_and_never_given_to_a_reader(
           c: {use: picture.size, in: a, with: {add: 1.5}}
         report: [a, b, c]
         """
-    module = SimpleNamespace(__name__="pictures", nodegraph_storages=hookimpl(lambda: [STORAGE]))
+    module = SimpleNamespace(__name__="pictures", nodegraph_kinds=hookimpl(lambda: [PICTURES]))
     plugin = Plugin("pictures", module)
     more = {"more": (draw, size), "plugins": [plugin], "store": tmp_path, "how": how}
     run_of(text, **more)
@@ -345,8 +345,11 @@ class Picture:
         self.text = text
 
 
-STORAGE = Storage(
-    Picture, lambda picture: picture.text, lambda text: f"a picture of {text}", faithful=False
+PICTURES = Kind(
+    Picture,
+    take_apart=lambda picture: picture.text,
+    put_together=lambda text: f"a picture of {text}",
+    faithful=False,
 )
 
 

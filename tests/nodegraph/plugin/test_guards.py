@@ -13,7 +13,7 @@ from nodegraph.plugin import loading
 from tests.records import read_record
 
 NODES = """
-from nodegraph import Comparison, Conclusion, InputFile, Renderer, Storage, hookimpl, node
+from nodegraph import InputFile, Kind, hookimpl, node
 
 
 def fails(*arguments):
@@ -71,9 +71,9 @@ def command(
 
 
 CONCLUSIONS = {
-    "raises": "[Conclusion(float, fails, repr)]",
-    "gives a number": "[Conclusion(float, int, repr)]",
-    "of a text": "[Conclusion('float', fails, repr)]",
+    "raises": "[Kind(float, conclude=fails, numbers=repr)]",
+    "gives a number": "[Kind(float, conclude=int, numbers=repr)]",
+    "of a text": "[Kind('float', conclude=fails)]",
     "of nothing": "[None]",
 }
 
@@ -82,18 +82,18 @@ CONCLUSIONS = {
 def test_a_study_is_locked_and_verified_though_a_conclusion_fails(
     command: Callable[..., tuple[int, str]], name: str
 ) -> None:
-    bad = {"hook": "nodegraph_conclusions", "returned": CONCLUSIONS[name]}
+    bad = {"hook": "nodegraph_kinds", "returned": CONCLUSIONS[name]}
     status, errors = command("lock", "graph.yaml", **bad)
     assert (status, "plugin 'bad_hook': " in errors, "left out" in errors) == (0, True, True)
     assert Path("graph.lock").is_file()
     assert command("verify", "graph.lock", **bad)[0] == 0
 
 
-@pytest.mark.parametrize("returned", ["[Comparison(float, fails)]", "[Comparison(float, int)]"])
+@pytest.mark.parametrize("returned", ["[Kind(float, compare=fails)]", "[Kind(float, compare=int)]"])
 def test_a_study_is_locked_verified_and_compared_though_a_comparison_fails(
     command: Callable[..., tuple[int, str]], returned: str
 ) -> None:
-    bad = {"hook": "nodegraph_comparisons", "returned": returned}
+    bad = {"hook": "nodegraph_kinds", "returned": returned}
     assert command("lock", "graph.yaml", **bad)[0] == 0
     assert command("verify", "graph.lock", **bad)[0] == 0
     assert command("run", "graph.yaml", "--out", "one", **bad)[0] == 0
@@ -104,11 +104,11 @@ def test_a_study_is_locked_verified_and_compared_though_a_comparison_fails(
     assert (status, "plugin 'bad_hook': the comparison of float" in errors) == (1, True)
 
 
-@pytest.mark.parametrize("returned", ["[Renderer(float, fails)]", "[Renderer(float, repr)]"])
+@pytest.mark.parametrize("returned", ["[Kind(float, fails)]", "[Kind(float, repr)]"])
 def test_a_run_has_all_its_files_though_a_rendering_fails(
     command: Callable[..., tuple[int, str]], returned: str
 ) -> None:
-    bad = {"hook": "nodegraph_renderers", "returned": returned}
+    bad = {"hook": "nodegraph_kinds", "returned": returned}
     status, errors = command("run", "graph.yaml", "--out", "run", **bad)
     assert (status, "plugin 'bad_hook': the renderer of float" in errors) == (1, True)
     assert read_record("run")["steps"][0]["state"] == "done"
@@ -117,13 +117,11 @@ def test_a_run_has_all_its_files_though_a_rendering_fails(
     assert (status, "plugin 'bad_hook': the renderer of float" in errors) == (2, True)
 
 
-@pytest.mark.parametrize(
-    "returned", ["[Storage(float, fails, fails)]", "[Storage(float, str, str)]"]
-)
+@pytest.mark.parametrize("returned", ["fails, put_together=fails", "str, put_together=str"])
 def test_a_run_goes_on_though_a_storage_fails(
     command: Callable[..., tuple[int, str]], returned: str
 ) -> None:
-    bad = {"hook": "nodegraph_storages", "returned": returned}
+    bad = {"hook": "nodegraph_kinds", "returned": f"[Kind(float, take_apart={returned})]"}
     for _ in range(2):
         assert command("run", "graph.yaml", "--out", "run", **bad)[0] == 0
     assert command("lock", "graph.yaml", **bad)[0] == 0
@@ -132,7 +130,8 @@ def test_a_run_goes_on_though_a_storage_fails(
 def test_of_a_value_that_cannot_be_lent_a_copy_is(
     command: Callable[..., tuple[int, str]],
 ) -> None:
-    bad = {"hook": "nodegraph_storages", "returned": "[Storage(float, float, float, lend=repr)]"}
+    returned = "[Kind(float, take_apart=float, put_together=float, lend=repr)]"
+    bad = {"hook": "nodegraph_kinds", "returned": returned}
     status, errors = command("run", "graph.yaml", "--out", "run", **bad)
     assert (status, "plugin 'bad_hook': lend of float" in errors) == (0, True)
     assert Path("run/run.json").is_file()

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph import Conclusion, Format, Rendered, Renderer, Storage
+from nodegraph import Format, Kind, Rendered, late
 
 
 def nothing(*arguments: object) -> tuple[str, ...]:
@@ -17,11 +17,10 @@ def nothing(*arguments: object) -> tuple[str, ...]:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Conclusion("int", nothing, str), "Conclusion.type: expected type, got str"),  # type: ignore[arg-type]
-        (lambda: Conclusion(int, nothing, 4), "Conclusion.numbers: expected Callable, got int"),  # type: ignore[arg-type]
-        (lambda: Renderer(nothing, int), "Renderer.type: expected type, got function"),  # type: ignore[arg-type]
-        (lambda: Storage(int, nothing, None), "Storage.put_together: .* got NoneType"),  # type: ignore[arg-type]
-        (lambda: Storage(int, nothing, nothing, nothing), "Storage.faithful: expected bool"),  # type: ignore[arg-type]
+        (lambda: Kind("int"), "Kind.type: expected type, got str"),  # type: ignore[arg-type]
+        (lambda: Kind(nothing, int), "Kind.type: expected type, got function"),  # type: ignore[arg-type]
+        (lambda: Kind(int, numbers=4), "Kind.numbers: expected Callable or NoneType, got int"),  # type: ignore[arg-type]
+        (lambda: Kind(int, faithful=nothing), "Kind.faithful: expected bool"),  # type: ignore[arg-type]
         (lambda: Rendered(b"<p>"), "Rendered.html: expected str, got bytes"),  # type: ignore[arg-type]
         (lambda: Rendered("", scripts="let a = 1"), "Rendered.scripts: .*tuple"),  # type: ignore[arg-type]
         (lambda: Rendered("", scripts=(b"let a = 1",)), "Rendered.scripts: .*str"),  # type: ignore[arg-type]
@@ -48,5 +47,17 @@ def test_a_suffix_of_another_form_is_refused(suffixes: Any) -> None:
 
 
 def test_fields_of_the_declared_types_are_accepted() -> None:
-    assert Storage(int, nothing, nothing, lend=nothing).faithful
+    assert Kind(int, take_apart=nothing, put_together=nothing, lend=nothing).faithful
     assert Rendered("", files={".csv": b"a"}, styles=("p {}",)).text == ""
+
+
+def test_what_is_taken_apart_is_put_together() -> None:
+    with pytest.raises(ValueError, match="belong together"):
+        Kind(int, take_apart=nothing)
+
+
+def test_a_function_is_imported_when_it_is_first_called() -> None:
+    assert late("json:dumps")([1], indent=None) == "[1]"
+    missing = late("nobody_has_this:render")
+    with pytest.raises(ModuleNotFoundError):
+        missing()

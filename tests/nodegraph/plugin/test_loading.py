@@ -175,7 +175,7 @@ def test_a_file_with_other_hooks_needs_no_node(
 ) -> None:
     install(monkeypatch, tmp_path)
     text = HOOK.replace("nodegraph_nodes", "nodegraph_bibtex").replace("[mine]", "'@misc{a}'")
-    assert Registry.installed([written(tmp_path, "toy_cites.py", text)]).hooks.bibtex == (
+    assert Registry.installed([written(tmp_path, "toy_cites.py", text)]).hooks.of("bibtex") == (
         "@misc{a}",
     )
 

@@ -115,7 +115,7 @@ def test_a_plugin_of_a_name_or_a_module_that_is_registered_is_left_out(
     with pytest.warns(UserWarning, match=f"plugin '{name}' is left out: .*'one'"):
         registry = Registry.installed()
     assert names(registry) == ["one:fill.hold"]
-    assert registry.hooks.bibtex == ("@misc{a}",)
+    assert registry.hooks.of("bibtex") == ("@misc{a}",)
 
 
 def test_get_node_returns_the_function_itself(

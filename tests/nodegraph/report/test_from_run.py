@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
-from nodegraph import Files, Rendered, Renderer, hookimpl, node
+from nodegraph import Files, Kind, Rendered, hookimpl, node
 from nodegraph.execute import Run, execute
 from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import build
@@ -138,7 +138,7 @@ def test_a_value_that_cannot_be_shown_costs_no_other_result(toys: Registry) -> N
     def explode(value: object, title: str) -> Rendered:
         raise RuntimeError("no ink")
 
-    toys.hooks.__dict__["renderers"] = (Renderer(float, explode),)
+    toys.hooks.__dict__["kinds"] = (Kind(float, explode),)
     text = "nodegraph: 1\nnodes: {a: {use: read.number}, b: {use: text.write}}"
     run = execute(plan(build(read_graph_text(text, "toy.yaml", Path()), toys)))
     with pytest.warns(UserWarning, match="a: cannot be shown: RuntimeError: no ink"):
@@ -185,8 +185,8 @@ class Size(float):
 
 
 @hookimpl
-def nodegraph_renderers() -> list[Renderer]:
-    return [Renderer(Size, lambda size, title: Rendered("", answer=(f"It is {size:.0f}.",)))]
+def nodegraph_kinds() -> list[Kind]:
+    return [Kind(Size, lambda size, title: Rendered("", answer=(f"It is {size:.0f}.",)))]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import pytest
 
-from nodegraph import Across, Origin, Rendered, Renderer, Unit, hookimpl, node
+from nodegraph import Across, Kind, Origin, Rendered, Unit, hookimpl, node
 from nodegraph.execute import Run, execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
@@ -95,12 +95,12 @@ class Plugin:
         self.origins: list[Origin] = []
 
     @hookimpl
-    def nodegraph_renderers(self) -> list[Renderer]:
+    def nodegraph_kinds(self) -> list[Kind]:
         def render_in_run(value: Total, title: str, origin: Origin) -> Rendered:
             self.origins.append(origin)
             return Rendered("", "shown", lead="<p>at a glance</p>")
 
-        return [Renderer(Total, lambda value, title: Rendered("", "alone"), render_in_run)]
+        return [Kind(Total, lambda value, title: Rendered("", "alone"), render_in_run)]
 
 
 def origin_in(text: str) -> tuple[Run, Origin]:

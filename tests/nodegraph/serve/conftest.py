@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 
-from nodegraph import Across, Detail, Refusal, Rendered, Renderer, Value, hookimpl, node
+from nodegraph import Across, Detail, Refusal, Rendered, Kind, Value, hookimpl, node
 
 SCRIPT = '''
 nodegraph.define("toy/table", ["server"], async (server) => {
@@ -61,16 +61,15 @@ def table(scores: Across[Score]) -> Text:
     rows = "; ".join(f"{at}: {each.error}" for at, each in scores)
     return Text(f"<script>bad()</script> {rows}")
 
-@hookimpl
-def nodegraph_renderers() -> Iterable[Renderer]:
-    return [Renderer(Text, lambda value, title: Rendered(escape(value.text), scripts=(SCRIPT,)))]
+def pack(block, inputs):
+    return {"block": block, "inputs": inputs}
 
 @hookimpl
-def nodegraph_details() -> Iterable[Detail]:
-    def pack(block, inputs):
-        return {"block": block, "inputs": inputs}
-
-    return [Detail(float, pack, lambda inputs, column: None, "toy/view")]
+def nodegraph_kinds() -> Iterable[Kind]:
+    return [
+        Kind(Text, lambda value, title: Rendered(escape(value.text), scripts=(SCRIPT,))),
+        Kind(float, detail=lambda: Detail(pack, lambda inputs, column: None, "toy/view")),
+    ]
 """
 GRAPH = """\
 nodegraph: 1

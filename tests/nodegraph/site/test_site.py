@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import doctest
 import re
 import subprocess
 import sys
+import textwrap
 from contextlib import redirect_stderr
 from html import unescape
 from html.parser import HTMLParser
 from io import StringIO
 from pathlib import Path
-from typing import NamedTuple, get_type_hints
+from typing import Any, NamedTuple
 from urllib.parse import unquote
 
 import pytest
@@ -20,8 +20,8 @@ from playwright.sync_api import Page
 import nodegraph as ng
 from nodegraph.cli.main import COMMANDS, main
 from nodegraph.graphfile.keys import TOP_LEVEL
-from nodegraph.plugin import hooks
 from nodegraph.plugin.hook_types import expect
+from nodegraph.plugin.hooks import HOOKS, Shape
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import Study
 from nodegraph.report.study import study_bytes
@@ -107,26 +107,24 @@ def test_every_node_command_hook_and_key_appears(guides: Path) -> None:
         assert f'id="{entry.node.name.replace(".", "-")}"' in page
         assert all(f"<td>{name}</td>" in page for name in entry.node.settings)
     assert all(f">nodegraph {name}</h2>" in texts["commands"] for name in COMMANDS)
-    names = [name for name in vars(hooks) if name.startswith("nodegraph_")]
-    assert all(f"nodegraph.plugin.hooks.{name}" in texts["hooks"] for name in names)
+    assert all(f"nodegraph_{name}</code></h2>" in texts["hooks"] for name in HOOKS)
     assert all(f"<td><code>{name}</code></td>" in texts["keys"] for name in TOP_LEVEL)
 
 
-@pytest.mark.parametrize("name", [name for name in vars(hooks) if name.startswith("nodegraph_")])
+@pytest.mark.parametrize("name", HOOKS)
 def test_the_example_of_a_hook_gives_what_the_hook_returns(name: str, tmp_path: Path) -> None:
-    hook = vars(hooks)[name]
-    (example,) = doctest.DocTestParser().get_examples(hook.__doc__)
-    names = dict.fromkeys(re.findall(r"\b[a-z]+(?:_[a-z]+)+\b", example.source), callable)
-    space = {**names, **vars(ng), "hookimpl": ng.hookimpl, "Path": Path, "Lips": Lips}
-    space |= {name: getattr(ng, name) for name in ng.__all__}
-    space |= {"Spline": Lips, "__file__": str(tmp_path / "plugin.py")}
-    exec(example.source, space)
-    if name == "nodegraph_nodes":
+    hook = HOOKS[name]
+    names = dict.fromkeys(re.findall(r"\b[a-z]+(?:_[a-z]+)+\b", hook.example), callable)
+    space = {**names, **{each: getattr(ng, each) for each in ng.__all__}}
+    space |= {"Path": Path, "Lips": Lips, "__file__": str(tmp_path / "plugin.py")}
+    exec(f"def example():\n{textwrap.indent(hook.example, '    ')}", space)
+    if name == "nodes":
         return  # it imports a package
-    value = space[name]()
-    expect(value, get_type_hints(hook)["return"])
-    for item in value if isinstance(value, list) else ():
-        assert type(item).__name__ in str(get_type_hints(hook)["return"]) or callable(item)
+    value: Any = space["example"]()
+    expect(value, hook.shape.value)
+    items = value.values() if hook.shape is Shape.NAMED else [value]
+    for item in value if hook.shape is Shape.LIST else items:
+        expect(item, hook.item)
 
 
 def test_every_run_has_its_answer_and_report(site: Path) -> None:

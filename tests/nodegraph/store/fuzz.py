@@ -59,9 +59,10 @@ def values() -> dict[str, Any]:
         ),
         "empty": [np.zeros((5, 0, 3)), {}, (), b""],
     }
-    for kind, make in Registry.installed().hooks.specimens():
-        for name, value in make().items():
-            own[f"{kind.__name__} {name}"] = value
+    for kind in Registry.installed().hooks.having("specimens"):
+        assert kind.specimens is not None
+        for name, value in kind.specimens().items():
+            own[f"{kind.type.__name__} {name}"] = value
     return own
 
 

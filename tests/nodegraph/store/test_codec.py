@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph import Absent, Across, Storage, Value
+from nodegraph import Absent, Across, Kind, Value
 from nodegraph.store import Packed, Packer, Unreadable, Unstorable
 
 
@@ -107,7 +107,16 @@ class SmallThing(Thing):
 
 
 def things(**more: Any) -> Packer:
-    return Packer([Storage(Thing, lambda thing: thing.parts, lambda parts: Thing(*parts), **more)])
+    return Packer(
+        [
+            Kind(
+                Thing,
+                take_apart=lambda thing: thing.parts,
+                put_together=lambda parts: Thing(*parts),
+                **more,
+            )
+        ]
+    )
 
 
 def there_and_back(value: object, packer: Packer | None = None) -> Any:
@@ -326,9 +335,9 @@ def test_a_storage_keeps_what_nothing_else_keeps() -> None:
 def test_a_storage_that_comes_first_is_asked_first_and_before_what_is_known() -> None:
     packer = Packer(
         [
-            Storage(SmallThing, lambda thing: "small", lambda text: text),
-            Storage(Thing, lambda thing: "any", lambda text: text),
-            Storage(Slotted, lambda value: "slotted", lambda text: text),
+            Kind(SmallThing, take_apart=lambda thing: "small", put_together=lambda text: text),
+            Kind(Thing, take_apart=lambda thing: "any", put_together=lambda text: text),
+            Kind(Slotted, take_apart=lambda value: "slotted", put_together=lambda text: text),
         ]
     )
     back = there_and_back((SmallThing(), Thing(), Slotted(1)), packer)
@@ -340,7 +349,7 @@ def test_a_storage_that_cannot_keep_this_value_refuses_it() -> None:
         raise TypeError("column 'x' has a time zone")
 
     with pytest.raises(Unstorable, match="type Thing inside list cannot be kept: column 'x'"):
-        Packer([Storage(Thing, refuse, Thing)]).pack([Thing()])
+        Packer([Kind(Thing, take_apart=refuse, put_together=Thing)]).pack([Thing()])
 
 
 def test_what_nobody_can_put_together_any_more_is_said() -> None:
@@ -420,7 +429,7 @@ def test_a_storage_that_fails_makes_nothing() -> None:
 
     head = things().pack(Thing()).head
     with pytest.raises(Unreadable, match="SystemExit"):
-        Packer([Storage(Thing, Thing, fail)]).unpack(head)
+        Packer([Kind(Thing, take_apart=Thing, put_together=fail)]).unpack(head)
 
 
 def test_nothing_stands_in_where_the_value_itself_is_due() -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nodegraph import Across, Storage
+from nodegraph import Across, Kind
 from nodegraph.store import About, Packer, Store, Upkeep, store_folder
 
 from .forged import seal
@@ -161,7 +161,7 @@ def test_what_cannot_be_kept_is_counted(store: Store, messages: list[str], files
 
 
 def test_a_stand_in_is_marked_as_one(tmp_path: Path) -> None:
-    storage = Storage(frozenset, sorted, list, faithful=False)
+    storage = Kind(frozenset, take_apart=sorted, put_together=list, faithful=False)
     store = Store(tmp_path, Packer([storage]), print)
     store.save(KEY, ABOUT, (1.5, frozenset("ab")))
     entry = store.find(KEY)

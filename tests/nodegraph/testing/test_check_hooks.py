@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 import nodegraph_mocap
-from nodegraph import hookimpl, node
+from nodegraph import Kind, hookimpl, node
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
@@ -83,24 +83,23 @@ def test_contracts_of_another_type_are_left_out(contracts: object, message: str)
 
 
 @pytest.mark.parametrize(
-    ("specimens", "message"),
+    ("kinds", "message"),
     [
+        ([Trajectories], "item 0 of nodegraph_kinds is left out: expected Kind, got type"),
         (
-            {"Trajectories": dict},
-            "'Trajectories' of nodegraph_specimens is left out: expected type, got str",
-        ),
-        ({Trajectories: 5}, ".* of nodegraph_specimens is left out: expected Callable, got int"),
-        (
-            {Trajectories: raising},
-            "the specimens of Trajectories, from hook nodegraph_specimens, failed: "
+            [Kind(Trajectories, specimens=raising)],  # type: ignore[arg-type]
+            "the specimens of Trajectories, from hook nodegraph_kinds, failed: "
             r"RuntimeError: out of ink \(test_check_hooks.py:\d+\); it is left out",
         ),
-        ({Trajectories: list}, ".* failed: TypeError: expected Mapping, got list; it is left out"),
+        (
+            [Kind(Trajectories, specimens=list)],  # type: ignore[arg-type]
+            ".* failed: TypeError: expected Mapping, got list; it is left out",
+        ),
     ],
 )
-def test_specimens_that_cannot_be_made_are_left_out(specimens: object, message: str) -> None:
+def test_specimens_that_cannot_be_made_are_left_out(kinds: object, message: str) -> None:
     with pytest.warns(UserWarning, match=f"^plugin 'bad': {message}"):
-        check_node(holds, registry=registry_with("nodegraph_specimens", lambda: specimens, holds))
+        check_node(holds, registry=registry_with("nodegraph_kinds", lambda: kinds, holds))
 
 
 def test_a_node_that_returns_its_input_declines_nothing() -> None:

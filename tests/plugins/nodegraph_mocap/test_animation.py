@@ -61,7 +61,7 @@ def test_a_weight_needs_a_morph_target(head: Head) -> None:
 @pytest.mark.parametrize("name", ["complete", "gaps"])
 def test_an_animation_is_stored_as_it_is(name: str) -> None:
     case: Animation = specimens()[Animation]()[name]
-    packer = Packer(default_registry().hooks.storages)
+    packer = Packer(default_registry().hooks.kinds)
     packed = packer.pack(case)
     back = packer.unpack(packed.head, packed.buffers)
     assert same(back, case)

@@ -17,7 +17,7 @@ TAKE = Trajectories(positions=np.zeros((20, 3, 3)), markers=MARKERS, rate=60.0)
 
 
 def differences(first: object, other: object) -> tuple[str, ...]:
-    return value_differences(first, other, default_registry().hooks.comparisons)
+    return value_differences(first, other, default_registry().hooks)
 
 
 def moved(frames: slice, marker: int, by: float) -> Trajectories:

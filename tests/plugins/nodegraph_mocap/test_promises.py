@@ -9,12 +9,12 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 
-from nodegraph import Contract, Unit, hookimpl, node
+from nodegraph import Contract, Kind, Unit, hookimpl, node
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories, promises
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.kinds import kinds
 
 COMMON = (
     promises.takes_and_gives_a_recording,
@@ -47,14 +47,14 @@ def registry() -> Registry:
     module = types.ModuleType("common")
 
     @hookimpl
-    def nodegraph_specimens() -> Mapping[type, Callable[[], Mapping[str, object]]]:
-        return specimens()
+    def nodegraph_kinds() -> tuple[Kind, ...]:
+        return kinds()
 
     @hookimpl
     def nodegraph_contracts() -> Mapping[str, Iterable[Contract]]:
         return {"toy": COMMON}
 
-    module.nodegraph_specimens = nodegraph_specimens  # type: ignore[attr-defined]
+    module.nodegraph_kinds = nodegraph_kinds  # type: ignore[attr-defined]
     module.nodegraph_contracts = nodegraph_contracts  # type: ignore[attr-defined]
     result = Registry()
     result.loaded.append(Plugin("common", module))

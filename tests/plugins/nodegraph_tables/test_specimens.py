@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nodegraph_tables import nodegraph_specimens
+from nodegraph_tables import nodegraph_kinds
 from nodegraph_tables.specimens import table_specimens
 
 
@@ -15,7 +15,8 @@ def test_tables_hold_scores_that_are_there_and_scores_that_are_not() -> None:
 
 
 def test_every_type_has_specimens_of_that_type() -> None:
-    for kind, make in nodegraph_specimens().items():
-        values = make().values()
-        assert values
-        assert all(isinstance(value, kind) for value in values)
+    for kind in nodegraph_kinds():
+        if kind.specimens is not None:
+            values = kind.specimens().values()
+            assert values
+            assert all(isinstance(value, kind.type) for value in values)

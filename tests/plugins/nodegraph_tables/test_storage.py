@@ -19,13 +19,12 @@ from nodegraph_mocap.specimens import specimens
 from nodegraph_tables import StoredFigure
 from nodegraph_tables.figures import render_figure, render_stored_figure
 from nodegraph_tables.info import TableInfo, info_of, with_info
-from nodegraph_tables.storage import storages
 from nodegraph_tables.stored_table import put_together, take_apart
 
 
 @pytest.fixture
 def packer() -> Packer:
-    return Packer(storages())
+    return Packer(nodegraph_tables.nodegraph_kinds())
 
 
 @pytest.fixture
@@ -129,8 +128,14 @@ def test_a_figure_comes_back_as_a_stand_in(packer: Packer, figure: Figure) -> No
     assert packer.digest(figure) == packer.digest(figure)
 
 
+MAKERS = {
+    **specimens(),
+    **{kind.type: kind.specimens for kind in nodegraph_tables.nodegraph_kinds() if kind.specimens},
+}
+
+
 def test_every_type_that_travels_comes_back(packer: Packer) -> None:
-    for kind, make in {**specimens(), **nodegraph_tables.nodegraph_specimens()}.items():
+    for kind, make in MAKERS.items():
         if not packer.travels(kind):
             continue
         for name, value in make().items():
@@ -143,7 +148,7 @@ def test_asking_for_storages_imports_no_heavy_library() -> None:
     program = (
         "import sys, nodegraph_tables\n"
         "from nodegraph.store import Packer\n"
-        "packer = Packer(nodegraph_tables.nodegraph_storages())\n"
+        "packer = Packer(nodegraph_tables.nodegraph_kinds())\n"
         "packer.pack(1.5), packer.lend((1,))\n"
         "sys.exit(len({'pandas', 'matplotlib'} & set(sys.modules)))"
     )

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 from scipy.stats import gmean, rankdata
 
-from nodegraph import Across, Detail, Label, Rendered, Renderer, json_script
+from nodegraph import Across, Detail, Kind, Label, Rendered, json_script
 from nodegraph.report import Section, Study, page
-from nodegraph_compare import nodegraph_renderers
+from nodegraph_compare import nodegraph_kinds
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
@@ -46,7 +46,7 @@ class Bakery:
     node: str = "recipes"
     labels: Mapping[str, object] = field(default_factory=dict)
     caption: str = ""
-    details: tuple[Detail, ...] = ()
+    view: Detail | None = None
     gathered: Mapping[str, Iterable[object]] = field(
         default_factory=lambda: {"kitchen": range(8), "heat": FACTORS, "recipe": RECIPES}
     )
@@ -68,6 +68,9 @@ class Bakery:
 
     def inputs(self, labels: Mapping[str, object]) -> Mapping[str, object] | None:
         return None if self.open_axes(labels) else {"oven": 1.0}
+
+    def detail(self, value: object) -> Detail | None:
+        return self.view if isinstance(value, float) else None
 
     def command(self, labels: Mapping[str, object]) -> str:
         return "nodegraph run bake.yaml " + " ".join(f"--only {k}={v}" for k, v in labels.items())
@@ -146,12 +149,12 @@ def in_run(compared: Overview, **origin: Any) -> Rendered:
     """A comparison in a run."""
     (render,) = (
         each.render_in_run
-        for each in nodegraph_renderers()
-        if isinstance(each, Renderer) and each.type is Overview
+        for each in nodegraph_kinds()
+        if isinstance(each, Kind) and each.type is Overview
     )
     assert render is not None
-    detail = Detail(float, pack, shelves, "bakery/cake", scripts=(VIEW, PROBE))
-    return render(compared, "Recipes", Bakery(details=(detail,), **origin))
+    detail = Detail(pack, shelves, "bakery/cake", scripts=(VIEW, PROBE))
+    return render(compared, "Recipes", Bakery(view=detail, **origin))
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 from scipy.stats import gmean
 
-from nodegraph import Across, Detail, Label, Renderer
-from nodegraph_compare import nodegraph_renderers
+from nodegraph import Across, Detail, Kind, Label
+from nodegraph_compare import nodegraph_kinds
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
@@ -60,7 +60,7 @@ class Bakery:
     node: str = "recipes"
     labels: Mapping[str, object] = field(default_factory=dict)
     caption: str = ""
-    details: tuple[Detail, ...] = ()
+    view: Detail | None = None
 
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
         return {"plain": [3.0, 0.002, 0.002, 0.002, 0.002], "rich": [0.2] * 5, "vegan": [0.1] * 3}
@@ -80,13 +80,16 @@ class Bakery:
     def inputs(self, labels: Mapping[str, object]) -> Mapping[str, object] | None:
         return {"cake": 3.5}
 
+    def detail(self, value: object) -> Detail | None:
+        return self.view if isinstance(value, float) else None
+
     def command(self, labels: Mapping[str, object]) -> str:
         return " ".join(f"--only {name}={label}" for name, label in labels.items())
 
 
 def rendered(overview: Overview, origin: Any = None) -> Any:
-    (renderer,) = nodegraph_renderers()
-    assert isinstance(renderer, Renderer)
+    (renderer,) = nodegraph_kinds()
+    assert isinstance(renderer, Kind)
     assert renderer.render_in_run is not None
     return renderer.render_in_run(overview, "recipes", origin or Bakery())
 
@@ -268,8 +271,8 @@ def test_blocks_worth_a_look_are_packed_from_what_is_at_hand(study: Compared) ->
             "regions": {},
         }
 
-    detail = Detail(float, pack, layout, "bakery/cake")
-    html = rendered(study.overview, Bakery(details=(detail,))).html
+    detail = Detail(pack, layout, "bakery/cake")
+    html = rendered(study.overview, Bakery(view=detail)).html
     data = data_of(html)
     assert data["detail"]["module"] == "bakery/cake"
     assert data["layout"] == {**layout({}, ""), "column": "kitchen"}

@@ -14,14 +14,14 @@ from playwright.sync_api import Page
 from nodegraph import Rendered, json_script
 from nodegraph.report import Section, Study, page
 from nodegraph_mocap import Origin, Trajectories
-from nodegraph_mocap.gap.view import details
+from nodegraph_mocap.gap.view import detail
 from tests.browser import load, until
 from tests.plugins.nodegraph_mocap.gap.test_pack import GAP, inputs
 from tests.plugins.nodegraph_plot import made_face
 
 HOSTILE = "</script><img src=x onerror=\"document.title='ran'\">"
 BEST, REFERENCE, OTHER = "off by 0.25", "off by -0.5", "off by 1.0"
-(DETAIL,) = details()
+DETAIL = detail()
 SHOW = """
 nodegraph.define("test", ["page", "selection", "mocap/gap"], (page, selection, gap) => {
   const { packed, context } = page.data("block");

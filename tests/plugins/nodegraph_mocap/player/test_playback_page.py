@@ -11,7 +11,7 @@ import pytest
 from nodegraph_mocap import Playback
 from nodegraph_mocap.player import page
 from nodegraph_mocap.player.data import packed
-from nodegraph_mocap.player.live import live_views
+from nodegraph_mocap.player.live import view_of_animations, view_of_markers
 from nodegraph_mocap.player.page import render_playback
 from nodegraph_mocap.specimens import animations, recordings
 from tests.plugins.nodegraph_mocap.player.test_played import panel
@@ -72,7 +72,9 @@ def test_all_of_the_player_comes_once_and_with_no_way_out() -> None:
     assert first.styles == other.styles
     folder = Path(page.__file__).with_name("web")
     sources = {source.read_text(encoding="utf-8") for source in folder.glob("*.js")}
-    streamed = {script for view in live_views() for script in view.scripts}
+    streamed = {
+        script for view in (view_of_markers(), view_of_animations()) for script in view.scripts
+    }
     assert sources == {*first.scripts, *streamed}
     for text in (*first.scripts, *first.styles):
         assert not re.search(r"https?:|url\(|@import|fetch\(|innerHTML|eval\(", text)
