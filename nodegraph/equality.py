@@ -39,32 +39,54 @@ def difference(first: object, second: object, *, name: str = "value") -> str:
     >>> difference({"rate": [60, 120]}, {"rate": [60, 100]}, name="take")
     "take['rate'][1]: 120 and 100"
     """
-    return _difference(first, second, name, set())
+    found = _difference(first, second, name, set())
+    return found if isinstance(found, str) else f"{found[0]}: {' and '.join(found[1:3])}{found[3]}"
 
 
-def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) -> str:
+def change(was: object, now: object, *, name: str = "value") -> str:
+    """Return where a value first changed and how: ``rate was 60, now 30``; else an empty text.
+
+    Parameters
+    ----------
+    was, now
+        As for `same`.
+    name
+        The value's name in the text.
+    """
+    found = _difference(was, now, name, set())
+    if isinstance(found, str):
+        return found
+    at, before, after, more = found
+    return f"{at} was {before}, now {after}{more}"
+
+
+_Found = str | tuple[str, str, str, str]
+"""Place, both values and a remark; or a sentence, empty where nothing differs."""
+
+
+def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) -> _Found:
     if first is second:
         return ""
     if type(first) is not type(second):
-        return f"{at}: {type(first).__name__} and {type(second).__name__}"
+        return at, type(first).__name__, type(second).__name__, ""
     if (type(first) in _PLAIN and first == second) or (id(first), id(second)) in seen:
         return ""
     if isinstance(first, np.ndarray) and not first.dtype.hasobject:
         return _array_difference(first, second, at)
     parts = _parts(first)
     if parts is None:
-        return "" if _equal(first, second) else f"{at}: {_short(first)} and {_short(second)}"
+        return "" if _equal(first, second) else (at, _short(first), _short(second), "")
     seen.add((id(first), id(second)))
     second_parts = _parts(second) or {}
     if parts.keys() != second_parts.keys():
         odd = ", ".join(sorted(f"{at}{name}" for name in parts.keys() ^ second_parts.keys()))
         return f"only one of them has {odd}"
-    differences = (
-        _difference(part, second_parts[name], f"{at}{name}", seen)
-        for name, part in parts.items()
-        if part is not second_parts[name]
-    )
-    return next(filter(None, differences), "")
+    for name, part in parts.items():
+        if part is not second_parts[name]:
+            found = _difference(part, second_parts[name], f"{at}{name}", seen)
+            if found:
+                return found
+    return ""
 
 
 def _parts(value: object) -> Mapping[str, object] | None:
@@ -114,9 +136,9 @@ def _pixels(figure: Any) -> NDArray[np.generic]:
         figure.set_canvas(canvas)
 
 
-def _array_difference(first: NDArray[np.generic], second: NDArray[np.generic], at: str) -> str:
+def _array_difference(first: NDArray[np.generic], second: NDArray[np.generic], at: str) -> _Found:
     if first.dtype != second.dtype or first.shape != second.shape:
-        return f"{at}: {first.dtype} {first.shape} and {second.dtype} {second.shape}"
+        return at, f"{first.dtype} {first.shape}", f"{second.dtype} {second.shape}", ""
     differs = first != second
     if first.dtype.kind in "fcmM":
         differs &= ~(np.isnan(first) & np.isnan(second))
@@ -126,7 +148,7 @@ def _array_difference(first: NDArray[np.generic], second: NDArray[np.generic], a
     subscript = f"[{', '.join(map(str, index))}]" if index else ""
     count = np.count_nonzero(differs)
     more = f" ({count} such places)" if count > 1 else ""
-    return f"{at}{subscript}: {first[index]} and {second[index]}{more}"
+    return f"{at}{subscript}", str(first[index]), str(second[index]), more
 
 
 def _equal(first: object, second: object) -> bool:

@@ -95,6 +95,7 @@ def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixt
             "test_my_nodes.py",
             "my_type.py",
             "my_table.py",
+            "my_kind.py",
             "my_card.py",
             "my_format.py",
         ),

@@ -6,8 +6,12 @@ import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
+
+if TYPE_CHECKING:
+    from argparse import _ActionsContainer
 
 _METAVARS = {
     "set": "INPUT=VALUE",
@@ -101,6 +105,15 @@ def add_store(parser: ArgumentParser) -> None:
         type=Path,
         metavar="DIR",
         help="Folder of stored results (default: NODEGRAPH_STORE, or the user's cache folder).",
+    )
+
+
+def add_json(parser: _ActionsContainer) -> None:
+    """Add ``--json``."""
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="Print the answer as JSON; `nodegraph schema COMMAND` describes it.",
     )
 
 

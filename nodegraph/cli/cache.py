@@ -7,12 +7,13 @@ import time
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_store
+from nodegraph.cli.arguments import add_json, add_store
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import SIZES, number_of, size_text
 
 if TYPE_CHECKING:
+    from nodegraph.cli.answers import CacheAnswer
     from nodegraph.store import Amount, Kept, Upkeep
 
 HELP = "List, prune or clear stored results."
@@ -43,33 +44,62 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="With prune: remove the least recently used results beyond this size, such as 10GB.",
     )
     add_store(parser)
+    add_json(parser)
 
 
 def cache(arguments: Namespace) -> int:
     """Show the size of the stored results, list them, or remove them."""
+    from nodegraph.cli.answers import print_json
     from nodegraph.store import Upkeep, store_folder
 
     upkeep = Upkeep(store_folder(arguments.store))
     if arguments.action != "prune" and (arguments.older or arguments.keep):
         raise NodegraphError("--older and --keep belong to `nodegraph cache prune`")
+    removed = None
     if arguments.action == "prune":
-        _prune(upkeep, arguments)
+        removed = _prune(upkeep, arguments)
     elif arguments.action == "clear":
-        print(f"removed {_amount(upkeep.clear())} from {upkeep.folder}")
+        removed = upkeep.clear()
+    amount = upkeep.size()
+    listed = list(upkeep.entries(_MOST_ROWS)) if arguments.action == "list" else []
+    if arguments.json:
+        print_json(_answer(upkeep, amount, removed, listed))
+    elif removed is not None and arguments.action == "clear":
+        print(f"removed {_amount(removed)} from {upkeep.folder}")
+    elif removed is not None:
+        print(f"removed {_amount(removed)}; {_amount(amount)} left in {upkeep.folder}")
     else:
-        amount = upkeep.size()
-        if arguments.action == "list":
-            _list(upkeep, amount.entries)
+        _list(listed, amount.entries if listed else 0)
         print(f"{_amount(amount)} in {upkeep.folder}")
         if formats := upkeep.other_formats():
             print(f"other versions of nodegraph have results there, too: {', '.join(formats)}")
     return 0
 
 
-def _list(upkeep: Upkeep, count: int) -> None:
+def _answer(
+    upkeep: Upkeep, amount: Amount, removed: Amount | None, listed: list[Kept]
+) -> CacheAnswer:
+    from nodegraph.cli.answers import CacheAnswer, StoredResult
+
+    return CacheAnswer(
+        str(upkeep.folder),
+        amount.entries,
+        amount.blobs,
+        amount.size,
+        removed.entries if removed else 0,
+        removed.size if removed else 0,
+        [
+            StoredResult(each.node, each.step, each.state, each.size, each.seconds, kept.used)
+            for kept in listed
+            for each in [kept.entry]
+        ],
+    )
+
+
+def _list(listed: list[Kept], count: int) -> None:
     """Print the results that were used last, of so many."""
     now = time.time()
-    rows = [_row(result, now) for result in upkeep.entries(_MOST_ROWS)]
+    rows = [_row(result, now) for result in listed]
     if rows:
         print(columns([("node", "step", "state", "size", "took", "last used"), *rows]))
     if len(rows) < count:
@@ -83,7 +113,7 @@ def _row(result: Kept, now: float) -> tuple[str, ...]:
     return entry.node, entry.step, entry.state, size_text(entry.size), took, used
 
 
-def _prune(upkeep: Upkeep, arguments: Namespace) -> None:
+def _prune(upkeep: Upkeep, arguments: Namespace) -> Amount:
     if not arguments.older and not arguments.keep:
         raise NodegraphError(
             "nothing to prune: name an age with --older, such as 30d, or a size with --keep, such "
@@ -91,8 +121,7 @@ def _prune(upkeep: Upkeep, arguments: Namespace) -> None:
         )
     older = _age(arguments.older) if arguments.older else None
     keep = _bytes(arguments.keep) if arguments.keep else None
-    removed = upkeep.prune(older, keep)
-    print(f"removed {_amount(removed)}; {_amount(upkeep.size())} left in {upkeep.folder}")
+    return upkeep.prune(older, keep)
 
 
 def _age(text: str) -> float:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Container, Iterator
+from collections.abc import Collection, Container, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_graph, add_store
+from nodegraph.cli.arguments import add_graph, add_json, add_store
 from nodegraph.cli.live import add_hold, lines_on
 from nodegraph.cli.output import columns
 from nodegraph.cli.why import why
@@ -51,6 +51,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--source", default="", metavar="NAME", help="With --live: what the stream replaces."
     )
     add_hold(parser)
+    add_json(parser)
 
 
 def check(arguments: Namespace) -> int:
@@ -72,6 +73,9 @@ def check(arguments: Namespace) -> int:
     problems = Problems()
     warnings = check_files_and_settings(planned, cache, problems)
     problems.raise_any()
+    if arguments.json:
+        _print_json(planned, stored, warnings)
+        return 0
     print(f"{graph.title}\n\n{columns(list(_rows(planned, stored)))}\n")
     print(f"{number_of(len(planned.steps), 'step')}, {len(stored)} of them stored")
     for line in left_out_lines(graph):
@@ -82,6 +86,36 @@ def check(arguments: Namespace) -> int:
     for warning in warnings:
         print(f"warning: {warning}")
     return 0
+
+
+def _print_json(plan: Plan, stored: Collection[int], warnings: Iterable[object]) -> None:
+    from nodegraph.cli.answers import CheckAnswer, PlannedNode, print_json
+    from nodegraph.cli.graphs import left_out_lines
+
+    graph = plan.graph
+    steps = {name: set(cells.values()) for name, cells in plan.cells.items()}
+    nodes = [
+        PlannedNode(
+            node.name,
+            [method.node.name for method in node.methods.values()],
+            {axis: graph.axes[axis].labels for axis in node.axes},
+            len(steps[node.name]),
+            len(steps[node.name].intersection(stored)),
+        )
+        for node in graph.nodes.values()
+    ]
+    skipped = sum(len(cells) for cells in plan.skipped.values())
+    print_json(
+        CheckAnswer(
+            graph.title,
+            len(plan.steps),
+            len(stored),
+            skipped,
+            nodes,
+            list(left_out_lines(graph)),
+            [str(warning) for warning in warnings],
+        )
+    )
 
 
 def _rows(plan: Plan, stored: Container[int]) -> Iterator[tuple[str, ...]]:

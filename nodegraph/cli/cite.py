@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from nodegraph.cli.arguments import add_run
+from nodegraph.cli.arguments import add_json, add_run
 from nodegraph.cli.output import refuse_existing, refuse_unwritable, say, write_file
 
 HELP = "Print methods, settings and BibTeX of a run for a paper."
@@ -17,16 +17,20 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="Folder to write files to, with LaTeX as well."
     )
+    add_json(parser)
 
 
 def cite(arguments: Namespace) -> int:
     """Print the texts for a paper, or write them as Markdown, LaTeX and BibTeX."""
+    from nodegraph.cli.answers import CiteAnswer, print_json
     from nodegraph.report.citing import cited
     from nodegraph.report.study import read_study
 
     study = read_study(arguments.run)
     texts = cited(study)
-    if arguments.out is None:
+    if arguments.json:
+        print_json(CiteAnswer(texts, [str(method) for method in study.without_result]))
+    elif arguments.out is None:
         print("\n".join(texts[name] for name in texts if not name.endswith(".tex")).rstrip())
     else:
         paths = {arguments.out / name: text for name, text in texts.items()}

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_plugin, add_run, add_store
-from nodegraph.cli.differences import origins
+from nodegraph.cli.arguments import add_json, add_plugin, add_run, add_store
+from nodegraph.cli.differences import origin_lines, origins
 from nodegraph.cli.output import counted, say
 
 if TYPE_CHECKING:
+    from nodegraph.cli.answers import DiffAnswer, Origin
     from nodegraph.runs.compare import Spread
     from nodegraph.runs.record import Record
 
@@ -25,10 +26,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("other", type=Path, metavar="RUN", help="Folder of another run.")
     add_plugin(parser)
     add_store(parser)
+    add_json(parser)
 
 
 def diff(arguments: Namespace) -> int:
     """Print where two runs differ first, by how much, and what explains it."""
+    from nodegraph.cli.answers import print_json
     from nodegraph.execute import open_store
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.compare import by_digest, compare
@@ -39,20 +42,45 @@ def diff(arguments: Namespace) -> int:
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
     spread = compare(was, now, by_digest(store))
+    stored = StoredValues(store)
+    found = origins(spread, registry, (stored, stored))
+    if arguments.json:
+        print_json(_answer(arguments, spread, found, list(_choices(was, now))))
+        return 0 if spread.is_equal else 1
     print(_summary(spread, f"{arguments.run} and {arguments.other}"))
     for line in _choices(was, now):
         print(line)
     for run, cells in ((arguments.run, spread.only_was), (arguments.other, spread.only_now)):
         if cells:
             print(f"only in {run}: {counted(Counter(cell.node for cell in cells))}")
-    stored = StoredValues(store)
-    for line in origins(spread, registry, (stored, stored), lambda step: _UNEXPLAINED):
+    for line in origin_lines(spread, found, lambda step: _UNEXPLAINED):
         print(line)
     if spread.followers:
         print(f"\nwhat follows from that: {counted(spread.followers)}")
     if harmless := spread.harmless:
         print(f"\nchanged, with the same results: {counted(harmless)}")
     return 0 if spread.is_equal else 1
+
+
+def _answer(
+    arguments: Namespace, spread: Spread, found: list[Origin], choices: list[str]
+) -> DiffAnswer:
+    from nodegraph.cli.answers import DiffAnswer
+
+    return DiffAnswer(
+        was=str(arguments.run),
+        now=str(arguments.other),
+        same=spread.is_equal,
+        equal=spread.same,
+        beyond=spread.beyond,
+        unknown=spread.unknown.total(),
+        choices=choices,
+        only_was=Counter(cell.node for cell in spread.only_was),
+        only_now=Counter(cell.node for cell in spread.only_now),
+        follow=spread.followers,
+        harmless=spread.harmless,
+        origins=found,
+    )
 
 
 _UNEXPLAINED = "settings, code and inputs are the same: the method gives different results"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from nodegraph.cli.output import MOST, few, first_and_more
 
 if TYPE_CHECKING:
+    from nodegraph.cli.answers import Origin
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.compare import Judged, Pair, Spread
     from nodegraph.runs.record import RecordedStep
@@ -15,12 +16,9 @@ if TYPE_CHECKING:
 
 
 def origins(
-    spread: Spread,
-    registry: Registry,
-    stores: tuple[StoredValues, StoredValues],
-    unexplained: Callable[[RecordedStep], str],
-) -> Iterator[str]:
-    """Yield what differs first, how much and why, a paragraph for each change.
+    spread: Spread, registry: Registry, stores: tuple[StoredValues, StoredValues]
+) -> list[Origin]:
+    """Return where differences begin, an entry for each change of a node, in the order of the plan.
 
     Parameters
     ----------
@@ -28,21 +26,49 @@ def origins(
     registry
     stores
         Where the values of the two runs are.
+    """
+    from nodegraph.cli.answers import Origin
+
+    found: list[Origin] = []
+    for same in spread.by_change():
+        pair, judged = same[0]
+        found.append(
+            Origin(
+                node=pair.cell.node,
+                labels=[other.cell.labels for other, _ in same],
+                changes=pair.change.own,
+                versions=pair.change.around,
+                distance=max(other.distance for _, other in same),
+                text=judged.text,
+                values=list(_values(pair, registry, stores)) if len(found) < MOST else (),
+            )
+        )
+    return found
+
+
+def origin_lines(
+    spread: Spread, found: list[Origin], unexplained: Callable[[RecordedStep], str]
+) -> Iterator[str]:
+    """Yield what differs first, how much and why, a paragraph for each change.
+
+    Parameters
+    ----------
+    spread, found
+        See `origins`.
     unexplained
         Returns a sentence on a step of the second run whose difference no change explains.
     """
-    for number, same in enumerate(spread.by_change()[:MOST]):
-        pair, judged = same[0]
+    for number, (same, origin) in enumerate(zip(spread.by_change(), found[:MOST], strict=False)):
+        pair, _ = same[0]
         groups = {other.cell.group for other, _ in same}
         whole = pair.cell.group if len(groups) == 1 else pair.cell.node
         name = first_and_more(pair.cell.name, len(same), whole)
         yield f"\n{'also' if number else 'first'}: {name}"
-        change = pair.change
-        lines = [*few(change.own, "changes"), *few(change.around, "versions")]
-        lines += [judged.text] if judged.text else []
-        if not (change.own or change.around or pair.follows):
-            lines.insert(0, unexplained(pair.now))
-        lines += [*_distance(same), *_values(pair, registry, stores)]
+        lines = [*few(origin.changes, "changes"), *few(origin.versions, "versions")]
+        if not (lines or pair.follows):
+            lines = [unexplained(pair.now)]
+        lines += [origin.text] if origin.text else []
+        lines += [*_distance(same), *few(origin.values, "differences")]
         yield from (f"    {line}" for line in lines)
 
 
@@ -74,4 +100,4 @@ def _values(
         dict(zip(names, values, strict=False))
         for names, values in zip(outputs, (before, after), strict=True)
     )
-    yield from few(output_differences(was, now, registry.hooks), "differences")
+    yield from output_differences(was, now, registry.hooks)

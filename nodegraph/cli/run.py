@@ -6,7 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from nodegraph.cli.arguments import add_executor, add_graph, add_store
+from nodegraph.cli.arguments import add_executor, add_graph, add_json, add_store
 from nodegraph.cli.output import console, say
 
 HELP = "Run a graph and write its report."
@@ -40,15 +40,14 @@ def add_arguments(parser: ArgumentParser) -> None:
     amount.add_argument(
         "-q", "--quiet", action="store_true", help="Print nothing but errors and failures."
     )
-    amount.add_argument(
-        "--json", action="store_true", help="Print answer, tables, warnings and files as JSON."
-    )
+    add_json(amount)
 
 
 def run(arguments: Namespace) -> int:
     """Run a graph, write its folder, and print what it gave."""
+    from nodegraph.cli.answers import print_json
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
-    from nodegraph.cli.summary import print_summary, summary_json
+    from nodegraph.cli.summary import print_summary, run_answer
     from nodegraph.execute import executor_of
     from nodegraph.runs.folder import RunFolder
 
@@ -79,7 +78,7 @@ def run(arguments: Namespace) -> int:
     elif folder.moved and not arguments.quiet:
         say(f"the earlier run is now in {folder.moved}")
     if arguments.json:
-        print(summary_json(written.study, finished, folder.path))
+        print_json(run_answer(written.study, finished, folder.path))
     elif not arguments.quiet:
         print_summary(
             written.study,

@@ -9,9 +9,14 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from nodegraph.cli.arguments import add_json
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError
+
+if TYPE_CHECKING:
+    from nodegraph.cli.answers import ListedRun
 
 HELP = "List runs with their date, title, options and answer."
 
@@ -26,29 +31,39 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="DIR",
         help="Folder that contains run folders (default: %(default)s).",
     )
+    add_json(parser)
 
 
 def runs(arguments: Namespace) -> int:
     """List the runs in a folder, the latest first."""
     from shutil import get_terminal_size
 
+    from nodegraph.cli.answers import RunsAnswer, print_json
+
     folder: Path = arguments.folder
     if not folder.is_dir():
         raise NodegraphError(f"{folder}: no such folder; `nodegraph run GRAPH` writes to runs/")
-    rows = sorted(_rows(folder), reverse=True)
-    if not rows:
+    found = sorted(_runs(folder), key=lambda run: (run.ended, run.folder), reverse=True)
+    if arguments.json:
+        print_json(RunsAnswer(found))
+        return 0
+    if not found:
         raise NodegraphError(f"{folder} holds no runs; `nodegraph run GRAPH` writes one to runs/")
     width = get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
-    for ended, name, title, options, answer in rows:
-        date = datetime.fromtimestamp(ended).strftime("%Y-%m-%d %H:%M")
-        print(columns([(date, name, title, textwrap.shorten(options, 80, placeholder=" ..."))]))
-        if answer:
+    for run in found:
+        state = {"done": "", "failed": " (with failures)"}.get(run.state, run.state)
+        options = shlex.join(shlex.split(run.command)[3:])  # nodegraph run GRAPH ...
+        date = datetime.fromisoformat(run.ended).strftime("%Y-%m-%d %H:%M")
+        short = textwrap.shorten(options, 80, placeholder=" ...")
+        print(columns([(date, run.folder, f"{run.title}{state}", short)]))
+        for answer in run.answer[:1]:
             print(textwrap.indent(textwrap.shorten(answer, width - 4, placeholder=" ..."), "    "))
     return 0
 
 
-def _rows(folder: Path) -> Iterator[tuple[float, str, str, str, str]]:
-    """Yield time, folder, title, options and answer of each run; without a report, its state."""
+def _runs(folder: Path) -> Iterator[ListedRun]:
+    """Yield each run in a folder; without a report, only its state."""
+    from nodegraph.cli.answers import ListedRun
     from nodegraph.report.study import read_study
     from nodegraph.runs.folder import EVENTS, STUDY, is_written
 
@@ -56,14 +71,14 @@ def _rows(folder: Path) -> Iterator[tuple[float, str, str, str, str]]:
         marks = [path / name for name in (STUDY, EVENTS) if (path / name).is_file()]
         if not marks:
             continue
-        ended = marks[0].stat().st_mtime
+        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).isoformat()
         try:
             study = read_study(path)
         except NodegraphError as error:
             state = "running" if is_written(path / EVENTS) else "interrupted"
-            yield ended, str(path), str(error) if marks[0].name == STUDY else state, "", ""
+            why = str(error) if marks[0].name == STUDY else state
+            yield ListedRun(str(path), ended, why, "", "", ())
         else:
-            failed = "" if study.ok else " (with failures)"
-            options = shlex.join(shlex.split(study.command)[3:])  # nodegraph run GRAPH ...
-            answer = next(iter(study.short_answer(1)), "")
-            yield ended, str(path), f"{study.title}{failed}", options, answer
+            state = "done" if study.ok else "failed"
+            answer = study.short_answer(1)
+            yield ListedRun(str(path), ended, state, study.title, study.command, answer)

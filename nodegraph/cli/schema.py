@@ -1,4 +1,4 @@
-"""``nodegraph schema``: JSON Schema of graph files."""
+"""``nodegraph schema``: JSON Schema of graph files, and of what commands print as JSON."""
 
 from __future__ import annotations
 
@@ -8,11 +8,20 @@ from pathlib import Path
 from nodegraph.cli.arguments import add_plugin
 from nodegraph.cli.output import write_and_print
 
-HELP = "Print a JSON Schema of graph files, for editors."
+HELP = "Print a JSON Schema: of graph files, for editors; or of what a command prints as JSON."
+
+_SUBJECTS = ("graph", "run", "check", "show", "runs", "diff", "verify", "cache", "cite")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
+    parser.add_argument(
+        "of",
+        nargs="?",
+        default="graph",
+        choices=_SUBJECTS,
+        help="Graph files (default), or the command whose --json is described.",
+    )
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="File to write (default: standard output)."
     )
@@ -20,13 +29,17 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def schema(arguments: Namespace) -> int:
-    """Print or write a JSON Schema of graph files."""
+    """Print or write a JSON Schema."""
     import json
 
+    from nodegraph.cli.answers import answer_schema
     from nodegraph.graphfile.schema import graph_schema
     from nodegraph.plugin.registry import Registry
 
-    content = graph_schema(Registry.installed(arguments.plugin))
+    if arguments.of == "graph":
+        content = graph_schema(Registry.installed(arguments.plugin))
+    else:
+        content = answer_schema(arguments.of)
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     if arguments.out:
         write_and_print(arguments.out, f"{text}\n".encode())

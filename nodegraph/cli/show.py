@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_plugin
+from nodegraph.cli.arguments import add_json, add_plugin
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError, nearest
 
@@ -26,6 +26,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "list the nodes.",
     )
     add_plugin(parser)
+    add_json(parser)
 
 
 def show(arguments: Namespace) -> int:
@@ -34,21 +35,71 @@ def show(arguments: Namespace) -> int:
 
     registry = Registry.installed(arguments.plugin)
     is_node = "." in arguments.word and not arguments.word.endswith(".*")
+    if arguments.json:
+        _print_json(arguments.word, registry, is_node=is_node)
+        return 0
     print(_description(arguments.word, registry) if is_node else _list(arguments.word, registry))
     return 0
+
+
+def _print_json(word: str, registry: Registry, *, is_node: bool) -> None:
+    from nodegraph.cli.answers import ListedNode, ShowAnswer, ShownPort, ShownSetting, print_json
+    from nodegraph.node.description import describe_declaration, describe_settings, summary_of
+    from nodegraph.plugin.bibliography import references
+
+    entries = [registry.find(word)] if is_node else _matches(word, registry)
+    listed = [
+        ListedNode(each.node.name, each.plugin, each.distribution, summary_of(each.node))
+        for each in entries
+    ]
+    if not is_node:
+        print_json(ShowAnswer(listed))
+        return
+    node = entries[0].node
+    inputs, outputs = (
+        [
+            ShownPort(port.name, port.type.__name__, port.optional, port.across, port.truth)
+            for port in ports
+        ]
+        for ports in (node.inputs, node.outputs)
+    )
+    settings = [
+        ShownSetting(
+            text.name,
+            text.kind,
+            text.unit,
+            None if node.settings[text.name].required else node.settings[text.name].default,
+            node.settings[text.name].required,
+            text.meaning,
+        )
+        for text in describe_settings(node)
+    ]
+    cites = list(references(registry.hooks.of("bibtex"), node.cite).values())
+    declared = describe_declaration(node)
+    print_json(ShowAnswer(listed, inputs, outputs, settings, declared, node.doc, cites))
 
 
 def _list(word: str, registry: Registry) -> str:
     from nodegraph.node.description import summary_of
 
+    entries = _matches(word, registry)
+    return columns([(each.node.name, summary_of(each.node), each.plugin) for each in entries])
+
+
+def _matches(word: str, registry: Registry) -> list[Registered]:
+    """Return the nodes of a family, or those with a word in their name or summary."""
+    from nodegraph.node.description import summary_of
+
     word = word.removesuffix(".*").lower()
-    rows = [(entry.node.name, summary_of(entry.node), entry.plugin) for entry in registry]
-    family = [row for row in rows if row[0].startswith(f"{word}.")]
-    matches = family or [row for row in rows if word in f"{row[0]} {row[1]}".lower()]
+    entries = list(registry)
+    family = [each for each in entries if each.node.name.startswith(f"{word}.")]
+    matches = family or [
+        each for each in entries if word in f"{each.node.name} {summary_of(each.node)}".lower()
+    ]
     if word and not matches:
         hint = nearest(word, registry.families)
         raise NodegraphError(f"no node has {word!r} in its name or summary; {hint}")
-    return columns(matches)
+    return matches
 
 
 def _description(name: str, registry: Registry) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import textwrap
 from collections import Counter
@@ -10,6 +9,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nodegraph.cli.answers import Note, Result, RunAnswer
 from nodegraph.formatting import number_of
 from nodegraph.report.notes import NoteGroup, note_kinds
 from nodegraph.report.study import Kind, Section, Study
@@ -64,47 +64,35 @@ def print_summary(
             console.print(part)
 
 
-def summary_json(study: Study, run: Run, folder: Path) -> str:
-    """Return the summary of a run as JSON."""
-    tables = [
-        {"node": section.title, "labels": section.labels, **_grid_data(section.rendered.grid)}
-        for section in study.sections
-        if section.rendered.grid is not None
-    ]
-    content = {
-        "title": study.title,
-        "ok": study.ok,
-        "folder": str(folder),
-        "report": str(folder / REPORT),
-        "answer": list(study.answer),
-        "tables": tables,
-        "steps": {state: count for state, count in run.counts().items() if count},
-        "seconds": round(run.seconds, 3),
-        **{
-            kind.kind.replace(" ", "_"): [
-                {
-                    "node": group.node,
-                    "methods": group.methods,
-                    "reason": group.reason,
-                    "count": group.count,
-                }
-                for group in kind.groups
-            ]
-            for kind in note_kinds(study)
-        },
-        "files": [link.path for section in study.sections for link in section.files],
+def run_answer(study: Study, run: Run, folder: Path) -> RunAnswer:
+    """Return the summary of a run as data."""
+    hooks = run.plan.graph.registry.hooks
+    notes: dict[str, list[Note]] = {
+        str(kind.kind): [
+            Note(group.node, group.methods, group.reason, group.count) for group in kind.groups
+        ]
+        for kind in note_kinds(study)
     }
-    return json.dumps(content, ensure_ascii=False, indent=1)
-
-
-def _grid_data(grid: Grid) -> dict[str, object]:
-    return {
-        "title": grid.title,
-        "head": [name.split("\n") for name in grid.head],
-        "rows": grid.rows,
-        "best": grid.best,
-        "tied": grid.tied,
-    }
+    return RunAnswer(
+        title=study.title,
+        ok=study.ok,
+        folder=str(folder),
+        report=str(folder / REPORT),
+        answer=study.answer,
+        results=[
+            Result(node, output, labels, kind.data(value))
+            for node, output, labels, value in run.reported()
+            for kind in [hooks.kind(type(value), "data")]
+            if kind is not None and kind.data is not None
+        ],
+        steps={state: count for state, count in run.counts().items() if count},
+        seconds=round(run.seconds, 3),
+        failed=notes.get(Kind.FAILED, ()),
+        refused=notes.get(Kind.REFUSED, ()),
+        left_out=notes.get(Kind.LEFT_OUT, ()),
+        warnings=notes.get(Kind.WARNING, ()),
+        files=[link.path for section in study.sections for link in section.files],
+    )
 
 
 def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[str | Table]:

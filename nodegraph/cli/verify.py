@@ -9,13 +9,21 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_executor, add_pairs, add_plugin, add_store, input_values
-from nodegraph.cli.differences import origins
+from nodegraph.cli.arguments import (
+    add_executor,
+    add_json,
+    add_pairs,
+    add_plugin,
+    add_store,
+    input_values,
+)
+from nodegraph.cli.differences import origin_lines, origins
 from nodegraph.cli.output import columns, counted, few, say
 from nodegraph.state import State
 
 if TYPE_CHECKING:
     from nodegraph.audit.audit import Audited
+    from nodegraph.cli.answers import Repeated
     from nodegraph.execute import Run
     from nodegraph.graph import Graph
     from nodegraph.lock.conclusions import Reported
@@ -53,6 +61,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_plugin(parser)
     add_executor(parser)
     add_store(parser)
+    add_json(parser)
 
 
 def verify(arguments: Namespace) -> int:
@@ -78,7 +87,7 @@ def verify(arguments: Namespace) -> int:
     store = open_store(registry, arguments.store, say)
     with _store_for_run(store, rerun=arguments.rerun) as run_store:
         run = run_of(arguments, graph, store=run_store)
-        status = _compare(lock, path, run, store)
+        status = _compare(lock, path, run, store, as_json=arguments.json)
         if not arguments.rerun:
             run.tidy()
         return status
@@ -97,8 +106,9 @@ def _store_for_run(store: Store, *, rerun: bool) -> Iterator[Store]:
         yield StoreWithoutResults(Path(folder), store, say)
 
 
-def _compare(lock: Lock, path: Path, run: Run, store: Store) -> int:
+def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -> int:
     """Print the verdict and the reasons for it; return the exit status."""
+    from nodegraph.cli.answers import VerifyAnswer, print_json
     from nodegraph.lock.conclusions import conclusion_changes, reported_by
     from nodegraph.lock.portable import FileNames, portable
     from nodegraph.lock.results import Results
@@ -112,16 +122,40 @@ def _compare(lock: Lock, path: Path, run: Run, store: Store) -> int:
     spread = compare(lock.record, now, BySketch(lock, results))
     changed = list(conclusion_changes(lock.conclusions, reported))
     outcome = verdict(spread, bool(lock.conclusions), changed)
-    print(f"{outcome.text}: {path}: {_counts(spread, lock)}")
-    for line in (*changes_everywhere(lock.record, now), *_notes(spread), *not_stored):
-        print(f"    {line}")
+    everywhere = list(changes_everywhere(lock.record, now))
     stores = StoredValues(store), StoredValues(run.cache.store if run.cache else store)
-    registry = run.plan.graph.registry
-    for line in origins(spread, registry, stores, partial(_unexplained, run)):
+    found = origins(spread, run.plan.graph.registry, stores)
+    tables = list(_table_changes(lock, spread, reported))
+    if as_json:
+        print_json(
+            VerifyAnswer(
+                lock=str(path),
+                grade=outcome.grade,
+                holds=outcome.holds,
+                identical=spread.same,
+                near=len(spread.near),
+                beyond=spread.beyond,
+                unknown=spread.unknown.total(),
+                tolerance=lock.tolerance,
+                farthest=max((judged.distance for _, judged in spread.near), default=0.0),
+                changes=[*everywhere, *not_stored],
+                only_locked=[cell.name for cell in spread.only_was],
+                only_now=[cell.name for cell in spread.only_now],
+                origins=found,
+                follow=spread.followers,
+                conclusions=changed,
+                tables=tables,
+            )
+        )
+        return 0 if outcome.holds else 1
+    print(f"{outcome.text}: {path}: {_counts(spread, lock)}")
+    for line in (*everywhere, *_notes(spread), *not_stored):
+        print(f"    {line}")
+    for line in origin_lines(spread, found, partial(_unexplained, run)):
         print(line)
     if spread.followers:
         print(f"\nwhat follows from that: {counted(spread.followers)}")
-    for line in (*few(changed), *_table_changes(lock, spread, reported)):
+    for line in (*few(changed), *few(tables)):
         print(line)
     count = sum(map(len, lock.conclusions.values()))
     if spread.beyond and not changed and count:
@@ -171,12 +205,13 @@ def _table_changes(lock: Lock, spread: Spread, reported: list[Reported]) -> Iter
 
     if spread.beyond:
         changed = table_changes(lock.tables, reported, lock.tolerance)
-        yield from few(list(changed))
+        yield from changed
 
 
 def _repeat(arguments: Namespace, graph: Graph) -> int:
     """Run a graph, repeat its steps, and print for each method whether results are the same."""
     from nodegraph.audit.audit import audit, cases
+    from nodegraph.cli.answers import RepeatAnswer, print_json
     from nodegraph.cli.graphs import run_of, store_of
 
     if not arguments.executor:
@@ -187,26 +222,38 @@ def _repeat(arguments: Namespace, graph: Graph) -> int:
     indices = {index for steps in by_method.values() for index in steps}
     say(f"repeating {len(indices)} of {len(run.plan.steps)} steps")
     audited = {result.step.index: result for result in audit(run, indices)}
-    print(columns(list(_rows(run, by_method, audited))))
+    rows = list(_rows(run, by_method, audited))
+    passes = all(result.grade.passes for result in audited.values())
+    if arguments.json:
+        print_json(RepeatAnswer(passes, rows))
+        run.tidy()
+        return 0 if passes else 1
+    head = ("node", "method", "grade", "cases", "what")
+    print(columns([head, *map(_cells, rows)]))
     for line in (*_consequences(audited.values(), writable=store.writable), *run.not_stored()):
         print(f"\n{line}")
     run.tidy()
-    return 0 if all(result.grade.passes for result in audited.values()) else 1
+    return 0 if passes else 1
+
+
+def _cells(row: Repeated) -> tuple[str, ...]:
+    cases = f"{row.worst} of {row.of}" if row.worst < row.of else str(row.of)
+    return row.node, row.method, row.grade, cases, row.text
 
 
 def _rows(
     run: Run,
     by_method: Mapping[tuple[str, str], tuple[int, ...]],
     audited: Mapping[int, Audited],
-) -> Iterator[tuple[str, ...]]:
-    """Yield a row per node and method, with the worst of its steps."""
-    yield "node", "method", "grade", "cases", "what"
+) -> Iterator[Repeated]:
+    """Yield an entry per node and method, with the worst of its steps."""
+    from nodegraph.cli.answers import Repeated
+
     for (node, label), steps in by_method.items():
         method = run.plan.graph.nodes[node].methods[label].node.name
         worst = max((audited[index] for index in steps), key=lambda result: result.grade.rank)
         count = sum(audited[index].grade == worst.grade for index in steps)
-        cases = f"{count} of {len(steps)}" if count < len(steps) else str(len(steps))
-        yield node, method, worst.grade, cases, worst.text
+        yield Repeated(node, method, worst.grade, count, len(steps), worst.text)
 
 
 def _consequences(audited: Iterable[Audited], *, writable: bool) -> Iterator[str]:

@@ -21,6 +21,7 @@ _AT_LABELS = re.compile(r"(([\w.]+)\(.*?\)): (.*)", re.DOTALL)
 
 def why(graph: Graph, arguments: Namespace) -> None:
     """Print which part of the key of each step of a node changed since an earlier run."""
+    from nodegraph.cli.answers import ExplainedStep, WhyAnswer, print_json
     from nodegraph.cli.graphs import run_folder, store_of
     from nodegraph.execute import StoredSteps
     from nodegraph.plan import plan
@@ -35,6 +36,13 @@ def why(graph: Graph, arguments: Namespace) -> None:
     planned = plan(graph)
     cache = StoredSteps(planned, store_of(arguments, graph))
     steps = list(Why(planned, cache, record).explain(node))
+    if arguments.json:
+        explained = [
+            ExplainedStep(each.step.node, each.step.labels, each.stored, each.changes)
+            for each in steps
+        ]
+        print_json(WhyAnswer(node, str(folder), explained))
+        return
     stored = sum(step.stored for step in steps)
     print(f"{node}: {stored} of {len(steps)} steps are stored; compared with {folder}")
     for names, lines in _by_reason(steps):

@@ -114,6 +114,15 @@ class Run:
         """Whether no step failed."""
         return not any(outcome.state is State.FAILED for outcome in self.outcomes.values())
 
+    def reported(self) -> Iterator[tuple[str, str, dict[str, Label], object]]:
+        """Yield node, output, labels and value of every result that the report lists."""
+        graph = self.plan.graph
+        for node, port in graph.reported:
+            for output in [port] if port else graph.nodes[node].outputs:
+                for labels, value in self[f"{node}.{output}"].shown():
+                    if graph.report_entry(node, port, labels) is not None:
+                        yield node, output, labels, value
+
     def counts(self) -> dict[str, int]:
         """Return the number of steps by how they ended: computed, stored, and so on."""
         counts = Counter(outcome.status for outcome in self.outcomes.values())

@@ -38,19 +38,13 @@ class Reported:
 def reported_by(run: Run) -> Iterator[Reported]:
     """Yield the reported values of a run from which a plugin draws conclusions."""
     graph = run.plan.graph
-    hooks = graph.registry.hooks
-    for node, port in graph.reported:
-        outputs = graph.nodes[node].outputs
-        for output in [port] if port else outputs:
-            for labels, value in run[f"{node}.{output}"].shown():
-                if graph.report_entry(node, port, labels) is None:
-                    continue
-                kind = hooks.kind(type(value), "conclude")
-                if kind is not None and kind.conclude is not None:
-                    name = name_at(f"{node}.{output}" if len(outputs) > 1 else node, labels)
-                    conclusions = tuple(map(str, kind.conclude(value)))
-                    numbers = kind.numbers(value) if kind.numbers is not None else ""
-                    yield Reported(name, conclusions, numbers)
+    for node, output, labels, value in run.reported():
+        kind = graph.registry.hooks.kind(type(value), "conclude")
+        if kind is not None and kind.conclude is not None:
+            several = len(graph.nodes[node].outputs) > 1
+            name = name_at(f"{node}.{output}" if several else node, labels)
+            numbers = kind.numbers(value) if kind.numbers is not None else ""
+            yield Reported(name, tuple(map(str, kind.conclude(value))), numbers)
 
 
 def conclusion_changes(

@@ -159,6 +159,7 @@ _RULES: Mapping[type, Mapping[str, _Rule]] = {
         "compare": _Rule("the comparison of {}", _sentences, _no_sentences),
         "conclude": _Rule("the conclusion of {}", _sentences, _no_sentences),
         "numbers": _Rule("the numbers of {}", str, lambda value: ""),
+        "data": _Rule("the data of {}", Mapping, lambda value: {}),
         "stream": _Rule("the stream of {}", Streamable),
         "live_view": _Rule("the view of {} on a stream", LiveView, _nothing, "it is not shown"),
         "detail": _Rule("the view of blocks of {}", Detail, _nothing, "it is not shown"),

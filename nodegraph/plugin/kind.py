@@ -47,6 +47,8 @@ class Kind:
         without measured numbers, so that it stays the same while the conclusion does.
     numbers : callable
         Returns the value's numbers as CSV with a header.
+    data : callable
+        Returns a value, numbers and all, as a mapping of plain data: what ``--json`` prints of it.
     stream, live_view, detail : callable
         Return a `Streamable`, a `LiveView` and a `Detail`; called when they are first needed.
     specimens : callable
@@ -71,6 +73,7 @@ class Kind:
     compare: Callable[[Any, Any], Iterable[str]] | None = None
     conclude: Callable[[Any], Iterable[str]] | None = None
     numbers: Callable[[Any], str] | None = None
+    data: Callable[[Any], Mapping[str, object]] | None = None
     stream: Callable[[], Streamable] | None = None
     live_view: Callable[[], LiveView] | None = None
     detail: Callable[[], Detail] | None = None

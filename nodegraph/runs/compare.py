@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 
-from nodegraph.equality import difference
+from nodegraph.equality import change, difference
 from nodegraph.formatting import labels_of
 from nodegraph.plugin.hook_results import HookResults
 from nodegraph.runs.record import Cell, Record, RecordedCode, RecordedStep
@@ -385,7 +385,7 @@ def output_differences(
         for text in _described(value, other, hooks)
     ]
     return described or [
-        text for name, value, other in both if (text := difference(value, other, name=name))
+        text for name, value, other in both if (text := change(value, other, name=name))
     ]
 
 

@@ -51,6 +51,7 @@ def nodegraph_kinds() -> Iterable[Kind]:
             compare=compare_tables,
             conclude=late("nodegraph_tables.conclusions:conclude_table"),
             numbers=late("nodegraph_tables.conclusions:table_numbers"),
+            data=late("nodegraph_tables.conclusions:table_data"),
             specimens=late("nodegraph_tables.specimens:table_specimens"),
         ),
         Kind(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,7 +42,9 @@ def compare_tables(before: Table, now: Table) -> Iterator[str]:
         both = list(map(str, range(len(before))))
     for column in (name for name in before.columns if name in now.columns):
         was, values = before[column].to_numpy(), now[column].to_numpy()
-        differs = differences(was, values)
+        lone, lost = before[column].isna().to_numpy(), now[column].isna().to_numpy()
+        differs, both_there = lone != lost, ~(lone | lost)
+        differs[both_there] |= differences(was[both_there], values[both_there])
         if differs.any():
             yield f"{column}: {_change(was, values, differs, both)}"
 
@@ -57,11 +59,21 @@ def _row_names(before: Table, now: Table) -> tuple[list[str], list[str]] | None:
         columns.append(column)
         if all(not table.duplicated(columns).any() for table in tables):
             names = [
-                [", ".join(map(str, row)) for row in table[columns].itertuples(index=False)]
+                [_row_name(columns, row) for row in table[columns].itertuples(index=False)]
                 for table in tables
             ]
             return names[0], names[1]
     return None
+
+
+def _row_name(columns: Sequence[object], row: Sequence[object]) -> str:
+    """Return the labels of a row: ``fill=ridge, length=15``; ``all`` of one that has none."""
+    labels = (
+        f"{column}={label}"
+        for column, label in zip(columns, row, strict=True)
+        if not _is_missing(label)
+    )
+    return ", ".join(labels) or "all"
 
 
 def compare_drawings(before: StoredFigure, now: StoredFigure) -> Iterator[str]:
@@ -105,7 +117,17 @@ def _change(
         if size.any():
             place = int(np.argmax(size))
             most = "the most"
-    texts = f"{was[place]:{form}}, now {now[place]:{form}}"
+    texts = f"{_cell(was[place], form)}, now {_cell(now[place], form)}"
     if count == 1:
         return f"row {names[place]}: {texts}"
     return f"{count} of {len(names)} rows, {most} in {names[place]}: {texts}"
+
+
+def _cell(value: object, form: str) -> str:
+    return "missing" if _is_missing(value) else f"{value:{form}}"
+
+
+def _is_missing(value: Any) -> bool:
+    from pandas import isna
+
+    return bool(np.all(isna(value)))

@@ -36,6 +36,24 @@ def table_numbers(table: Table) -> str:
     return table.to_csv(index=False, lineterminator="\n", float_format="%.10g")
 
 
+def table_data(table: Table) -> dict[str, object]:
+    """Return the table as plain data, its numbers as numbers, with what its marks mean."""
+    info = info_of(table)
+    rows = table.astype(object).where(table.notna(), None).to_numpy().tolist()
+    return {
+        "title": info.title,
+        "answer": list(info.answer),
+        "columns": [str(column) for column in table.columns],
+        "rows": rows,
+        "units": dict(info.units),
+        "better": dict(info.better),
+        "best": {column: list(places) for column, places in info.best.items()},
+        "tied": {column: list(places) for column, places in info.tied.items()},
+        "cells": {column: dict(parts) for column, parts in info.cells.items()},
+        "notes": list(info.notes),
+    }
+
+
 def without_measured(sentence: str) -> str:
     """Return a sentence without its measured numbers; labels and whole numbers stay.
 

@@ -39,7 +39,7 @@ def test_a_setting_explains_the_first_difference(command: Command) -> None:
     assert status == 1
     assert "input start was 5, now 6" in out
     first = out.split("\n\n")[1]
-    assert first == "first: a\n    start was 5, now 6\n    output: 5.0 and 6.0"
+    assert first == "first: a\n    start was 5, now 6\n    output was 5.0, now 6.0"
     assert "what follows from that: gaps (2), fill (4), one (1), total (1)" in out
 
 
@@ -52,7 +52,7 @@ def test_an_edited_method_and_its_outputs_are_named(command: Command) -> None:
     assert first.splitlines() == [
         "first: gaps(length=1) and 1 more of gaps",
         "    code: toys was edited",
-        "    gappy: 4.0 and 3.0",
+        "    gappy was 4.0, now 3.0",
     ]
 
 

@@ -186,7 +186,7 @@ def test_locked_values_that_are_stored_are_compared_exactly(verified: Verified) 
     frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
     lines = verified()[1].splitlines()
     assert lines[3] == f"first: {SHIFTED}"
-    assert lines[6] == "    output.cells[0, 0]: 1001.0 and 1001.5 (2 such places)"
+    assert lines[6] == "    output.cells[0, 0] was 1001.0, now 1001.5 (2 such places)"
 
 
 def test_an_edit_without_effect_is_none(verified: Verified) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from pandas import DataFrame
 
@@ -70,7 +71,7 @@ def test_what_the_words_do_not_reach_is_compared_part_by_part() -> None:
     ("other", "message"),
     [
         ({"rmse": [1.0, 2.5, np.nan]}, "rmse: row 1: 2, now 2.5"),
-        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: 2 of 3 rows, the first in 1: 2, now nan"),
+        ({"rmse": [1.0, np.nan, 3.0]}, "rmse: 2 of 3 rows, the first in 1: 2, now missing"),
         (
             {"rmse": [1.25, 2.5, np.nan]},
             "rmse: 2 of 3 rows, the most in 1: 2, now 2.5",
@@ -86,8 +87,8 @@ def test_tables_have_columns_rows_and_sizes(other: dict[str, object], message: s
 def test_a_table_of_texts_and_its_columns() -> None:
     table = DataFrame({"take": ["a", "b"], "n": [1, 2]})
     assert differences(table, DataFrame({"take": ["a", "c"], "n": [1, 2]})) == (
-        "rows only before: b",
-        "rows only now: c",
+        "rows only before: take=b",
+        "rows only now: take=c",
     )
     assert differences(table, table[["n", "take"]])[0] == "columns in another order"
 
@@ -96,10 +97,20 @@ def test_rows_are_compared_by_their_names() -> None:
     table = DataFrame({"fill": ["a", "a", "b"], "k": [1, 2, 1], "rmse": [1.0, 2.0, 3.0]})
     other = DataFrame({"fill": ["b", "a", "c"], "k": [1, 2, 1], "rmse": [3.5, 2.0, 9.0]})
     assert differences(table, other) == (
-        "rows only before: a, 1",
-        "rows only now: c, 1",
-        "rmse: row b, 1: 3, now 3.5",
+        "rows only before: fill=a, k=1",
+        "rows only now: fill=c, k=1",
+        "rmse: row fill=b, k=1: 3, now 3.5",
     )
+
+
+def test_a_row_over_all_labels_has_no_missing_name() -> None:
+    table = DataFrame(
+        {"length": pd.array([5, pd.NA], "Int64"), "fill": ["a", "a"], "n": [1.0, 2.0]}
+    )
+    other = DataFrame(
+        {"length": pd.array([5, pd.NA], "Int64"), "fill": ["a", "b"], "n": [1.0, 2.0]}
+    )
+    assert differences(table, other) == ("fill: row all: a, now b",)
 
 
 def test_masks_and_drawings() -> None:

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
+import numpy as np
+import pandas as pd
 import pytest
 from pandas import DataFrame
 
-from nodegraph_tables.conclusions import conclude_table, table_numbers, without_measured
+from nodegraph_tables.conclusions import (
+    conclude_table,
+    table_data,
+    table_numbers,
+    without_measured,
+)
 from nodegraph_tables.info import TableInfo, with_info
 
 
@@ -55,3 +65,30 @@ def test_measured_numbers_go_and_labels_stay(sentence: str, bare: str) -> None:
 def test_the_numbers_are_csv_of_ten_digits() -> None:
     table = DataFrame({"fill": ["a,b", "c"], "mean": [1.0 / 3.0, float("nan")]})
     assert table_numbers(table) == 'fill,mean\n"a,b",0.3333333333\nc,\n'
+
+
+def test_a_table_is_numbers_with_what_its_marks_mean() -> None:
+    numbers = DataFrame(
+        {
+            "fill": pd.Series(["linear", "muscle", pd.NA], dtype="string"),
+            "blocks": [3, 3, 6],
+            "mean": [0.5, np.nan, 0.25],
+            "p": [np.float64(0.01), np.nan, 1.0],
+        }
+    )
+    info = TableInfo(
+        units={"mean": "mm"}, best={"mean": (2,)}, tied={"mean": (0,)}, cells={"mean": {"p": "p"}}
+    )
+    data: Any = json.loads(json.dumps(table_data(with_info(numbers, info)), allow_nan=False))
+    assert data["columns"] == ["fill", "blocks", "mean", "p"]
+    assert data["rows"] == [
+        ["linear", 3, 0.5, 0.01],
+        ["muscle", 3, None, None],
+        [None, 6, 0.25, 1.0],
+    ]
+    assert (data["units"], data["best"], data["tied"]) == (
+        {"mean": "mm"},
+        {"mean": [2]},
+        {"mean": [0]},
+    )
+    assert data["cells"] == {"mean": {"p": "p"}}
