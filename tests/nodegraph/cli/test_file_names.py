@@ -110,7 +110,7 @@ def test_names_of_nodes_and_outputs_meet_neither_each_other_nor_the_files_of_the
     for suffix in (".html", ".json", ".yaml", ".jsonl"):
         assert texts(folder, suffix) == [*names, "upper ", "lower "]
     assert "<h1>" in (folder / "report.html").read_text()
-    assert json.loads((folder / "run.json").read_text())["format"] == 1
+    assert json.loads((folder / "run.json").read_text())["format"] == 2
     assert (folder / "graph.yaml").read_text() == Path("toy.yaml").read_text()
 
 
