@@ -195,7 +195,7 @@ def test_settings_are_checked_before_the_run(
 def test_an_estimator_is_a_node_in_another_process(gappy: Trajectories) -> None:
     registry = Registry.installed()
     entry = registry.find("sklearn:sklearn.impute.KNNImputer")
-    packer = Packer(registry.hooks.storages)
+    packer = Packer(registry.hooks.kinds)
     codec = CallCodec(registry, packer, local=True)
     request = codec.encode(Call(0, entry.node, entry.plugin, {"recording": gappy}, {}))
     assert request is not None
