@@ -1,9 +1,9 @@
 """Least squares within bounds, of many targets at once: what to solve by which method.
 
-Where the columns are well apart, block pivoting on normal equations finds the weights. Where they
-are not, or where it does not, an active-set search does; and where several weights are as good, the
-least of them are taken. What either finds is held against the conditions for a least sum of squares
-(Karush, Kuhn & Tucker): weights that do not meet them are not given.
+Block pivoting on normal equations finds the weights; where columns depend on each other, with a
+ridge that is taken back. What it finds is held against the conditions for a least sum of squares
+(Karush, Kuhn & Tucker), and what does not meet them goes to `scipy.optimize.lsq_linear`. Weights
+that do not meet them either are not given.
 """
 
 from __future__ import annotations
@@ -20,20 +20,18 @@ if TYPE_CHECKING:
     Flags = NDArray[np.bool_]
 
 RANK = 1e-12
-"""A combination of shapes that moves less than this share of what the largest moves is a tie."""
+"""Without bounds, a combination of shapes that moves a smaller share than this does not count."""
 
-KKT = 1e-12
+KKT = 1e-11
 """What the gradient may be that does not push against a bound, as a share of `noise`."""
 
+RIDGE = 1e-9
+"""The ridge, as a share of the square of the longest column."""
+
 _PLAIN = 1e-9
-"""As long as no column lies closer to the others (squared sine), normal equations will do."""
+"""As long as no column lies closer to the others (squared sine), no ridge is needed."""
 
-_TIE = 5e-14
-"""Up to this share of `noise`, a gradient is not evidence about the bound that a weight is at."""
-
-_ROUNDS = 200
-_MOST_RELEASES = 20
-"""How many times each column may be freed."""
+_ROUNDS, _APPROACHES = 10_000, 20
 
 
 class Answer(NamedTuple):
@@ -43,21 +41,18 @@ class Answer(NamedTuple):
     ----------
     weights : (N, K) array of float64
         NaN where unsolved.
-    unshared : (N,) array of bool
-        Targets with several answers of which the least could not be determined.
     unsolved : (N,) array of bool
         Targets whose answer could not be found.
     """
 
     weights: Matrix
-    unshared: Flags
     unsolved: Flags
 
 
 def least_squares(columns: Matrix, targets: Matrix, low: float, high: float) -> Answer:
     """Return the weights w of least ``|sum(w[k] columns[k]) - target|^2`` within the bounds.
 
-    Of several, those of the least norm.
+    Of several, those of the least norm, but for `RIDGE`.
 
     Parameters
     ----------
@@ -83,17 +78,20 @@ class System:
 
         NaN if they could not be found.
         """
-        if len(self._columns) and np.isfinite(self._low) and self._plain:
+        columns = self._columns
+        if len(columns) and np.isfinite(self._low):
             from nodegraph_blendshapes.solve import pivoting_kernel
 
             if self._work is None:
                 self._work = pivoting_kernel.new_work(self._squares)
-            weights = np.empty(len(self._columns))
-            if pivoting_kernel.bounded_next(
-                self._squares, target, self._work, _ROUNDS, KKT, weights
-            ):
-                return weights
-            self._work = None
+            weights, solved = np.empty((1, len(columns))), np.empty(1, dtype=np.bool_)
+            linears = (columns @ target)[None]
+            work = self._work
+            pivoting_kernel.bounded(
+                self._squares, target[None], linears, work, _ROUNDS, KKT, weights, solved
+            )
+            if solved[0]:
+                return np.asarray(weights[0])
         return np.asarray(self.solve(target[None]).weights[0])
 
     def solve(self, targets: Matrix) -> Answer:
@@ -101,85 +99,66 @@ class System:
         columns = self._columns
         none = np.zeros(len(targets), dtype=np.bool_)
         if not len(columns):
-            return Answer(np.zeros((len(targets), 0)), none, none)
+            return Answer(np.zeros((len(targets), 0)), none)
         if np.isinf(self._low):
-            projector, sizes, coordinates = self._singular_vectors
-            return Answer((targets @ coordinates.T / sizes) @ projector.T, none, none)
-        if not self._plain:
-            return self._searched(targets)
-        weights, solved = self._by_normal_equations(targets)
-        if solved.all():
-            return Answer(weights, none, none)
-        left = self._searched(targets[~solved])
-        weights[~solved] = left.weights
-        return Answer(weights, none, unsolved=np.asarray(np.isnan(weights).any(axis=1)))
+            return Answer(targets @ np.linalg.pinv(columns, rcond=RANK), none)
+        from nodegraph_blendshapes.solve import pivoting_kernel
 
-    @cached_property
-    def _plain(self) -> bool:
-        """Whether each column is well apart from all before it."""
-        unit = self._columns / np.linalg.norm(self._columns, axis=1, keepdims=True)
-        try:
-            factor = np.linalg.cholesky(unit @ unit.T)
-        except np.linalg.LinAlgError:
-            return False
-        return bool(np.diag(factor).min() ** 2 > _PLAIN)
-
-    @cached_property
-    def _singular_vectors(self) -> tuple[Matrix, Matrix, Matrix]:
-        return _singular_vectors(self._columns)
+        squares, share = self._squares, KKT
+        if not squares.ridge:
+            share = np.inf  # all at once, below
+            if len(targets) > columns.shape[1] > len(columns):
+                # what is at right angles to all columns plays no part
+                directions, triangle = np.linalg.qr(columns.T)
+                columns, targets = np.ascontiguousarray(triangle.T), targets @ directions
+                squares = squares._replace(columns=columns)
+        targets = np.ascontiguousarray(targets)
+        weights, solved = np.empty((len(targets), len(columns))), np.empty_like(none)
+        linears, work = targets @ columns.T, pivoting_kernel.new_work(squares)
+        pivoting_kernel.bounded(squares, targets, linears, work, _ROUNDS, share, weights, solved)
+        if not squares.ridge:
+            solved = are_least(columns, targets, weights, self._low, self._high)
+        for frame in np.flatnonzero(~solved):
+            weights[frame] = _by_scipy(squares, targets[frame])
+        return Answer(weights, np.asarray(np.isnan(weights).any(axis=1)))
 
     @cached_property
     def _squares(self) -> Any:
-        return _squares(self._columns, self._low, self._high)
-
-    def _by_normal_equations(self, targets: Matrix) -> tuple[Matrix, Flags]:
-        """Return weights, and which of them are those of least squares."""
         from nodegraph_blendshapes.solve import pivoting_kernel
 
-        columns, squares = self._columns, None
-        if len(targets) > columns.shape[1] > len(columns):
-            # no more coordinates than columns: what is at right angles to them all plays no part
-            directions, triangle = np.linalg.qr(columns.T)
-            columns, targets = np.ascontiguousarray(triangle.T), targets @ directions
-            squares = _squares(columns, self._low, self._high)
-        targets = np.ascontiguousarray(targets)
-        weights = np.empty((len(targets), len(columns)))
-        pivoting_kernel.bounded(
-            squares or self._squares, targets, targets @ columns.T, _ROUNDS, weights
-        )
-        return weights, are_least(columns, targets, weights, self._low, self._high)
-
-    def _searched(self, targets: Matrix) -> Answer:
-        from nodegraph_blendshapes.solve import search_kernel
-
-        low, high = self._low, self._high
-        projector, sizes, coordinates = self._singular_vectors
-        system = search_kernel.System(
-            *(np.ascontiguousarray(array) for array in (self._columns, targets, coordinates))
-        )
-        columns = np.ascontiguousarray(projector * sizes)
-        targets = np.ascontiguousarray(targets @ coordinates.T)
-        lengths = np.linalg.norm(columns, axis=1)
-        squares = search_kernel.Squares(columns, lengths, low, high)
-        weights = np.empty((len(targets), len(columns)))
-        free = np.empty(weights.shape, dtype=np.bool_)
-        search_kernel.search(squares, targets, system, _MOST_RELEASES * len(columns), weights, free)
-        unsolved = ~are_least(columns, targets, weights, low, high)
-        lows, highs = _between(columns, targets, weights, low, high)
-        several = np.any((lows < highs) & ~free, axis=1) & ~unsolved
-        least, exact = _least(projector, weights[several], lows[several], highs[several])
-        exact &= are_least(columns, targets[several], least, low, high)
-        weights[np.flatnonzero(several)[exact]] = least[exact]
-        weights[unsolved] = np.nan
-        several[np.flatnonzero(several)[exact]] = False
-        return Answer(weights, unshared=several, unsolved=unsolved)
+        columns = self._columns
+        gram, lengths = columns @ columns.T, np.linalg.norm(columns, axis=1)
+        ridge = 0.0 if _are_apart(columns / lengths[:, None]) else RIDGE * lengths.max() ** 2
+        gram += ridge * np.eye(len(gram))
+        return pivoting_kernel.Squares(columns, gram, lengths, self._low, self._high, ridge)
 
 
-def _squares(columns: Matrix, low: float, high: float) -> Any:
-    from nodegraph_blendshapes.solve import pivoting_kernel
+def _are_apart(unit: Matrix) -> bool:
+    """Return whether each column is well apart from all before it."""
+    try:
+        factor = np.linalg.cholesky(unit @ unit.T)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(np.diag(factor).min() ** 2 > _PLAIN)
 
-    lengths = np.linalg.norm(columns, axis=1)
-    return pivoting_kernel.Squares(columns, columns @ columns.T, lengths, low, high)
+
+def _by_scipy(squares: Any, target: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the (K,) weights of one target; NaN if they are not those of least squares.
+
+    With a ridge, it is taken back as by `pivoting_kernel.bounded`.
+    """
+    from scipy.optimize import lsq_linear
+
+    columns, low, high, root = squares.columns, squares.low, squares.high, np.sqrt(squares.ridge)
+    matrix, weights = np.hstack([columns, root * np.eye(len(columns))]).T, np.zeros(len(columns))
+    for _ in range(_APPROACHES):
+        whole = np.append(target, root * weights)
+        found = lsq_linear(matrix, whole, (low, high), method="bvls", tol=KKT)
+        at = found.active_mask
+        weights = np.where(at < 0, low, np.where(at > 0, high, found.x))
+        if are_least(columns, target[None], weights[None], low, high)[0]:
+            return weights
+    return np.full(len(columns), np.nan)
 
 
 def inwards(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> Matrix:
@@ -201,43 +180,3 @@ def are_least(columns: Matrix, targets: Matrix, weights: Matrix, low: float, hig
         columns, targets, weights
     )
     return np.asarray(small.all(axis=1))
-
-
-def _singular_vectors(columns: Matrix) -> tuple[Matrix, Matrix, Matrix]:
-    """Return the singular vectors and values that are not rounding."""
-    projector, sizes, coordinates = np.linalg.svd(columns, full_matrices=False)
-    rank = int(np.count_nonzero(sizes > RANK * sizes[0]))
-    return np.ascontiguousarray(projector[:, :rank]), sizes[:rank], coordinates[:rank]
-
-
-def _between(
-    columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float
-) -> tuple[Matrix, Matrix]:
-    """Return between what each weight lies in every answer: those that are pushed do not move."""
-    gradient = np.abs((weights @ columns - targets) @ columns.T)
-    bound = (weights <= low) | (weights >= high)
-    still = bound & (gradient > _TIE * noise(columns, targets, weights))
-    return np.where(still, weights, low), np.where(still, weights, high)
-
-
-def _least(projector: Matrix, weights: Matrix, lows: Matrix, highs: Matrix) -> tuple[Matrix, Flags]:
-    """Return the weights of least norm of the same ``projector' w``, and which are exact."""
-    solution, solved = _same(projector, weights @ projector, lows, highs)
-    for frame in np.flatnonzero(~solved):
-        # what can move may hardly do what is wanted in some direction: its own decomposition can
-        low, high, moving = lows[frame], highs[frame], lows[frame] < highs[frame]
-        own, *_ = _singular_vectors(projector[moving])
-        wanted = weights[None, frame, moving] @ own
-        solution[frame] = weights[frame]
-        shared, exact = _same(own, wanted, low[None, moving], high[None, moving])
-        solution[frame, moving], solved[frame] = shared[0], exact[0]
-    return solution, solved
-
-
-def _same(projector: Matrix, wanted: Matrix, lows: Matrix, highs: Matrix) -> tuple[Matrix, Flags]:
-    from nodegraph_blendshapes.solve import share_kernel
-
-    shared = np.empty_like(lows)
-    solved = np.empty(len(lows), dtype=np.bool_)
-    share_kernel.share(projector, wanted, lows, highs, shared, solved)
-    return shared, solved

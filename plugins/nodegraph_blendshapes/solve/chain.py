@@ -90,7 +90,7 @@ class Chain:
     def exchanged(self, weights: Matrix) -> Matrix | None:
         """Return the least, found by block pivoting from the weights that are at a bound.
 
-        As in `solve_kernel`, over all frames at once. None if it goes round in circles.
+        As in `pivoting_kernel`, over all frames at once. None if it goes round in circles.
         """
         free = (weights > self.low) & (weights < self.high)
         weights = np.clip(weights, self.low, self.high)

@@ -28,15 +28,12 @@ class Solved(NamedTuple):
         NaN in frames without any marker; 0 where a shape is not seen.
     unseen : (T, K) array of bool
         Shapes that the recording sees, but none of the markers present in that frame.
-    unshared : (T,) array of bool
-        Frames with several answers of which the least could not be determined.
     unsolved : (T,) array of bool
         Frames whose answer could not be found; their weights are NaN too.
     """
 
     values: Matrix
     unseen: Flags
-    unshared: Flags
     unsolved: Flags
 
     @classmethod
@@ -44,8 +41,8 @@ class Solved(NamedTuple):
         """Return weights of 0, missing where no marker is."""
         values = np.zeros((len(problem.offsets), len(problem.shapes)))
         values[~problem.present.any(axis=1)] = np.nan
-        unshared, unsolved = np.zeros((2, len(values)), dtype=np.bool_)
-        return cls(values, np.zeros(values.shape, dtype=np.bool_), unshared, unsolved)
+        unsolved = np.zeros(len(values), dtype=np.bool_)
+        return cls(values, np.zeros(values.shape, dtype=np.bool_), unsolved)
 
 
 @dataclass(frozen=True)
@@ -114,7 +111,6 @@ def solve_frames(problem: Problem, low: float, high: float, ridge: float) -> Sol
         solution = least_squares(pattern.columns, pattern.targets, low, high)
         solved.values[np.ix_(pattern.frames, pattern.shapes)] = solution.weights
         solved.values[pattern.frames[solution.unsolved]] = np.nan
-        solved.unshared[pattern.frames] = solution.unshared
         solved.unsolved[pattern.frames] = solution.unsolved
         solved.unseen[np.ix_(pattern.frames, problem.seen)] = True
         solved.unseen[np.ix_(pattern.frames, pattern.shapes)] = False

@@ -5,7 +5,11 @@ bound. The free ones are solved for; then all weights on the wrong side are exch
 free ones that are beyond a bound and the bound ones that the gradient pulls inwards, until none is
 left. Mostly that takes two or three rounds. Where their number does not fall for some rounds, only
 the last of them is exchanged, which cannot go round in circles (Murty, 1974), until it does fall.
-Each frame starts from the free weights of the one before. Import this module only when one runs.
+Each frame starts from the free weights of the one before.
+
+Where columns depend on each other, a ridge makes the weights the only ones, and what it takes from
+the squares is given back step by step: the proximal point method (Rockafellar, 1976). Each answer
+is held against the conditions for a least. Import this module only when one runs.
 """
 
 from __future__ import annotations
@@ -31,6 +35,8 @@ PULL = 1e-14
 
 AT_LOW, AT_HIGH, FREE = 0, 1, 2
 _ROUNDS = 4
+_APPROACHES = 60
+_LITTLE = 1e-14
 _NOTHING = 1e-300
 
 
@@ -41,10 +47,10 @@ class Squares(NamedTuple):
     ----------
     columns : (K, R) array of float64
     gram : (K, K) array of float64
-        ``columns columns'``.
+        ``columns columns'``, with the ridge on its diagonal.
     lengths : (K,) array of float64
         Of the columns.
-    low, high : float
+    low, high, ridge : float
     """
 
     columns: Floats
@@ -52,6 +58,7 @@ class Squares(NamedTuple):
     lengths: Floats
     low: float
     high: float
+    ridge: float
 
 
 class Work(NamedTuple):
@@ -84,68 +91,71 @@ class Work(NamedTuple):
 
 @compiled
 def bounded(
-    squares: Squares, targets: Floats, linears: Floats, most: int, solution: Floats
+    squares: Squares,
+    targets: Floats,
+    linears: Floats,
+    work: Work,
+    most: int,
+    share: float,
+    solution: Floats,
+    solved: Flags,
 ) -> None:
-    """Write the weights of least squares of each target.
+    """Write the weights of least squares of each target, and whether they are.
 
     Parameters
     ----------
     squares : Squares
-        No column depends on others.
     targets : (N, R) array of float64
     linears : (N, K) array of float64
         ``columns target``.
+    work
+        Where the search of the target before stands, or `new_work`; written.
     most
-        How many rounds of exchanges a target gets. Where that is not enough, its weights are
-        within the bounds, and not those of least squares.
+        How many rounds of exchanges a target gets.
+    share
+        What a gradient may be that does not push against a bound; see `bounded.are_least`.
+        Infinite where the caller will tell, and `solved` is not written.
     solution : (N, K) array of float64
+        Written: within the bounds in any case.
+    solved : (N,) array of bool
         Written.
     """
-    work = new_work(squares)
+    rest, linear = np.empty(targets.shape[1]), np.empty(linears.shape[1])
     for frame in range(len(targets)):
-        target = targets[frame]
+        target, weights = targets[frame], solution[frame]
         length = math.sqrt(_dot(target, target, len(target)))
-        _exchange(squares, linears[frame], work, length, most)
-        _refine(squares, target, work)
-        solution[frame] = work.weights
+        weights[:] = 0.0
+        if squares.ridge > 0.0:
+            _free_all(squares, work)  # what rounding leaves must not depend on the target before
+        for _ in range(_APPROACHES if squares.ridge > 0.0 else 1):
+            for k in range(len(weights)):
+                linear[k] = linears[frame, k] + squares.ridge * weights[k]
+            is_settled = _exchange(squares, linear, work, length, most)
+            _refine(squares, target, weights, rest, work)
+            weights[:] = work.weights
+            if math.isinf(share):
+                break
+            left = _left(squares, target, rest, weights, length)
+            solved[frame] = left <= share
+            if left <= _LITTLE or not is_settled:
+                break
 
 
 @compiled
-def bounded_next(
-    squares: Squares, target: Floats, work: Work, most: int, share: float, solution: Floats
-) -> bool:
-    """Write the weights of one more target, from those before on; return whether they are least.
-
-    Parameters
-    ----------
-    squares, most
-        As for `bounded`.
-    target : (R,) array of float64
-    work
-        Where the search before stands, or `new_work`; written.
-    share
-        What a gradient may be that does not push against a bound, see `bounded.are_least`.
-    solution : (K,) array of float64
-        Written.
-    """
-    count, size = len(solution), len(target)
-    length = math.sqrt(_dot(target, target, size))
-    linear = np.empty(count)
-    for k in range(count):
-        linear[k] = _dot(squares.columns[k], target, size)
-    _exchange(squares, linear, work, length, most)
-    _refine(squares, target, work)
-    rest, reach = target.copy(), length
-    for k in range(count):
-        solution[k] = work.weights[k]
-        _add(rest, squares.columns[k], -solution[k], size)
-        reach += abs(solution[k]) * squares.lengths[k]
-    for k in range(count):
-        downhill = _dot(squares.columns[k], rest, size)
-        is_out = solution[k] <= squares.low if downhill < 0.0 else solution[k] >= squares.high
-        if not (is_out or abs(downhill) <= share * reach * squares.lengths[k]):
-            return False
-    return True
+def _left(squares: Squares, target: Floats, rest: Floats, weights: Floats, length: float) -> float:
+    """Return the largest gradient that pulls inwards, as a share; `rest` is written."""
+    reach, worst = length, 0.0
+    rest[:] = target
+    for k in range(len(weights)):
+        if weights[k] != 0.0:
+            _add(rest, squares.columns[k], -weights[k], len(rest))
+            reach += abs(weights[k]) * squares.lengths[k]
+    for k in range(len(weights)):
+        downhill = _dot(squares.columns[k], rest, len(rest))
+        is_out = weights[k] <= squares.low if downhill < 0.0 else weights[k] >= squares.high
+        if not is_out:
+            worst = max(worst, abs(downhill) / squares.lengths[k])
+    return worst / reach if reach > 0.0 else 0.0
 
 
 @compiled
@@ -164,6 +174,15 @@ def new_work(squares: Squares) -> Work:
     )
     _factorize(squares.gram, work, 0)
     return work
+
+
+@compiled
+def _free_all(squares: Squares, work: Work) -> None:
+    work.weights[:] = 0.0
+    work.place[:] = FREE
+    work.order[:] = np.arange(len(work.order))
+    work.size[0] = len(work.order)
+    _factorize(squares.gram, work, 0)
 
 
 @compiled
@@ -203,19 +222,20 @@ def _solve(work: Work) -> None:
 
 
 @compiled
-def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most: int) -> None:
-    """Exchange weights that are on the wrong side until none is left."""
+def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most: int) -> bool:
+    """Exchange weights that are on the wrong side; return whether none is left."""
     fewest, rounds = len(linear) + 1, _ROUNDS
     for _ in range(most):
         _free_ones(squares, linear, work)
         wrong = _mark(squares, work, length)
         if wrong == 0:
-            return
+            return True
         rounds = _ROUNDS if wrong < fewest else rounds - 1
         fewest = min(fewest, wrong)
         if rounds < 0:
             _mark_the_last_only(work)
         _factorize(squares.gram, work, _swap(squares, work))
+    return False
 
 
 @compiled
@@ -285,14 +305,16 @@ def _swap(squares: Squares, work: Work) -> int:
 
 
 @compiled
-def _refine(squares: Squares, target: Floats, work: Work) -> None:
+def _refine(squares: Squares, target: Floats, before: Floats, rest: Floats, work: Work) -> None:
     """Take from the free weights what the normal equations have cost in accuracy."""
-    rest = target.copy()
+    rest[:] = target
     for j in range(len(work.weights)):
         if work.weights[j] != 0.0:
             _add(rest, squares.columns[j], -work.weights[j], len(rest))
     for k in range(work.size[0]):
-        work.ahead[k] = _dot(squares.columns[work.order[k]], rest, len(rest))
+        i = work.order[k]
+        step = squares.ridge * (work.weights[i] - before[i])
+        work.ahead[k] = _dot(squares.columns[i], rest, len(rest)) - step
     _solve(work)
     for k in range(work.size[0]):
         i = work.order[k]

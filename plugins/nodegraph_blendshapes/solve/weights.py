@@ -75,7 +75,6 @@ def notes_of(
         *problem.notes,
         *_hidden(solved, names, smoothness),
         *_empty(problem),
-        *_unshared(solved),
         *_unsolved(solved),
     ]
 
@@ -100,15 +99,6 @@ def _empty(problem: Problem) -> Iterator[str]:
         yield (
             f"{np.count_nonzero(empty)} of {len(empty)} frames have none of the model's markers, "
             f"and no weights; the first is frame {empty.argmax()}"
-        )
-
-
-def _unshared(solved: Solved) -> Iterator[str]:
-    if solved.unshared.any():
-        yield (
-            f"in {np.count_nonzero(solved.unshared)} of {len(solved.values)} frames several "
-            "weights are as good, and rounding hides which is least; they "
-            f"have one of the others; the first is frame {solved.unshared.argmax()}"
         )
 
 
@@ -238,14 +228,7 @@ class _Stream:
 
 @node(
     "solve.weights",
-    cite=(
-        "lewis2014",
-        "portugal1994",
-        "stark1995",
-        "lawson1974",
-        "rockafellar1976",
-        "mehrotra1992",
-    ),
+    cite=("lewis2014", "portugal1994", "rockafellar1976", "mehrotra1992"),
     live=StateForm(
         _Stream,
         lookahead=lambda settings: None if settings["smoothness"] else 0,
@@ -267,23 +250,25 @@ def solve_weights(
     are the markers' positions, x0 those of the model's neutral and the columns of B its shapes, at
     the markers that are present in the frame. Head motion must have been removed by alignment to
     the model's neutral. The bounded problem itself is solved, by exchanging the weights that are at
-    a bound: many at a time [2]_ or, where shapes hardly differ, one by one [3]_ [4]_. The
-    least-squares answer without bounds, clipped to them, is another and worse one. Every answer is
+    a bound, many at a time [2]_. The least-squares answer without bounds, clipped to them, is
+    another and worse one. Where shapes depend on each other, a ridge of a billionth of the largest
+    curvature makes the weights the only ones, and is taken back step by step [3]_. Every answer is
     held against the conditions for a least: the gradient that does not push a weight against its
-    bound is at most 1e-12 of ``|column| (|x - x0| + sum |column| |w|)``, which is rounding. A frame
-    of which no answer meets them has no weights (NaN), counted in a warning.
+    bound is at most 1e-11 of ``|column| (|x - x0| + sum |column| |w|)``. What does not meet them
+    is solved by SciPy's ``lsq_linear``; a frame of which no answer meets them has no weights
+    (NaN), counted in a warning.
 
     Markers are matched by name; those that only recording or model has are left out, with a
     warning. A shape that moves none of the recording's markers by 0.5 mm cannot be seen: its weight
     is 0, and it is named in a warning and in the table's notes. The same holds in a frame of whose
     present markers it moves none, counted in the table. Where several answers are as good, as with
     two identical shapes or fewer coordinates than shapes, the one of the least sum of squared
-    weights is taken [5]_: identical shapes share; frames where rounding hides it are counted in a
-    warning. A frame without any marker has no weights (NaN).
+    weights is taken, but for the ridge: identical shapes share. A frame without any marker has no
+    weights (NaN).
 
     Looks at no other frame unless there is smoothness; then at all of the take. The least of
     ``sum over frames of |B w[t] - (x[t] - x0)|^2 + ridge |w[t]|^2 + smoothness |w[t] - w[t-1]|^2``
-    is convex; it is found by exchanging weights of all frames or from within the bounds [6]_, to a
+    is convex; it is found by exchanging weights of all frames or from within the bounds [4]_, to a
     gradient of at most 1e-10 of the largest at weights of 0; where rounding does not let it, the
     take is refused. Of several answers it takes, but for a billionth of the largest curvature, the
     one of the least sum of squared weights. A frame without any marker splits the take. The weight
@@ -332,12 +317,9 @@ def solve_weights(
     .. [2] L. F. Portugal, J. J. Judice & L. N. Vicente, A comparison of block pivoting and
        interior-point algorithms for linear least squares problems with nonnegative variables,
        Mathematics of Computation 63 (1994), 625-643.
-    .. [3] P. B. Stark & R. L. Parker, Bounded-variable least-squares: an algorithm and
-       applications, Computational Statistics 10 (1995), 129-141.
-    .. [4] C. L. Lawson & R. J. Hanson, Solving Least Squares Problems, Prentice-Hall 1974.
-    .. [5] R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM Journal on
+    .. [3] R. T. Rockafellar, Monotone operators and the proximal point algorithm, SIAM Journal on
        Control and Optimization 14 (1976), 877-898.
-    .. [6] S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM Journal
+    .. [4] S. Mehrotra, On the implementation of a primal-dual interior point method, SIAM Journal
        on Optimization 2 (1992), 575-601.
     """
     low, high = limits(bounds)
