@@ -31,6 +31,8 @@ Rule = Literal["common blocks", "worst of block"]
 _FACES = ("recording", "actor")
 """What a made face is called in a graph."""
 
+Mark = Literal["best", "tied"]
+
 COMMON: Final = "common blocks"
 WORST: Final = "worst of block"
 
@@ -253,9 +255,21 @@ class Verdict(Value):
         return _places(np.isfinite(self.mean))
 
     @property
-    def marked(self) -> tuple[int, ...]:
-        """The best, where a verdict stands on something that they are better than, or equal to."""
-        return self.best if self.stands and len(self.known) > 1 else ()
+    def marks(self) -> Mapping[int, Mark]:
+        """The methods that every table and picture marks: none where nothing is told apart."""
+        if not self.behind:
+            return {}
+        tied: dict[int, Mark] = dict.fromkeys(self.tied, "tied")
+        return tied | dict.fromkeys(self.best, "best")
+
+    @property
+    def told(self) -> bool:
+        """Whether a verdict tells methods apart, or all of them are equal."""
+        return self.stands and (bool(self.behind) or len(self.best) == len(self.known))
+
+    def marked(self, mark: Mark) -> list[int]:
+        """Return the methods with a mark, in their order."""
+        return sorted(place for place, of in self.marks.items() if of == mark)
 
     @property
     def not_compared(self) -> list[int]:

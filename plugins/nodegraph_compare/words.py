@@ -349,6 +349,10 @@ def _sentence(verdicts: Verdicts) -> str:
         return f"{first}{_extreme_everywhere(verdicts, known)}{_against(verdicts, known)}"
     if verdicts.is_sequence:
         return _steps(verdicts, stands)
+    if not any(group.told for group in stands):
+        first = "The data cannot tell which is best: no difference is clear."
+        beside = f"{_against(verdicts, known)}{_absent(verdicts, known)}"
+        return f"{first}{_extreme_everywhere(verdicts, known)}{beside}"
     rest = len(known) - len(stands)
     verb = "have" if rest > 1 else "has"
     without = f" {rest} of {len(known)} groups {verb} no verdict." if rest else ""
@@ -652,6 +656,9 @@ def legend(verdicts: Verdicts, *, logarithmic: bool) -> str:
             f" Percentages: to the {escape(verdicts.compare)} before; dots: hollow where it begins,"
             " blue clearly better than before, orange clearly worse, grey not clearly changed."
         )
+    stands = [group for group in stands if group.marks]
+    if not stands:
+        return ""
     tied = (
         "; ringed: <strong>tied</strong>, paired differences cannot tell it from the best"
         if any(group.tied for group in stands)

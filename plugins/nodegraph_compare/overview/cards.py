@@ -137,7 +137,7 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
     if len(known) == 1:
         names = " ".join(method_names(verdicts, known[:1]))
         value, interval = _value(verdicts, group, known[0])
-        return Card("", Markup(names), value, interval, best=True)
+        return Card("", Markup(names), value, interval)
     if verdicts.metric.better == "none":
         ends = [int(np.nanargmin(group.mean)), int(np.nanargmax(group.mean))]
         low, high = method_names(verdicts, ends)
@@ -147,6 +147,9 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
         return Card("", "no verdict", aside=reason_text(verdicts, group))
     best = both(method_names(verdicts, group.best))
     value, interval = _value(verdicts, group, group.best[0])
+    if not group.told:
+        first = f"{EXTREME[verdicts.metric.better]}: {best} {escape(value)}"
+        return Card("", "none clearly best", aside=Markup(first))
     return Card("", Markup(best), value, interval, best=True)
 
 
@@ -198,7 +201,7 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, str]:
     if not group.stands:
         return {}
     if not verdicts.is_sequence:
-        return dict.fromkeys(group.tied, "tied") | dict.fromkeys(group.best, "best")
+        return dict(group.marks)
     better = "raises" if verdicts.metric.better == "higher" else "lowers"
     steps = changes(group)
     return {min(each for each, _ in steps.values()): "before"} | {
@@ -339,6 +342,8 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
     mean = in_unit([group.mean[group.best[0]]], verdicts.metric.unit)
     if not group.stands:
         return f"<small>no verdict; first: {names} {mean}</small>"
+    if not group.told:
+        return f"<small>none clearly best; first: {names} {mean}</small>"
     tied = f", {len(group.tied)} tied" if group.tied else ""
     return f"{names} <small>{mean}{tied}</small>"
 

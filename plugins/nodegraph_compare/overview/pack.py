@@ -166,11 +166,15 @@ def _numbers_of(group: Verdict) -> dict[str, object]:
     other = group.without_suspects
     return {
         **{name: _numbers(getattr(group, name)) for name in ("mean", "median", "rank")},
-        "best": list(group.best),
-        "tied": group.tied,
+        "best": group.marked("best"),
+        "tied": group.marked("tied"),
         "without_suspects": None
         if other is None
-        else {"mean": _numbers(other.mean), "best": list(other.best), "tied": other.tied},
+        else {
+            "mean": _numbers(other.mean),
+            "best": other.marked("best"),
+            "tied": other.marked("tied"),
+        },
     }
 
 

@@ -171,9 +171,7 @@ def _number(value: float) -> str:
 def _role(group: Verdict, method: int) -> str:
     if group.baseline == method:
         return "baseline"
-    if method in group.marked:
-        return "best"
-    return "tied" if method in group.tied else "rest"
+    return group.marks.get(method, "rest")
 
 
 def _names(
@@ -186,7 +184,7 @@ def _names(
     """Name the methods to the left of a row of panels; of very many, the best and some more."""
     if not beside:
         return
-    best = {method for group in beside for method in group.marked}
+    best = {method for group in beside for method in group.marked("best")}
     step = math.ceil(len(methods) * 0.6 * _ROW / tall)
     shown: list[int] = []
     rows = range(len(methods))

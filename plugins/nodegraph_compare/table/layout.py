@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Across, Declared, Label
     from nodegraph_compare.question import Question
-    from nodegraph_compare.verdict import Verdict, Verdicts
+    from nodegraph_compare.verdict import Mark, Verdict, Verdicts
     from nodegraph_mocap import Table
     from nodegraph_tables.info import Part
 
@@ -33,11 +33,10 @@ class _Cell(NamedTuple):
     high: float
     p: float
     blocks: int
-    best: bool
-    tied: bool
+    mark: Mark | None
 
 
-_NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, False, False)
+_NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, None)
 
 
 def wide_table(verdicts: Verdicts, layout: Layout, parts: Sequence[Part]) -> Table:
@@ -81,11 +80,11 @@ def wide_table(verdicts: Verdicts, layout: Layout, parts: Sequence[Part]) -> Tab
         compared=verdicts.compare if verdicts.compare in layout.rows else "",
         cells={head: {part: f"{head} {part}" for part in parts} for head in under},
         best={
-            head: tuple(at for at, cell in enumerate(column) if cell.best)
+            head: tuple(at for at, cell in enumerate(column) if cell.mark == "best")
             for head, column in under.items()
         },
         tied={
-            head: tuple(at for at, cell in enumerate(column) if cell.tied)
+            head: tuple(at for at, cell in enumerate(column) if cell.mark == "tied")
             for head, column in under.items()
         },
     )
@@ -113,14 +112,13 @@ def blocks_text(groups: Sequence[Verdict]) -> str:
 
 def _cells(verdicts: Verdicts, group: Verdict) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
     at = dict(zip(verdicts.within, group.labels, strict=True))
-    paired, bests, tied = group.paired, group.marked, group.tied
+    paired, marks = group.paired, group.marks
     for place in group.ranked:
         names = {verdicts.compare: verdicts.methods[place]} if verdicts.compare else {}
         p = np.nan if paired is None else float(paired.p[place])
         numbers = (group.mean, group.low, group.high)
         mean, low, high = (float(number[place]) for number in numbers)
-        marks = place in bests, place in tied
-        yield at | names, _Cell(mean, low, high, p, int(group.blocks[place]), *marks)
+        yield at | names, _Cell(mean, low, high, p, int(group.blocks[place]), marks.get(place))
 
 
 def _picked(at: Mapping[str, Label], names: Sequence[str]) -> Labels:
@@ -256,10 +254,10 @@ def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
 
     columns: dict[str, Any] = {}
     paired = "ratio" if verdicts.ratio else "difference"
-    marks = differing(declared)
+    texts = differing(declared)
     overall = verdicts.overall
     for group in verdicts.every:
-        for name, values in _columns(verdicts, group, paired, marks).items():
+        for name, values in _columns(verdicts, group, paired, texts).items():
             columns.setdefault(name, []).extend(values)
     if overall is not None:
         columns |= {name: _with_missing(columns[name]) for name in verdicts.within}
@@ -272,8 +270,10 @@ def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
         }
     )
     rows = [(group, place) for group in verdicts.every for place in group.ranked]
-    best = tuple(row for row, (group, place) in enumerate(rows) if place in group.marked)
-    tied = tuple(row for row, (group, place) in enumerate(rows) if place in group.tied)
+    marks = [group.marks.get(place) for group, place in rows]
+    best, tied = (
+        tuple(row for row, of in enumerate(marks) if of == mark) for mark in ("best", "tied")
+    )
     shown = {id(group): _highlights(verdicts, group) for group in verdicts.every}
     highlights = tuple(row for row, (group, place) in enumerate(rows) if place in shown[id(group)])
     unit = verdicts.metric.unit

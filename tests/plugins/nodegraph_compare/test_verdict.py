@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,14 +13,24 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from nodegraph import Across, Label
-from nodegraph_compare.table.node import table
+from nodegraph_compare.overview.cards import answer_html
+from nodegraph_compare.overview.pack import excerpt_of, packed
+from nodegraph_compare.table.node import Compared, table
 from nodegraph_compare.units import Kind, speech_of
 from nodegraph_compare.verdict import Verdict
 from nodegraph_mocap import Table
 from nodegraph_tables import info_of
+from nodegraph_tables.rendering import render_table
+from nodegraph_tables.style import BEST
 
 
 def verdict_on(values: NDArray[np.float64], **more: object) -> tuple[Verdict, Table]:
+    """Compare methods by an array of (actors, methods, gaps)."""
+    result = compared(values, **more)
+    return result.overview.verdicts.groups[0], result.table
+
+
+def compared(values: NDArray[np.float64], **more: object) -> Compared:
     """Compare methods by an array of (actors, methods, gaps)."""
     entries: list[tuple[dict[str, Label], Table]] = [
         ({"actor": actor, "fill": f"m{place}"}, pd.DataFrame({"gap": range(len(row)), "rmse": row}))
@@ -27,8 +39,8 @@ def verdict_on(values: NDArray[np.float64], **more: object) -> tuple[Verdict, Ta
     ]
     scores = Across(("actor", "fill"), tuple(entries), sources=("actor",))
     settings: dict[str, object] = {"metric": "rmse", "compare": "fill", **more}
-    result = table(scores, **settings)  # type: ignore[arg-type]
-    return result.overview.verdicts.groups[0], result.table
+    result: Compared = table(scores, **settings)  # type: ignore[arg-type]
+    return result
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -49,9 +61,49 @@ def test_every_method_is_best_tied_or_behind_where_a_verdict_stands(
         assert sorted(place for part in parts for place in part) == verdict.known
     assert {*verdict.behind} <= {*verdict.worse_than_best}
     # the table marks what the verdict says
-    for marks, places in ((info_of(frame).best, verdict.marked), (info_of(frame).tied, parts[1])):
+    told = bool(verdict.behind)
+    for marks, places in ((info_of(frame).best, verdict.best), (info_of(frame).tied, verdict.tied)):
         marked = {frame["fill"].iloc[row] for row in marks["mean"]}
-        assert marked == {f"m{place}" for place in places}
+        assert marked == {f"m{place}" for place in places if told}
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 10_000), st.sampled_from([1, 3, 4, 6, 9]), st.sampled_from([0.0, 0.3, 2.0]))
+def test_every_place_marks_what_the_verdict_tells_and_nothing_else(
+    seed: int, actors: int, apart: float
+) -> None:
+    random = np.random.default_rng(seed)
+    values = np.exp(random.normal(size=(actors, 4, 3)) + apart * np.arange(4)[:, np.newaxis])
+    result = compared(values)
+    verdicts = result.overview.verdicts
+    (verdict,) = verdicts.groups
+    best, tied = (
+        {f"m{place}" for place in (verdict.best if mark == "best" else verdict.tied)}
+        if verdict.behind
+        else set()
+        for mark in ("best", "tied")
+    )
+    assert verdict.stands or not best
+    shown = render_table(result.table, "")
+    assert set(re.findall(r"(m\d).*?\\textbf", shown.files[".tex"].decode())) == best
+    assert set(re.findall(r"(m\d).*\*", shown.text)) == best
+    assert (
+        set(re.findall(r"<tr[^>]*data-method=\"(m\d)\"(?:(?!</tr>).)*<strong>", shown.html)) == best
+    )
+    data = packed(result.overview, verdicts, excerpt_of(result.overview), "table", {})
+    (group,) = data["groups"]
+    assert {f"m{place}" for place in group["best"]} == best
+    assert {f"m{place}" for place in group["tied"]} == tied
+    lead = answer_html(verdicts, "table", {})
+    for kind, names in (("best", best), ("tied", tied)):
+        assert set(re.findall(rf'class="{kind}"[^>]*data-method="(m\d)"', lead)) == names
+    blue = {
+        text.get_text()
+        for text in result.figure.axes[0].get_yticklabels()
+        if text.get_color() == BEST
+    }
+    assert blue == best
 
 
 @pytest.mark.parametrize(

@@ -216,7 +216,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
     if (!suggested?.length) return;
     const entry = ({ group, block, why }) => {
       const from = view.overview.groups[group];
-      const method = view.numbers(from).best[0];
+      const method = view.numbers(from).first[0];
       const value = method === undefined ? "" : ` \u00b7 ${view.overview.methods[method]} ${view.error(from.error(view.metric.name, block, method))}`;
       return element("button", {
         type: "button", class: `suggestion${from.isSuspect(block) ? " suspect" : ""}`,

@@ -14,8 +14,8 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
 
   const worstOf = (view, method, groups) => {
     const ratios = groups.map((group) => {
-      const { values, best } = view.numbers(group);
-      return view.better === "higher" ? values[best[0]] / values[method] : values[method] / values[best[0]];
+      const { values, first } = view.numbers(group);
+      return view.better === "higher" ? values[first[0]] / values[method] : values[method] / values[first[0]];
     }).filter(Number.isFinite);
     return ratios.length ? Math.max(...ratios) : NaN;
   };
@@ -30,12 +30,12 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
 
   // A cell opens the block in which its method errs most.
   const cell = (view, group, method, narrow, order, across) => {
-    const { values, best, tied } = view.numbers(group);
+    const { values, first, best, tied } = view.numbers(group);
     const value = values[method];
     if (!Number.isFinite(value)) return element("td", { class: "none" }, "\u2013");
-    const first = values[best[0]];
+    const least = values[first[0]];
     const ratio = view.statistic !== "rank" && [...values].every((other) => !(other <= 0));
-    const tint = (nearness(value, values, first, ratio) * 34).toFixed(1);
+    const tint = best.length ? (nearness(value, values, least, ratio) * 34).toFixed(1) : 0;
     const word = best.includes(method) ? ", best" : tied.includes(method) ? ", tied with the best" : "";
     const names = [best.includes(method) && "first", (tied.includes(method) || (tied.length > 0 && best.includes(method))) && "tied", group === view.group && "here"];
     return element("td", { class: names.filter(Boolean).join(" "), style: `--nearness: ${tint}%` },
@@ -47,7 +47,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
           view.open(view.worst(method, group), method, group);
         },
       }, page.number(value),
-      best.length && !narrow ? element("small", {}, view.toBest(value, first)) : null,
+      first.length && !narrow ? element("small", {}, view.toBest(value, least)) : null,
       word ? element("span", { class: "hidden" }, word) : null));
   };
 
@@ -121,8 +121,8 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       const panel = groups.length < view.overview.groups.length ? `${view.panel.title}. ` : "";
       return {
         caption: [
-          strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? ", and its multiple of the best" : ", and the difference to the best"}. `),
-          view.better === "none" ? "" : "Deeper blue is nearer the best. ",
+          strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.better === "higher" ? "highest" : "lowest"}` : `, and the difference to the ${view.better === "higher" ? "highest" : "lowest"}`}. `),
+          groups.some((group) => view.numbers(group).best.length) ? "Deeper blue is nearer the best. " : "",
           verdict ? "Outlined cells are tied with the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
           `A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`,

@@ -10,8 +10,8 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
 
   const describe = (view, method, groups) => groups
     .map((group) => {
-      const { values, best } = view.numbers(group);
-      const times = best.length ? ` (${view.toBest(values[method], values[best[0]])})` : "";
+      const { values, first } = view.numbers(group);
+      const times = first.length ? ` (${view.toBest(values[method], values[first[0]])})` : "";
       return `${view.groupText(group)}: ${view.text(values[method])}${times}`;
     });
 
@@ -127,7 +127,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       finding: finding(view),
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${log ? ", log scale" : ""}. `),
-        "A line per method. ", ...(view.better === "none" ? [] : ["Blue: the best in some group, a large dot where it is. "]),
+        "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
         ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: tied with the best there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
         log ? "Equal slopes are equal ratios. " : "", "Click a line or a name to follow it through the page.",
@@ -139,7 +139,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const finding = (view) => {
     const groups = view.panel.groups.filter((group) => view.shown([group]).length > 1);
     if (view.better === "none" || !groups.length || view.overview.json.is_sequence) return [];
-    const best = groups.map((group) => view.numbers(group).best.map((method) => view.overview.methods[method]).join(" and "));
+    const best = groups.map((group) => view.numbers(group).first.map((method) => view.overview.methods[method]).join(" and "));
     const parts = [];
     const [first, last] = [groups[0], groups.at(-1)];
     const panel = view.overview.panels.length > 1 ? [strong(view.panel.title), ": "] : [];
@@ -210,7 +210,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     return {
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.log ? ", log scale" : ""}. `),
-        "A dot per method. ", view.better === "none" ? "" : "Blue: the best. ", tied.length ? "Ringed: tied with it. " : "", "Click a dot or a name to follow it through the page.",
+        "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: tied with it. " : "", "Click a dot or a name to follow it through the page.",
       ],
     };
   };

@@ -14,8 +14,8 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
     const other = view.method !== null && ranked.includes(view.method) ? view.method : null;
     const next = ranked.find((method) => method !== first && method !== view.reference);
     const pictures = [
-      [first, view.better === "none" ? "" : "best here"],
-      other === null ? [next, view.better === "none" ? "" : "next best"] : [other, "selected"],
+      [first, view.better === "none" ? "" : view.numbers().best.includes(first) ? "best here" : `${view.better === "higher" ? "highest" : "lowest"} here`],
+      other === null ? [next, view.better === "none" ? "" : "next"] : [other, "selected"],
       [view.reference, "reference"],
     ];
     return pictures.filter(([method], at) => ranked.includes(method) && pictures.findIndex(([other]) => other === method) === at);

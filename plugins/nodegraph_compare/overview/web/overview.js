@@ -168,18 +168,16 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       const better = statistic === "rank" ? "lower" : overview.metric(metric).better;
       if (plain && doubtless) {
         const values = numeric(json[statistic]);
-        const judged = statistic === "mean" && json.best.length > 0;
-        return {
-          values, blocks, filtered: false,
-          best: judged ? json.best : bestOf(values, better), tied: judged ? json.tied : [],
-        };
+        const { best, tied } = statistic === "mean" ? json : UNMARKED;
+        return { values, blocks, filtered: false, first: firstOf(values, better), best, tied };
       }
       if (plain && statistic === "mean" && json.without_suspects) {
         const { mean, best, tied } = json.without_suspects;
-        return { values: numeric(mean), blocks, filtered: true, best, tied };
+        const values = numeric(mean);
+        return { values, blocks, filtered: true, first: firstOf(values, better), best, tied };
       }
       const values = this.compute(metric, statistic, blocks);
-      return { values, blocks, filtered: !whole || !doubtless, best: bestOf(values, better), tied: [] };
+      return { values, blocks, filtered: !whole || !doubtless, first: firstOf(values, better), ...UNMARKED };
     }
 
     compute(metric, statistic, blocks) {
@@ -217,7 +215,11 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     }
   }
 
-  const bestOf = (values, better) => {
+  // Only a verdict marks: what is described alone has none.
+  const UNMARKED = { best: [], tied: [] };
+
+  // The methods at the better end, which no verdict need have found best.
+  const firstOf = (values, better) => {
     const known = [...values.keys()].filter((method) => Number.isFinite(values[method]));
     if (better === "none" || !known.length) return [];
     const sign = better === "higher" ? -1 : 1;

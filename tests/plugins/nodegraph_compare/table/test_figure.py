@@ -72,7 +72,8 @@ def test_colour_is_a_role() -> None:
     marks = means(result.figure.axes[0])
     colours = [to_hex(marks[row].get_color()) for row in range(3)]
     assert colours == [BEST, REST, BLACK]
-    tied = means(of_values({"a": [1.0, 2.0], "b": [2.0, 1.1]}).figure.axes[0])
+    values = {"a": [1.0, 2.0], "b": [2.0, 1.1], "far": [40.0, 41.0]}
+    tied = means(of_values(values).figure.axes[0])
     assert to_hex(tied[1].get_color()) == BEST
     assert to_hex(tied[1].get_markerfacecolor()) == "#ffffff"
     (caption,) = result.figure.texts
