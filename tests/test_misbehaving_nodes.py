@@ -17,7 +17,7 @@ from tests.records import read_record
 from tests.studies import ROOT, command
 
 NODES = """\
-import ctypes, os, re, subprocess, sys, threading, time
+import ctypes, os, re, subprocess, sys, tempfile, threading, time, warnings
 from pathlib import Path
 import numpy as np
 from nodegraph import node
@@ -47,13 +47,13 @@ def exits(x: np.ndarray) -> float:
 def interrupts(x: np.ndarray) -> float:
     raise KeyboardInterrupt("enough")
 
-@node("bad.forks")
-def forks(x: np.ndarray) -> float:
-    return float(os.fork())
+@node("bad.ends")
+def ends(x: np.ndarray) -> float:
+    os._exit(0)
 
 @node("bad.threads")
 def threads(x: np.ndarray) -> float:
-    threading.Thread(target=time.sleep, args=(10,), name="late", daemon=True).start()
+    threading.Thread(target=lambda: time.sleep(10), name="late", daemon=True).start()
     return 1.0
 
 @node("bad.forks_in_c")
@@ -68,6 +68,26 @@ def forks_in_c(x: np.ndarray) -> float:
 @node("bad.forgets")
 def forgets(x: np.ndarray) -> float:
     sys.path.clear()
+    return 1.0
+
+@node("bad.changes")
+def changes(x: np.ndarray) -> float:
+    os.chdir(tempfile.mkdtemp())
+    os.rmdir(os.getcwd())
+    os.environ["CHANGED"] = "1"
+    np.random.seed(1)
+    np.seterr(all="raise")
+    warnings.simplefilter("ignore")
+    sys.setrecursionlimit(200)
+    for number in range(3):
+        os.close(number)
+    sys.stderr.close()
+    return 1.0
+
+@node("good.looks")
+def looks(x: np.ndarray, after: float) -> float:
+    assert "CHANGED" not in os.environ
+    warnings.warn(f"seen in {os.path.basename(os.getcwd())}")
     return 1.0
 
 @node("bad.starts")
@@ -95,7 +115,7 @@ def segfaults(x: np.ndarray) -> float:
 
 @node("bad.dies")
 def dies(x: np.ndarray) -> float:
-    os._exit(7)
+    ctypes.CDLL(None).exit(0)
 
 @node("bad.sleeps")
 def sleeps(x: np.ndarray, *, sign: str) -> float:
@@ -138,10 +158,11 @@ def words_for(folder: Path, *words: str) -> list[str]:
     ]
 
 
-def started(folder: Path, *words: str) -> subprocess.Popen[str]:
+def started(out: Path, *words: str, folder: Path | None = None) -> subprocess.Popen[str]:
     """Start the program."""
     return subprocess.Popen(
-        [sys.executable, "-m", "nodegraph.cli.main", *words_for(folder, *words)],
+        [sys.executable, "-m", "nodegraph.cli.main", *words_for(out, *words)],
+        cwd=folder,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])},
         stderr=subprocess.PIPE,
         text=True,
@@ -162,7 +183,7 @@ BAD = {
     "bad.raises": "KeyError: 'chin'",
     "bad.exits": "SystemExit: enough",
     "bad.interrupts": "KeyboardInterrupt: enough",
-    "bad.forks": "RuntimeError: a step cannot fork; use multiprocessing or subprocess",
+    "bad.ends": "RuntimeError: a step cannot end the process, with status 0",
     "bad.threads": "RuntimeError: it has returned while its thread late still runs",
 }
 
@@ -178,7 +199,7 @@ def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
 @pytest.mark.parametrize(
     ("bad", "reason"),
     [
-        ("bad.dies", "the process that computed it ended with exit status 7"),
+        ("bad.dies", "the process that computed it ended with exit status 0"),
         ("bad.segfaults", "the process that computed it was ended by signal SIGSEGV"),
         ("bad.holds", "it takes longer than 2 s, which is the limit"),
     ],
@@ -213,8 +234,35 @@ def test_nodes_that_spoil_their_process_spoil_nothing_else(tmp_path: Path, execu
     record = read_record(tmp_path / "out")
     assert (record["counts"]["done"], (tmp_path / "out" / "report.html").is_file()) == (5, True)
     assert [text for step in record["steps"] for text in step.get("warnings", ())] == [
-        "it removed folders from sys.path, which are put back"
+        "it changes sys.path, which is put back: import from installed packages"
     ]
+
+
+CHANGED = {
+    "draws from the global random state",
+    "changes numpy's treatment of errors",
+    "changes os.environ",
+    "changes the working directory",
+    "changes the limit of recursion",
+    "closes or replaces standard streams",
+    "changes the filters of warnings",
+}
+
+
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+def test_what_a_node_changes_is_put_back_and_named(tmp_path: Path, executor: str) -> None:
+    (tmp_path / "bad.yaml").write_text(
+        "nodegraph: 1\nnodes:\n  make: {use: bad.make}\n  bad: {in: make, use: bad.changes}\n"
+        "  good: {in: {x: make, after: bad}, use: good.looks}\n"
+    )
+    process = started(tmp_path, "--executor", executor, "--jobs", "1", folder=tmp_path)
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, "finished after" in errors) == (0, True), errors
+    warned = {
+        step["node"]: step.get("warnings", []) for step in read_record(tmp_path / "out")["steps"]
+    }
+    assert {text.removeprefix("it ").partition(",")[0] for text in warned["bad"]} == CHANGED
+    assert warned["good"] == [f"seen in {tmp_path.name}"]
 
 
 def test_what_a_thread_cannot_do_is_said_first(tmp_path: Path) -> None:
@@ -257,8 +305,9 @@ def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: 
     (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, good.sum", "good.sum, bad.dies"))
     for _ in range(2):
         process = started(tmp_path, "--executor", "serial")
-        process.communicate(timeout=60)
-        assert process.returncode == 7
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 1
+        assert "bad.dies has ended the process before the run was finished" in errors
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     kinds = [json.loads(line)["event"] for line in events]
     assert (kinds.count("stored"), kinds.count("done")) == (2, 0)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import input_values, pairs
+from nodegraph.cli.ending import refuse_exits
 from nodegraph.cli.output import say
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute import HowToRun, Listener, open_store
@@ -121,6 +122,7 @@ def run_of(
     from nodegraph.cli.progress import progress
     from nodegraph.execute.interruption import watched
 
+    refuse_exits()
     how = how_of(arguments)
     if how.timeout is not None and how.executor != "processes":
         say(

@@ -6,22 +6,19 @@ command is not valid; nothing has run. 130: interrupted.
 
 from __future__ import annotations
 
-import atexit
 import gc
 import os
 import shlex
-import signal
 import sys
-import threading
 import warnings
 from argparse import SUPPRESS, Action, ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from importlib import import_module
 from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
+from nodegraph.cli import ending
 from nodegraph.cli.arguments import add_plugin
 from nodegraph.errors import GraphError, NodegraphError, Place, closest, nearest
 
@@ -34,7 +31,6 @@ COMMANDS = (
 )  # fmt: skip
 """Modules of this package, each with a function of its name, `HELP` and `add_arguments`."""
 
-_SECONDS_TO_END = 5.0
 _EXCERPT = 60  # characters of a line that are shown on either side of an error
 
 
@@ -44,41 +40,19 @@ class _Command(NamedTuple):
     call: Callable[[Namespace], int]
 
 
-def program() -> int:
-    """Run the command that the process was started with."""
+def program() -> NoReturn:
+    """Run the command that the process was started with, and end the process."""
     # most commands end before collecting garbage would pay
     gc.set_threshold(200_000, 20, 20)
-    atexit.register(_end_forks)  # before others, and so it is called after them
-    status = main()
+    ending.begin()
+    try:
+        status = main()
+    except SystemExit as ended:  # of argparse
+        status = int(ended.code or 0)
     gc.freeze()
     gc.disable()
-    if threading.active_count() > 1:  # one that a node has left could keep the program alive
-        end = threading.Timer(_SECONDS_TO_END, _end, [status])
-        end.daemon = True
-        end.start()
-    return status
-
-
-def _end(status: int) -> None:
-    _end_forks()
-    os._exit(status)
-
-
-def _end_forks() -> None:
-    """End the processes that C code in nodes has forked from this one, as far as /proc tells.
-
-    Such a process cannot end by itself if another thread held Python's interpreter lock when it
-    was forked: it waits for that thread, which it does not have. Whoever reads the output of this
-    program to its end would wait for it.
-    """
-    with suppress(OSError):
-        words = Path("/proc/self/cmdline").read_bytes()
-        for children in Path("/proc/self/task").glob("*/children"):
-            for child in map(int, children.read_text().split()):
-                with suppress(OSError):
-                    # one that has started another program has other words
-                    if Path(f"/proc/{child}/cmdline").read_bytes() == words:
-                        os.kill(child, signal.SIGKILL)
+    ending.end_with(status)
+    sys.exit(status)
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -314,4 +288,4 @@ def _show_warning(message: Warning | str, *rest: object, **more: object) -> None
 
 
 if __name__ == "__main__":
-    sys.exit(program())
+    program()

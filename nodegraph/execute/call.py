@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import inspect
 import os
-import sys
+import threading
 import time
 import traceback
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,7 @@ from nodegraph.cache_key import PARSER
 from nodegraph.errors import NodegraphError, Refusal, message_of, one_line, without_middle
 from nodegraph.execute.call_notes import Notes, notes_of_call
 from nodegraph.execute.interruption import is_interruption
+from nodegraph.execute.shared_state import Kept
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Port
@@ -130,14 +131,23 @@ def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
     node, registry = call.node, call.registry
     is_ours = registry is None or call.plugin in registry.shipped
+    kept = None if is_ours else Kept()
     notes = Notes(node, call.settings, with_reads=not is_ours)
     # set and reset by hand: a context manager for each step would take three times as long
     noted = notes_of_call.set(notes)
     used = None if registry_of_call.get() is registry else registry_of_call.set(registry)
-    process, path = os.getpid(), sys.path.copy()
     start = time.perf_counter()
+    _calls.begin()
     try:
-        values = values_of(node, node.function(**call.inputs, **call.settings))
+        try:
+            returned = node.function(**call.inputs, **call.settings)
+        finally:
+            if os.getpid() != notes.process:
+                os._exit(0)  # it has forked: the run goes on in the other process alone
+            if kept is not None:
+                notes.warnings += kept.put_back()
+            notes.warnings += _calls.end()
+        values = values_of(node, returned)
         notes.check_threads()
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
@@ -148,11 +158,6 @@ def perform(call: Call) -> Outcome:
             raise
         outcome = failure(node, error)
     finally:
-        if os.getpid() != process:
-            os._exit(0)  # C code has forked: the run goes on in the other process alone
-        if sys.path != path and not set(path).issubset(sys.path):
-            sys.path[:] = path  # the run itself imports modules yet
-            notes.warnings.append("it removed folders from sys.path, which are put back")
         notes_of_call.reset(noted)
         if used is not None:
             registry_of_call.reset(used)
@@ -196,12 +201,13 @@ def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
     )
 
 
+_COLLECTED = (UserWarning, RuntimeWarning)
+
+
 @contextmanager
 def collecting_warnings() -> Iterator[None]:
     """Make what nodes warn of part of their step's outcome, whatever thread they run in."""
     with warnings.catch_warnings():
-        for category in (UserWarning, RuntimeWarning):
-            warnings.simplefilter("always", category)
         show = warnings.showwarning
 
         def collect(message: Warning | str, category: type[Warning], *rest: Any) -> None:
@@ -211,8 +217,61 @@ def collecting_warnings() -> Iterator[None]:
             else:
                 notes.warnings.append(str(message))
 
-        warnings.showwarning = collect  # type: ignore[assignment]
-        yield
+        outer, _calls.collect = _calls.collect, collect
+        _calls.collect_again()
+        try:
+            yield
+        finally:
+            _calls.collect = outer
+
+
+class _Calls:
+    """The calls that are being made in this process, and what collects their warnings.
+
+    Filters of warnings belong to the whole process, and calls change them for a moment: they are
+    looked at when no call is being made.
+    """
+
+    def __init__(self) -> None:
+        self.collect: Callable[..., None] | None = None
+        self._lock = threading.Lock()
+        self._count = 0
+
+    def begin(self) -> None:
+        with self._lock:
+            self._count += 1
+
+    def end(self) -> Iterator[str]:
+        """Yield a warning if warnings would no longer be collected."""
+        with self._lock:
+            self._count -= 1
+            if not self._count and self.collect is not None and not self._are_collected():
+                self.collect_again()
+                yield (
+                    "it changes the filters of warnings, which are put back: put `with "
+                    "warnings.catch_warnings():` around the line"
+                )
+
+    def collect_again(self) -> None:
+        for category in _COLLECTED:
+            warnings.simplefilter("always", category)
+        warnings.showwarning = self.collect  # type: ignore[assignment]
+
+    def _are_collected(self) -> bool:
+        return warnings.showwarning is self.collect and all(
+            next((each[0] for each in warnings.filters if _is_for_all(each, category)), "")
+            == "always"
+            for category in _COLLECTED
+        )
+
+
+def _is_for_all(filtered: Any, category: type[Warning]) -> bool:
+    """Whether a filter applies to every warning of a category, whatever its text and module."""
+    _, message, kind, module, _ = filtered
+    return message is None and module is None and issubclass(category, kind)
+
+
+_calls = _Calls()
 
 
 def values_of(node: Node, returned: object) -> tuple[Any, ...]:

@@ -1,6 +1,7 @@
-"""Notes of a call while it is made: warnings, threads, and files it reads that are in no key.
+"""Notes of a call while it is made: warnings, and what it reads that is in no key.
 
-That is files and folders that no setting names, and environment variables.
+That is files and folders that no setting names, and environment variables. What other threads or
+C code read is not seen.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import site
 import sys
 import sysconfig
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
@@ -19,11 +20,10 @@ from types import FrameType
 from nodegraph.node.decorator import Node
 
 _CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
-_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threading", __name__)
-"""Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
+_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", __name__)
+"""Modules between this one and a line that reads a variable, lists a folder, ends the process."""
 _LISTINGS = ("os.listdir", "os.scandir")
-_FORKS = ("os.fork", "os.forkpty")
-_EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS, *_FORKS})
+_EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
 """The notes of the call that is being made."""
@@ -32,108 +32,94 @@ notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=No
 class Notes:
     """The warnings and files of a call, noted while this is in `notes_of_call`.
 
-    What other threads or C code read is not seen.
-
-    Parameters
-    ----------
-    node
-    settings
-    with_reads
-        Whether reads are noted.
-
     Attributes
     ----------
+    node : Node
     warnings : list of str
-    reads : dict of str to None
-        Names of what was read that is not in the call's key, in the order in which it was.
+    reads : dict of str to None, or None
+        Names of what was read that is not in the call's key, in the order in which it was; None
+        if reads are not noted.
     """
 
-    # made for every call: what is seldom needed is a tuple, which costs nothing
-    __slots__ = ("_node", "_settings", "_threads", "_written", "reads", "warnings", "with_reads")
+    # one is made for every call
+    __slots__ = ("_kept", "_package", "_threads", "node", "process", "reads", "warnings")
 
     def __init__(self, node: Node, settings: Mapping[str, object], *, with_reads: bool) -> None:
+        self.node = node
+        self.process = os.getpid()
+        self.warnings: list[str] = []
+        self.reads: dict[str, None] | None = None
         if with_reads:
             _install()
-        self.with_reads = with_reads
-        self.warnings: list[str] = []
-        self.reads: dict[str, None] = {}
-        self._node = node
-        self._settings = settings
-        self._written: tuple[str, ...] = ()
-        self._threads: tuple[threading.Thread, ...] = ()
+            self.reads = {}
+            self._package = _package(node.function.__module__)
+            self._threads = threading.enumerate()
+            self._kept = [  # files that settings name, and from here on what the call writes
+                os.path.abspath(str(settings[name]))
+                for name, setting in node.settings.items()
+                if setting.is_file and settings.get(name) is not None
+            ]
 
-    def file(self, path: str, *, writes: bool) -> None:
-        """Note that a file was opened."""
-        if writes:
-            self._written += (path,)
-        elif not path.endswith(_CODE) and self._is_read(path):
-            self.reads[os.path.basename(path)] = None
-
-    def folder(self, path: str) -> None:
-        """Note that a folder was listed, if the node's own package does."""
-        if self._is_by_package() and self._is_read(path):
-            self.reads[f"{os.path.basename(path)}{os.sep}"] = None
-
-    def new_folder(self, path: str) -> None:
-        """Note a folder whose content is the call's own."""
-        self._written += (path,)
+    def note(self, event: str, path: object, *how: object) -> None:
+        """Note what Python reports before it opens a file, lists or makes a folder."""
+        path = "." if path is None else path
+        if self.reads is None or not isinstance(path, (str, os.PathLike)):
+            return
+        path = os.path.abspath(path)
+        is_listing = event in _LISTINGS
+        if event == "os.mkdir" or (event == "open" and _writes(*how)):
+            self._kept.append(path)
+        elif not _is_in(path, (*self._kept, *_installed())) and (
+            self._is_by_package() if is_listing else not path.endswith(_CODE)
+        ):
+            self.reads[f"{os.path.basename(path)}{os.sep if is_listing else ''}"] = None
 
     def variable(self, name: str) -> None:
         """Note an environment variable, if the node's own package reads it."""
-        if self._is_by_package():
+        if self.reads is not None and self._is_by_package():
             self.reads[f"${name}"] = None
 
-    def fork(self) -> None:
-        """Refuse a fork by the node's own package, after which two processes would go on.
-
-        Raises
-        ------
-        RuntimeError
-        """
-        if self._is_by_package():
-            raise RuntimeError("a step cannot fork; use multiprocessing or subprocess")
-
-    def thread(self, thread: threading.Thread) -> None:
-        """Note a thread that the node's own package starts.
-
-        Those of libraries may wait for the next call.
-        """
-        if self._is_by_package():
-            self._threads += (thread,)
+    def _is_by_package(self) -> bool:
+        """Return whether the line that has led here is in the node's own package."""
+        callers = (name for name in _modules_from(sys._getframe(1)) if name not in _BETWEEN)
+        return _package(next(callers, "")) == self._package
 
     def check_threads(self) -> None:
-        """Check that no thread of the node's own package is left, which could write to values.
+        """Check that no thread that has begun meanwhile runs code of the node's own package.
+
+        It could write to values that other steps read.
 
         Raises
         ------
         RuntimeError
         """
-        for thread in self._threads:
-            if thread.is_alive():
-                raise RuntimeError(f"it has returned while its thread {thread.name} still runs")
+        for thread in threading.enumerate() if self.reads is not None else ():
+            if thread not in self._threads:
+                frame = sys._current_frames().get(thread.ident or 0)
+                modules = {*map(_package, _modules_from(frame))}
+                # a thread of this package makes another call
+                if self._package in modules and "nodegraph" not in modules:
+                    raise RuntimeError(f"it has returned while its thread {thread.name} still runs")
 
-    def _is_read(self, path: str) -> bool:
-        kept = (*self._written, *self._in_key(), *_installed())
-        return not _is_in(path, kept)
 
-    def _is_by_package(self) -> bool:
-        frame: FrameType | None = sys._getframe(1)
-        while frame is not None and frame.f_globals.get("__name__") in _BETWEEN:
-            frame = frame.f_back
-        module = str(frame.f_globals.get("__name__", "")) if frame is not None else ""
-        return module.partition(".")[0] == self._node.function.__module__.partition(".")[0]
+def _modules_from(frame: FrameType | None) -> Iterator[str]:
+    """Yield the modules of a frame and of those that have called it."""
+    while frame is not None:
+        yield str(frame.f_globals.get("__name__", ""))
+        frame = frame.f_back
 
-    def _in_key(self) -> tuple[str, ...]:
-        """Return the files that settings name."""
-        return tuple(
-            os.path.abspath(str(self._settings[name]))
-            for name, setting in self._node.settings.items()
-            if setting.is_file and self._settings.get(name) is not None
-        )
+
+def _package(module: str) -> str:
+    return module.partition(".")[0]
 
 
 def _is_in(path: str, folders: tuple[str, ...]) -> bool:
     return any(path == folder or path.startswith(folder + os.sep) for folder in folders)
+
+
+def _writes(mode: object, flags: object) -> bool:
+    by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
+    return by_mode or (isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR)))
 
 
 @cache
@@ -156,48 +142,28 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
     """``os.environ``, whose reads are noted."""
 
     def __getitem__(self, name: str) -> object:
-        if notes := _noting_reads():
+        if notes := notes_of_call.get():
             notes.variable(name)
         return super().__getitem__(name)
 
 
 @cache
 def _install() -> None:
-    """Have reads and threads noted from now on; Python cannot remove an audit hook again."""
-    sys.addaudithook(_note)
+    """Have reads noted from now on, and calls not end the process."""
+    _installed()  # which imports, and so opens files
+    sys.addaudithook(_note)  # which Python cannot remove again
     os.environ.__class__ = _Environment
-    start = threading.Thread.start
+    end = os._exit
 
-    def start_noted(thread: threading.Thread) -> None:
-        start(thread)
-        if notes := _noting_reads():
-            notes.thread(thread)
+    def refuse(status: int) -> None:
+        notes = notes_of_call.get()
+        if notes and notes.reads is not None and notes.process == os.getpid():
+            raise RuntimeError(f"a step cannot end the process, with status {status}")
+        end(status)
 
-    threading.Thread.start = start_noted  # type: ignore[assignment, method-assign]
-
-
-def _noting_reads() -> Notes | None:
-    notes = notes_of_call.get()
-    return notes if notes is not None and notes.with_reads else None
+    os._exit = refuse  # type: ignore[assignment]
 
 
 def _note(event: str, arguments: tuple[object, ...]) -> None:
-    if event not in _EVENTS or not (notes := _noting_reads()):
-        return
-    if event in _FORKS:
-        notes.fork()
-        return
-    path, *how = arguments
-    if path is None:  # that of a listing
-        path = "."
-    if not isinstance(path, (str, os.PathLike)):
-        return
-    if event == "os.mkdir":
-        notes.new_folder(os.path.abspath(path))
-    elif event in _LISTINGS:
-        notes.folder(os.path.abspath(path))
-    else:
-        mode, flags = how
-        by_mode = isinstance(mode, str) and not set(mode).isdisjoint("wax+")
-        by_flags = isinstance(flags, int) and bool(flags & (os.O_WRONLY | os.O_RDWR))
-        notes.file(os.path.abspath(path), writes=by_mode or by_flags)
+    if event in _EVENTS and (notes := notes_of_call.get()):
+        notes.note(event, *arguments)

@@ -1,4 +1,4 @@
-"""Ctrl-C during a run: told from what a node raises, and obeyed if a node does not let go."""
+"""Early ends of a run: Ctrl-C, told from what a node raises, and nodes that end the process."""
 
 from __future__ import annotations
 
@@ -14,16 +14,25 @@ from typing import NoReturn
 
 _SECONDS_TO_RESPOND = 3
 _WATCHER = f"""
-import os, select, signal, sys
+import os, select, signal, sys, time
 while read := os.read(0, 1):
     if read[0] == signal.SIGINT and not select.select([0], [], [], {_SECONDS_TO_RESPOND})[0]:
         print("nodegraph: interrupted, and ended with a step that does not let go; "
               "finished steps are stored", file=sys.stderr, flush=True)
         os.kill(int(sys.argv[1]), signal.SIGKILL)
+        break
+else:
+    ends = time.monotonic() + 1
+    while time.monotonic() < ends and os.getppid() == int(sys.argv[1]):
+        time.sleep(0.01)
+    if os.getppid() != int(sys.argv[1]):  # else a node has closed the pipe
+        print("nodegraph: the process has ended before the run; the same command continues with "
+              "what is stored; with --executor processes, a step that ends its process fails alone",
+              file=sys.stderr, flush=True)
 """
 _HANDLED = b"\0"
-_watcher = -1
-"""The pipe to the process that `watched` has started; -1 if there is none."""
+_watcher: subprocess.Popen[bytes] | None = None
+"""The process that `watched` has started, which reads what happens in this one."""
 
 
 class Interruption(KeyboardInterrupt):
@@ -55,9 +64,9 @@ def interruptible() -> Iterator[None]:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    if _watcher >= 0:
+    if _watcher is not None:
         with suppress(OSError):  # if somebody has ended it
-            os.write(_watcher, _HANDLED)
+            os.write(_pipe_to(_watcher), _HANDLED)
     raise Interruption
 
 
@@ -67,11 +76,11 @@ def _is_in_main_thread() -> bool:
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """End this process some seconds after Ctrl-C if Python cannot respond to it.
+    """Say how this process ends, if it does in the middle of a run, and end it if it has to.
 
-    Python responds in its main thread, which never runs while C code in another holds the
-    interpreter's lock. The signal itself is noted in a pipe without that lock, and another process
-    reads the pipe.
+    Python responds to Ctrl-C in its main thread, which never runs while C code in another holds
+    the interpreter's lock. The signal itself is noted in a pipe without that lock, and another
+    process reads the pipe. It also sees that this process is gone.
     """
     global _watcher
     if sys.platform == "win32" or not _is_in_main_thread():
@@ -79,18 +88,29 @@ def watched() -> Iterator[None]:
         return
     words = [sys.executable, "-I", "-S", "-c", _WATCHER, str(os.getpid())]
     # in a session of its own, because Ctrl-C goes to all processes of this one
-    watcher = subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
-    assert watcher.stdin is not None
-    _watcher = watcher.stdin.fileno()
-    os.set_blocking(_watcher, False)
-    before = signal.set_wakeup_fd(_watcher, warn_on_full_buffer=False)
+    _watcher = watcher = subprocess.Popen(words, stdin=subprocess.PIPE, start_new_session=True)
+    os.set_blocking(_pipe_to(watcher), False)
+    before = signal.set_wakeup_fd(_pipe_to(watcher), warn_on_full_buffer=False)
     try:
         yield
     finally:
         signal.set_wakeup_fd(before)
-        _watcher = -1
+        _watcher = None
         # it would also end with its input, which a process that a node has forked may keep open
         watcher.kill()
         watcher.wait()
         with suppress(OSError):
+            assert watcher.stdin is not None
             watcher.stdin.close()
+
+
+def end_watcher() -> bool:
+    """End the process that `watched` has started, if there is one, without a word from it."""
+    if _watcher is not None:
+        _watcher.kill()
+    return _watcher is not None
+
+
+def _pipe_to(watcher: subprocess.Popen[bytes]) -> int:
+    assert watcher.stdin is not None
+    return watcher.stdin.fileno()

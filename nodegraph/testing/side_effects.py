@@ -8,20 +8,16 @@ import random
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from nodegraph.equality import difference
+from nodegraph.execute.shared_state import SHARED, SharedState
 
-_DRAWS = (
-    "draws from the global random state, so that no run can be repeated: draw from "
-    "numpy.random.default_rng(seed), where `seed: int = 0` is a setting"
-)
 _PRINTS = (
     "prints: nobody reads that among a thousand steps; use warnings.warn(...), which the report "
     "lists"
@@ -35,15 +31,6 @@ _WRITES = (
     "writes files itself: only the machine writes, so that a stored result reaches the run's "
     "folder as well; return nodegraph.Files({name: bytes}) from a node write.NAME"
 )
-
-
-@dataclass(frozen=True)
-class _Shared:
-    """State that all nodes of the process share: the fault of changing it, and access to it."""
-
-    fault: str
-    read: Callable[[], object]
-    restore: Callable[[Any], object]
 
 
 @contextmanager
@@ -71,14 +58,18 @@ def side_effects(seed: int) -> Iterator[dict[str, str]]:
         finally:
             effects.update(_changed(shared, before))
             for state, original in zip(shared, originals, strict=True):
-                state.restore(original)
+                if state.read() != original:
+                    state.restore(original)
             effects.update(_emitted(printed.getvalue(), caught, written))
 
 
-def _changed(shared: Iterable[_Shared], before: Iterable[object]) -> Iterator[tuple[str, str]]:
+def _changed(shared: Iterable[SharedState], before: Iterable[object]) -> Iterator[tuple[str, str]]:
     for state, value in zip(shared, before, strict=True):
         if changed := difference(value, state.read(), name="it"):
-            yield state.fault, changed.removeprefix("it")
+            yield (
+                f"{state.name} for everything else in the process: {state.instead}",
+                changed.removeprefix("it"),
+            )
 
 
 def _emitted(
@@ -93,77 +84,39 @@ def _emitted(
         yield _WRITES, ", ".join(paths)
 
 
-def _shared_states() -> tuple[_Shared, ...]:
+def _shared_states() -> tuple[SharedState, ...]:
     """Return the shared states, of libraries those that are imported already."""
     return (
-        _Shared(_DRAWS, _random_states, _set_random_states),
-        _Shared(
-            _changes("numpy's treatment of errors", "with numpy.errstate(...): around the line"),
-            np.geterr,
-            lambda original: np.seterr(**original),
-        ),
-        _Shared(
-            _changes("numpy's print options", "with numpy.printoptions(...): around the line"),
-            np.get_printoptions,
-            lambda original: np.set_printoptions(**original),
-        ),
-        _Shared(
-            _changes("the filters of warnings", "with warnings.catch_warnings(): around the line"),
+        *SHARED,
+        SharedState(
+            "changes the filters of warnings",
+            "put `with warnings.catch_warnings():` around the line",
             lambda: [str(each) for each in warnings.filters],
             lambda original: None,  # catch_warnings restores them
         ),
-        _Shared(
-            _changes("os.environ", "pass what a library needs as an argument"),
-            lambda: dict(os.environ),
-            _set_environment,
-        ),
-        _Shared(_changes("the working directory", "use whole paths"), os.getcwd, os.chdir),
-        _Shared(_changes("sys.path", "import from installed packages"), sys.path.copy, _set_path),
         *_states_of_matplotlib(),
     )
 
 
-def _changes(what: str, instead: str) -> str:
-    return f"changes {what} for everything else in the process: {instead}"
-
-
-def _states_of_matplotlib() -> Iterator[_Shared]:
+def _states_of_matplotlib() -> Iterator[SharedState]:
     matplotlib, pyplot = sys.modules.get("matplotlib"), sys.modules.get("matplotlib.pyplot")
     if matplotlib is not None:
         parameters: Any = getattr(matplotlib, "rcParams", {})
-        yield _Shared(
-            _changes("matplotlib.rcParams", "with matplotlib.rc_context(...): around the drawing"),
+        yield SharedState(
+            "changes matplotlib.rcParams",
+            "put `with matplotlib.rc_context(...):` around the drawing",
             lambda: dict(dict.items(parameters)),  # its own methods warn, and choose a backend
             lambda original: dict.update(parameters, original),
         )
     if pyplot is not None:
-        yield _Shared(
-            "leaves a figure open in pyplot, which keeps it in memory permanently: draw on "
-            "matplotlib.figure.Figure()",
+        yield SharedState(
+            "leaves a figure open in pyplot",
+            "draw on matplotlib.figure.Figure()",
             lambda: list(pyplot.get_fignums()),
             lambda original: [
                 pyplot.close(number) for number in pyplot.get_fignums() if number not in original
             ],
         )
-
-
-def _random_states() -> tuple[object, ...]:
-    return random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
-
-
-def _set_random_states(original: tuple[Any, ...]) -> None:
-    random.setstate(original[0])
-    np.random.set_state(original[1])  # noqa: NPY002
-
-
-def _set_environment(original: dict[str, str]) -> None:
-    if dict(os.environ) != original:
-        os.environ.clear()
-        os.environ.update(original)
-
-
-def _set_path(original: list[str]) -> None:
-    sys.path[:] = original
 
 
 _written_paths: dict[int, list[str]] = {}

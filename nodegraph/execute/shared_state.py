@@ -1,0 +1,181 @@
+"""State that all nodes of a process share: what a node changes there is put back after its step."""
+
+from __future__ import annotations
+
+import io
+import os
+import pickle
+import random
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class SharedState:
+    """State of a process, which is read as values that compare with ``==``.
+
+    Attributes
+    ----------
+    name : str
+        With a verb: ``changes os.environ``.
+    instead : str
+        What a node should do.
+    read : callable
+        Returns the state.
+    restore : callable
+        Takes what `read` returned.
+    """
+
+    name: str
+    instead: str
+    read: Callable[[], object]
+    restore: Callable[[Any], object]
+
+
+class Kept:
+    """The shared state at the beginning of a call.
+
+    What a node changes in the state of a library, beyond numpy, is not seen.
+    """
+
+    def __init__(self) -> None:
+        _copy_descriptors()
+        self._before = [state.read() for state in SHARED]
+
+    def put_back(self) -> Iterator[str]:
+        """Put back what has changed, and yield a warning for each."""
+        for state, before in zip(SHARED, self._before, strict=True):
+            if state.read() != before:
+                try:
+                    state.restore(before)
+                except OSError as error:
+                    yield f"it {state.name}, which cannot be put back: {error.strerror}"
+                else:
+                    yield f"it {state.name}, which is put back: {state.instead}"
+
+
+def _folder() -> str:
+    try:
+        return os.getcwd()
+    except FileNotFoundError:
+        return ""
+
+
+def _enter(folder: str) -> None:
+    if folder:
+        os.makedirs(folder, exist_ok=True)
+        os.chdir(folder)
+
+
+def _set_environment(original: dict[str, str]) -> None:
+    os.environ.clear()
+    os.environ.update(original)
+
+
+def _random_states() -> bytes:
+    return pickle.dumps((random.getstate(), np.random.get_state(legacy=False)))  # noqa: NPY002
+
+
+def _set_random_states(original: bytes) -> None:
+    own, numpy = pickle.loads(original)
+    random.setstate(own)
+    np.random.set_state(numpy)  # noqa: NPY002
+
+
+_STREAMS = {
+    name: number
+    for number, name in enumerate(("stdin", "stdout", "stderr"))
+    if getattr(sys, f"__{name}__") is not None  # else the number is that of any other file
+}
+_copies: dict[int, tuple[int, tuple[int, int]]] = {}
+"""The descriptor of each standard stream, another for the same file, and this file."""
+
+
+def _streams() -> tuple[list[object], list[bool], list[tuple[int, int] | None]]:
+    """Return the standard streams, which of them are closed, and the files of their descriptors."""
+    files = [_file(number) for number in _STREAMS.values()]
+    streams = [getattr(sys, name) for name in _STREAMS]
+    return streams, [getattr(stream, "closed", False) for stream in streams], files
+
+
+def _set_streams(original: tuple[list[Any], list[bool], list[tuple[int, int] | None]]) -> None:
+    for (name, number), stream, was_closed, file in zip(_STREAMS.items(), *original, strict=True):
+        copy, _ = _copies.get(number, (-1, None))
+        if _file(number) != file and _file(copy) == file:
+            os.dup2(copy, number)
+        if stream.closed and not was_closed:
+            raw = io.FileIO(number, "r" if name == "stdin" else "w", closefd=False)
+            buffered = io.BufferedReader(raw) if name == "stdin" else io.BufferedWriter(raw)
+            stream = io.TextIOWrapper(
+                buffered, stream.encoding, stream.errors, line_buffering=name != "stdin"
+            )
+        setattr(sys, name, stream)
+
+
+def _file(number: int) -> tuple[int, int] | None:
+    try:
+        status = os.fstat(number)
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
+
+
+def _copy_descriptors() -> None:
+    """Have another descriptor of each standard stream, so that it can be opened again."""
+    for number in _STREAMS.values():
+        file = _file(number)
+        if file is not None and (number not in _copies or _copies[number][1] != file):
+            # an earlier one is not closed: if a node has, its number is another file's by now
+            _copies[number] = os.dup(number), file
+
+
+SHARED = (
+    SharedState(
+        "draws from the global random state",
+        "draw from numpy.random.default_rng(seed), where `seed: int = 0` is a setting",
+        _random_states,
+        _set_random_states,
+    ),
+    SharedState(
+        "changes numpy's treatment of errors",
+        "put `with numpy.errstate(...):` around the line",
+        np.geterr,
+        lambda original: np.seterr(**original),
+    ),
+    SharedState(
+        "changes numpy's print options",
+        "put `with numpy.printoptions(...):` around the line",
+        np.get_printoptions,
+        lambda original: np.set_printoptions(**original),
+    ),
+    SharedState(
+        "changes os.environ",
+        "pass what a library needs as an argument",
+        lambda: dict(os.environ),
+        _set_environment,
+    ),
+    SharedState("changes the working directory", "use whole paths", _folder, _enter),
+    SharedState(
+        "changes sys.path",
+        "import from installed packages",
+        sys.path.copy,
+        lambda original: sys.path.__setitem__(slice(None), original),
+    ),
+    SharedState(
+        "changes the limit of recursion",
+        "use a loop",
+        sys.getrecursionlimit,
+        sys.setrecursionlimit,
+    ),
+    SharedState(
+        "closes or replaces standard streams",
+        "use contextlib.redirect_stdout",
+        _streams,
+        _set_streams,
+    ),
+)
+"""Everything that is put back, with what a node should do instead."""
