@@ -262,14 +262,27 @@ def _make_room(path: Path) -> Path | None:
     if is_written(path / EVENTS):
         raise _busy(path)
     marks = [file for file in (path / RECORD, path / EVENTS) if file.is_file()]
-    if marks and {file.name for file in path.iterdir()} <= {EVENTS, _GRAPH}:
-        shutil.rmtree(path)  # an interrupted run without results
+    if marks and _has_no_result(path):
+        shutil.rmtree(path)
         return None
     if marks:
         ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("-%Y-%m-%dT%H-%M-%S")
         name = shorten(path.name, MAX_BYTES - len(ended) - _LONGEST_NUMBER)
         return path.rename(_free(path.with_name(f"{name}{ended}")))
     raise NodegraphError(f"{path} exists and is not a run folder; name another folder with --out")
+
+
+def _has_no_result(path: Path) -> bool:
+    """Return whether a run was interrupted, or ended with no step done, and nobody added a file."""
+    names = {file.name for file in path.iterdir()}
+    if names <= {EVENTS, _GRAPH}:
+        return True
+    try:
+        counts = json.loads(content_of(path / RECORD))["counts"]
+        done = counts["done"] + counts["stored"] + counts["refused"]
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return False
+    return done == 0 and names <= {EVENTS, _GRAPH, RECORD, STEPS, STUDY, REPORT}
 
 
 def is_written(events: Path) -> bool:

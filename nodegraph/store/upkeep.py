@@ -119,7 +119,8 @@ class Upkeep:
     def prune(self, older_than: float | None = None, keep: int | None = None) -> Amount:
         """Remove entries, the longest unused first, then arrays that no entry needs.
 
-        An array younger than an hour stays: another program may have written it just now for an
+        An array of a removed entry goes with it, unless it was written again since that entry. Any
+        other array younger than an hour stays: another program may have written it just now for an
         entry that is still to come. What is dated in the future, by more than clocks differ,
         counts as unused for longest.
 
@@ -139,6 +140,9 @@ class Upkeep:
         leaving, staying = {each.name for each in gone}, {each.name for each in left}
         needed = {name for each in left for name in each.blobs}
 
+        # when the last of the leaving entries was written that needs an array
+        written = {name: each.used for each in gone for name in each.blobs}
+
         def is_old(status: os.stat_result) -> bool:
             return now - _past(status.st_mtime, now) > _HOUR
 
@@ -151,7 +155,9 @@ class Upkeep:
         blobs = self._remove(
             _BLOB,
             Blobs.FOLDER,
-            which=lambda name, status: name not in needed and is_old(status),
+            which=lambda name, status: (
+                name not in needed and (is_old(status) or status.st_mtime <= written.get(name, 0.0))
+            ),
         )
         return _amount(entries, blobs, self._remove_unfinished(is_old))
 

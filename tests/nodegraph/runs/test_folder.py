@@ -58,6 +58,19 @@ def test_a_run_that_was_interrupted_makes_room(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
+@pytest.mark.parametrize(("done", "folders"), [(0, 1), (1, 2)])
+def test_a_run_that_ended_without_any_result_makes_room(
+    tmp_path: Path, done: int, folders: int
+) -> None:
+    path = tmp_path / "run"
+    folder = RunFolder(path, "old")
+    counts = {"done": done, "stored": 0, "refused": 0, "failed": 1}
+    folder.write("run.json", json.dumps({"counts": counts}).encode())
+    folder.close()
+    finished(path)
+    assert len(list(tmp_path.iterdir())) == folders
+
+
 def test_a_file_of_the_user_in_an_interrupted_run_is_never_lost(tmp_path: Path) -> None:
     path = tmp_path / "run"
     RunFolder(path, "old").close()

@@ -151,6 +151,19 @@ def test_an_array_that_was_written_just_now_stays(
     assert upkeep.prune(older_than=DAY) == Amount(0, 1, 8000)
 
 
+def test_young_arrays_go_with_their_entries_unless_they_were_written_again(
+    store: Store, upkeep: Upkeep, files: Files, age: Age
+) -> None:
+    for number in range(2):
+        store.save(key_of(number), About("n", "s", "done"), (np.full(1000, number, float),))
+    size = upkeep.size()
+    first, second = files("blobs")
+    age(first, -30)  # for an entry that is still to come
+    removed = upkeep.prune(keep=0)
+    assert removed == Amount(2, 1, size.size - 8000)
+    assert (first.exists(), second.exists()) == (True, False)
+
+
 def test_what_a_killed_program_left_half_written_goes_after_an_hour(
     filled: Store, upkeep: Upkeep, files: Files, age: Age
 ) -> None:
