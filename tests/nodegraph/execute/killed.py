@@ -129,6 +129,7 @@ def computed_twice(log: Path) -> list[int]:
 def main(folder: Path, seed: int, executor: str) -> None:
     """Kill, resume, and compare."""
     global LOG
+    undisturbed = study(folder / "undisturbed", "serial")  # imports what each child needs
     log = folder / "log"
     LOG = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     kills = killed_at_random(folder / "killed", log, seed, executor)
@@ -136,7 +137,6 @@ def main(folder: Path, seed: int, executor: str) -> None:
     resumed = study(folder / "killed", executor)
     whole = log.read_text()
     LOG = -1
-    undisturbed = study(folder / "undisturbed", executor)
     same = [resumed.outcomes[i].digests == undisturbed.outcomes[i].digests for i in range(421)]
     print(
         json.dumps(
