@@ -30,6 +30,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# programs that tests start would compile every module again
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 _NUMBERS = count()
 
 gc.disable()  # until all tests are collected: nothing of theirs is garbage
