@@ -39,6 +39,10 @@ CROWD = 32
 TEXTS = {
     "head.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n",
     "long.csv": "Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,1,0.25\n00:00:00:02.000,1,0.5\n",
+    "openface.csv": "frame, timestamp, confidence, success, x_0, y_0, X_0, Y_0, Z_0\n"
+    "1, 0.000, 0.98, 1, 640.0, 360.0, 1.5, -2.5, 500.1\n"
+    "2, 0.033, 0.10, 0, 640.0, 360.0, 1.5, -2.5, 500.2\n"
+    "3, 0.067, 0.98, 1, 640.5, 360.5, 1.6, -2.4, 500.3\n",
     "takes.mot": "\n".join(
         [
             "points",
