@@ -34,13 +34,9 @@ def text_lines(path: Path) -> list[str]:
     Raises
     ------
     ValueError
-        If the file is not text in UTF-8, or in UTF-16 with a byte order mark.
+        With file and line, if it is not text in UTF-8, or in UTF-16 with a byte order mark.
     """
-    text = read_text_file(path)
-    try:
-        return text.content.decode().split("\n")
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not a table of text: {error}") from None
+    return [line.text for line in read_text_file(path).lines()]
 
 
 def separator_of(line: str) -> str:

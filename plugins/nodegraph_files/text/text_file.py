@@ -97,8 +97,9 @@ class TextFile:
         try:
             text = raw.decode().removesuffix("\n")
         except UnicodeDecodeError as error:
+            byte = error.object[error.start]
             raise ValueError(
-                f"{self.path}: not a table of text in UTF-8: line {number}: {error}"
+                f"{self.path}: not a table of text in UTF-8: line {number} holds byte 0x{byte:02x}"
             ) from None
         return "" if self.commented and text.lstrip().startswith("#") else text
 
