@@ -20,6 +20,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_score.gaps import gaps
     from nodegraph_score.head_motion import head_motion
     from nodegraph_score.impulses import impulses
+    from nodegraph_score.realism import realism
     from nodegraph_score.roughness import roughness
     from nodegraph_score.smoothness import smoothness
     from nodegraph_score.steps import steps
@@ -34,6 +35,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         gaps,
         head_motion,
         impulses,
+        realism,
         roughness,
         smoothness,
         steps,
