@@ -72,7 +72,7 @@ def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes, message: str
 
 def test_what_is_not_utf_8_is_reported_with_its_line() -> None:
     text = TextFile(Path("take.csv"), "a\nHüfte\n".encode("latin-1"))
-    with pytest.raises(ValueError, match=r"take\.csv: not a table of text in UTF-8: line 2 holds byte 0xfc"):
+    with pytest.raises(ValueError, match=r"take\.csv: .*: line 2 holds byte 0xfc"):
         list(text.lines())
 
 
