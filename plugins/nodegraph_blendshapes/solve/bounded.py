@@ -118,6 +118,11 @@ class System:
         pivoting_kernel.bounded(squares, targets, linears, work, _ROUNDS, share, weights, solved)
         if not squares.ridge:
             solved = are_least(columns, targets, weights, self._low, self._high)
+            again = np.flatnonzero(~solved)
+            found, least = np.empty((len(again), len(columns))), np.empty(len(again), np.bool_)
+            some = targets[again], linears[again]
+            pivoting_kernel.bounded(squares, *some, work, _ROUNDS, KKT, found, least)
+            weights[again], solved[again] = found, least
         for frame in np.flatnonzero(~solved):
             weights[frame] = _by_scipy(squares, targets[frame])
         return Answer(weights, np.asarray(np.isnan(weights).any(axis=1)))

@@ -135,16 +135,23 @@ def bounded(
             weights[:] = work.weights
             if math.isinf(share):
                 break
-            left = _left(squares, target, rest, weights, length)
+            left = _left(squares, target, rest, work, length)
+            if left > share and squares.ridge == 0.0 and _mark(squares, work, length):
+                # rounding of the normal equations has hidden that weights are at the wrong bound
+                _factorize(squares.gram, work, _swap(squares, work))
+                _free_ones(squares, linear, work)
+                _refine(squares, target, weights, rest, work)
+                weights[:] = work.weights
+                left = _left(squares, target, rest, work, length)
             solved[frame] = left <= share
             if left <= _LITTLE or not is_settled:
                 break
 
 
 @compiled
-def _left(squares: Squares, target: Floats, rest: Floats, weights: Floats, length: float) -> float:
-    """Return the largest gradient that pulls inwards, as a share; `rest` is written."""
-    reach, worst = length, 0.0
+def _left(squares: Squares, target: Floats, rest: Floats, work: Work, length: float) -> float:
+    """Return the largest gradient that pulls inwards, as a share, and write the gradient."""
+    weights, reach, worst = work.weights, length, 0.0
     rest[:] = target
     for k in range(len(weights)):
         if weights[k] != 0.0:
@@ -152,6 +159,7 @@ def _left(squares: Squares, target: Floats, rest: Floats, weights: Floats, lengt
             reach += abs(weights[k]) * squares.lengths[k]
     for k in range(len(weights)):
         downhill = _dot(squares.columns[k], rest, len(rest))
+        work.slope[k] = -downhill
         is_out = weights[k] <= squares.low if downhill < 0.0 else weights[k] >= squares.high
         if not is_out:
             worst = max(worst, abs(downhill) / squares.lengths[k])
