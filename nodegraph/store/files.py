@@ -20,6 +20,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import suppress
 from io import IOBase
+from pathlib import Path
 from typing import Any
 
 UNFINISHED = re.compile(r"[0-9a-f]{8}-\d+-\d+\.part")
@@ -62,10 +63,30 @@ def write(folder: str, name: str, content: object) -> None:
     Raises
     ------
     OSError
-        If that is not possible; nothing of it is left then.
+        If that is not possible; nothing of it is left then, and no folder that was made for it.
     """
-    with Folder(os.path.realpath(folder), make=True) as opened:
-        opened.write(name, content)
+    path = Path(os.path.realpath(folder))
+    missing = [each for each in (path, *path.parents) if not each.exists()]
+    try:
+        with Folder(str(path), make=True) as opened:
+            opened.write(name, content)
+    except OSError:
+        with suppress(OSError):
+            for each in missing:
+                each.rmdir()
+        raise
+
+
+def why_unchanged(folder: str, error: OSError) -> str:
+    """Return why a store cannot be changed: whose folder it is, if that is the reason."""
+    reason = error.strerror or str(error)
+    if error.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return f"{folder}: {reason}"
+    try:
+        owner = f"; it belongs to {Path(folder).owner()}"
+    except (KeyError, OSError, NotImplementedError):  # a user without a name, a system without
+        owner = ""
+    return f"{folder}: {reason}{owner}; name another folder with --store or NODEGRAPH_STORE"
 
 
 class Folder:

@@ -425,7 +425,7 @@ class Store:
             if not self.writable:
                 return
             self.writable = False
-        self.say(f"results are no longer kept: {self.folder}: {error.strerror or error}")
+        self.say(f"results are no longer kept: {files.why_unchanged(str(self.folder), error)}")
 
     def _path(self, key: str) -> str:
         return f"{self._root}/{ENTRIES}/{_name(key)}"

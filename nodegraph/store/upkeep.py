@@ -15,6 +15,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
+from nodegraph.errors import NodegraphError
 from nodegraph.formatting import size_text
 from nodegraph.store import files
 from nodegraph.store.blobs import Blobs
@@ -107,7 +108,7 @@ class Upkeep:
             if self.size().size <= most:
                 return ""
             removed = self.prune(keep=most)
-        except OSError:
+        except (OSError, NodegraphError):
             return ""
         if not removed.entries:
             return ""
@@ -130,6 +131,11 @@ class Upkeep:
             Remove entries that were not used for this many seconds.
         keep
             Remove entries until the rest has at most this many bytes.
+
+        Raises
+        ------
+        NodegraphError
+            If the folder may not be changed.
         """
         now = time.time()
         there = sorted((_listed(kept, now) for kept in self.entries()), key=attrgetter("used"))
@@ -189,9 +195,14 @@ class Upkeep:
         with suppress(*_NO_FOLDER), files.Folder(self._root, *inner) as folder:
             for name, status in folder.files(form):
                 if which(name, status):
-                    with suppress(FileNotFoundError):  # another program was quicker
+                    try:
                         folder.remove(name)
-                        sizes.append(status.st_size)
+                    except FileNotFoundError:  # another program was quicker
+                        continue
+                    except OSError as error:
+                        why = files.why_unchanged(str(self.folder), error)
+                        raise NodegraphError(f"results cannot be removed: {why}") from error
+                    sizes.append(status.st_size)
         return sizes
 
     def _blob_sizes(self) -> dict[str, int]:
