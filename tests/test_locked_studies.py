@@ -59,7 +59,7 @@ def test_every_shipped_graph_has_a_lock() -> None:
 def test_a_shipped_lock_is_of_its_graph_and_holds(
     lock: Path, studies: Studies, tmp_path: Path
 ) -> None:
-    assert read_lock(lock).study.text[f"{lock.stem}.yaml"] == (
+    assert read_lock(lock).text[f"{lock.stem}.yaml"] == (
         lock.with_suffix(".yaml").read_text()
     )
     ended = studies.command("verify", str(lock), folder=tmp_path)
@@ -111,9 +111,9 @@ def test_an_edited_constant_of_a_method_is_located(
     assert status == 1
     assert lines[0].startswith("diverged: fill.lock: ")
     at = "recording=face_1, trial=0, condition=usual, length=45, ends=as_published, fill=muscle"
-    assert lines[1] == "    the code digests of 1 of 9 methods differ"
+    assert lines[1].startswith("    the code of 1 of ")
     assert lines[3].endswith(f" fill({at})")
-    assert "nodegraph_fill.muscle has another digest" in lines[4]
+    assert "nodegraph_fill.muscle was edited" in lines[4]
     assert lines[5].startswith("    by ")
     assert lines[6].startswith("    output") == stored
     if stored:
