@@ -59,9 +59,7 @@ def test_every_shipped_graph_has_a_lock() -> None:
 def test_a_shipped_lock_is_of_its_graph_and_holds(
     lock: Path, studies: Studies, tmp_path: Path
 ) -> None:
-    assert read_lock(lock).text[f"{lock.stem}.yaml"] == (
-        lock.with_suffix(".yaml").read_text()
-    )
+    assert read_lock(lock).text[f"{lock.stem}.yaml"] == (lock.with_suffix(".yaml").read_text())
     ended = studies.command("verify", str(lock), folder=tmp_path)
     assert ended.status == 0, ended.out
 
@@ -115,7 +113,7 @@ def test_an_edited_constant_of_a_method_is_located(
     assert lines[3].endswith(f" fill({at})")
     assert "nodegraph_fill.muscle was edited" in lines[4]
     assert lines[5].startswith("    by ")
-    assert lines[6].startswith("    output") == stored
+    assert (" samples (frames " in lines[6]) == stored
     if stored:
         assert re.search(r"frames \d+", lines[6])
         assert re.search(r"\b[LMR]_[a-z]+\d", lines[6])

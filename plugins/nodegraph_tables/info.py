@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic.dataclasses import dataclass
 
+from nodegraph import Value
 from nodegraph_tables.lead import Lead
 from nodegraph_tables.poses import Poses
 
@@ -19,7 +20,7 @@ Part = Literal["low", "high", "p"]
 
 
 @dataclass(frozen=True)
-class Take:
+class Take(Value):
     """The recording that the rows of a table are of.
 
     Attributes

@@ -18,7 +18,7 @@ from nodegraph.store import Packer, Unreadable
 from nodegraph_mocap.specimens import specimens
 from nodegraph_tables import StoredFigure
 from nodegraph_tables.figures import render_figure, render_stored_figure
-from nodegraph_tables.info import TableInfo, info_of, with_info
+from nodegraph_tables.info import TableInfo, Take, info_of, with_info
 from nodegraph_tables.stored_table import put_together, take_apart
 
 
@@ -142,6 +142,12 @@ def test_every_type_that_travels_comes_back(packer: Packer) -> None:
             back = there_and_back(value, packer)
             assert type(back) is type(value), name
             assert packer.digest(back) == packer.digest(value), name
+
+
+def test_the_take_of_a_table_is_stored_with_it(packer: Packer) -> None:
+    info = TableInfo(take=Take(600, 12.5))
+    back = there_and_back(with_info(pd.DataFrame({"rmse": [1.0]}), info), packer)
+    assert info_of(back).take == info.take
 
 
 def test_asking_for_storages_imports_no_heavy_library() -> None:
