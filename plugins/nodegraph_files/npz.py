@@ -31,6 +31,9 @@ _MOST_INFLATION = 1032
 """Nothing that deflate packs comes out longer than this many times (zlib, technical details)."""
 
 
+_LONGEST = 300  # characters of a reason
+
+
 def is_archive(start: bytes) -> bool:
     """Return whether a file that begins with these bytes is a ZIP archive, as NPZ is."""
     return start.startswith(b"PK\x03\x04")
@@ -67,7 +70,9 @@ def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) ->
             return {name: _array(archive, name, members[name], kinds[name]) for name in wanted}
     except Exception as error:
         # zipfile, zlib and NumPy's header parser each have errors of their own for bad bytes.
-        raise ValueError(str(error) or type(error).__name__) from None
+        reason = str(error) or "an array ends too early"
+        more = " …" if len(reason) > _LONGEST else ""  # zipfile quotes any number of bytes
+        raise ValueError(f"{reason[:_LONGEST]}{more}") from None
 
 
 def _check_names(members: Mapping[str, ZipInfo], required: Sequence[str]) -> None:
