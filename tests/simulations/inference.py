@@ -491,11 +491,11 @@ def cells() -> dict[str, Cell]:
 
 CELLS: Final = cells()
 QUICK: Final = {
-    "one method, 5 actors": 300,
-    "1 distant, 5 actors, 6 methods, power": 300,
-    "unequal, 5 actors, 6 methods": 300,
-    "next minutes, 6 segments, 100 gaps, tails 1.2 and 0.5": 300,
-    "further gaps, 3 draws of 20 gaps": 300,
+    "one method, 5 actors": 100,
+    "1 distant, 5 actors, 6 methods, power": 100,
+    "unequal, 5 actors, 6 methods": 100,
+    "next minutes, 6 segments, 100 gaps, tails 1.2 and 0.5": 100,
+    "further gaps, 3 draws of 20 gaps": 100,
 }
 """Cells that the tests run, with so many studies."""
 
