@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import re
 import sys
@@ -35,7 +36,8 @@ class Place(NamedTuple):
 
 
 At = tuple[str, str | None]
-"""A module and the name that is used of it; an empty name for all of it, None for its import."""
+"""A module and the name that is used of it; an empty name for all of it, None for its import, and
+`ANY` for a package with all of its modules."""
 
 
 @dataclass
@@ -111,7 +113,8 @@ class Modules:
                 seen.add(at)
                 if at not in self._known:
                     own = Reach()
-                    self._known[at] = own, list(self._follow(*at, own))
+                    follow = self._all(at[0]) if at[1] == ANY else self._follow(*at, own)
+                    self._known[at] = own, list(follow)
                 own, more = self._known[at]
                 result.add(own)
                 waiting.extend(more)
@@ -145,7 +148,12 @@ class Modules:
             own.digests[module] = source.digest
         yield from _absolute(package, source.imports)
         if ANY in source.imports:
-            yield from self._all(module, own)
+            top = module.partition(".")[0]
+            if self._folders(top):
+                yield top, ANY
+            else:
+                text = f"{module} imports a module whose name is known only when it runs"
+                own.troubles.append(text)
 
     def _passed(self, package: str, name: str, source: Source) -> Iterator[At]:
         """Yield where a package takes a name from; nothing if it may be of the package itself."""
@@ -157,17 +165,15 @@ class Modules:
         if self._place(f"{package}.{name}"):
             yield f"{package}.{name}", ""
 
-    def _all(self, module: str, own: Reach) -> Iterator[At]:
-        """Yield all modules of a package of which a module imports others by computed names."""
-        top = module.partition(".")[0]
-        place = self._place(top)
-        folders = place.folders if place else ()
-        if not folders:
-            own.troubles.append(f"{module} imports a module whose name is known only when it runs")
-        for folder in map(Path, folders):
-            for file in sorted(folder.rglob("*.py")):
-                names = (top, *file.relative_to(folder).with_suffix("").parts)
+    def _all(self, top: str) -> Iterator[At]:
+        for folder in self._folders(top):
+            for file in sorted(glob.glob("**/*.py", root_dir=folder, recursive=True)):
+                names = (top, *Path(file).with_suffix("").parts)
                 yield ".".join(names).removesuffix(".__init__"), ""
+
+    def _folders(self, name: str) -> tuple[str, ...]:
+        place = self._place(name)
+        return place.folders if place else ()
 
     def _place(self, name: str) -> Place | None:
         if name not in self._places:
