@@ -42,7 +42,7 @@ OTHER_COMMANDS = {
 
 
 def test_the_graph_that_is_shown_runs(tmp_path: Path) -> None:
-    text, _ = blocks(GRAPHS, "yaml")
+    text, *_ = blocks(GRAPHS, "yaml")
     path = tmp_path / "graph.yaml"
     path.write_text(text)
     run = ng.run(path, axis={"trial": [0]}, store=tmp_path / "store")
@@ -51,7 +51,7 @@ def test_the_graph_that_is_shown_runs(tmp_path: Path) -> None:
 
 
 def test_the_graph_used_as_a_node_loads(tmp_path: Path) -> None:
-    (graph,), (_, clean) = blocks(README, "yaml"), blocks(GRAPHS, "yaml")
+    (graph,), (_, _, clean) = blocks(README, "yaml"), blocks(GRAPHS, "yaml")
     (tmp_path / "clean.yaml").write_text(clean)
     (use,) = re.findall(r"`clean: ({use: .*?}+)`", GRAPHS)
     (fixed,) = re.findall(r"`({from: clean, .*?}+)`", GRAPHS)
