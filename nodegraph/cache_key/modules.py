@@ -23,8 +23,9 @@ from nodegraph.cache_key.sources import ANY, Source, read_source
 
 UNKNOWN = "unknown"
 """The version of a distribution that is not installed."""
-_NOT_FOLLOWED = {"nodegraph.plugin.registry", "nodegraph.execute.call"}
-"""Modules that find and call nodes, whichever these are; all of nodegraph hangs on them."""
+_NOT_FOLLOWED = {"nodegraph.plugin.registry", "nodegraph.plugin.kind", "nodegraph.execute.call"}
+"""Modules that find, call and show what plugins define, whatever it is; all of nodegraph hangs on
+them."""
 _INSTALLED = {"site-packages", "dist-packages"}
 
 
