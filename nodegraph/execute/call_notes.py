@@ -20,8 +20,8 @@ from types import FrameType
 from nodegraph.node.decorator import Node
 
 _CODE = (".py", ".pyc", ".pyi", ".so", ".pyd", ".dll", ".nbi", ".nbc")
-_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", __name__)
-"""Modules between this one and a line that reads a variable, lists a folder, ends the process."""
+_BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threading", __name__)
+"""Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
 
@@ -49,11 +49,11 @@ class Notes:
         self.process = os.getpid()
         self.warnings: list[str] = []
         self.reads: dict[str, None] | None = None
+        self._threads: tuple[threading.Thread, ...] = ()
         if with_reads:
             _install()
             self.reads = {}
             self._package = _package(node.function.__module__)
-            self._threads = threading.enumerate()
             self._kept = [  # files that settings name, and from here on what the call writes
                 os.path.abspath(str(settings[name]))
                 for name, setting in node.settings.items()
@@ -84,22 +84,21 @@ class Notes:
         callers = (name for name in _modules_from(sys._getframe(1)) if name not in _BETWEEN)
         return _package(next(callers, "")) == self._package
 
-    def check_threads(self) -> None:
-        """Check that no thread that has begun meanwhile runs code of the node's own package.
+    def thread(self, thread: threading.Thread) -> None:
+        """Note a thread that the node's own package starts; those of libraries may wait."""
+        if self.reads is not None and self._is_by_package():
+            self._threads += (thread,)
 
-        It could write to values that other steps read.
+    def check_threads(self) -> None:
+        """Check that no thread of the node's own package is left, which could write to values.
 
         Raises
         ------
         RuntimeError
         """
-        for thread in threading.enumerate() if self.reads is not None else ():
-            if thread not in self._threads:
-                frame = sys._current_frames().get(thread.ident or 0)
-                modules = {*map(_package, _modules_from(frame))}
-                # a thread of this package makes another call
-                if self._package in modules and "nodegraph" not in modules:
-                    raise RuntimeError(f"it has returned while its thread {thread.name} still runs")
+        for thread in self._threads:
+            if thread.is_alive():
+                raise RuntimeError(f"it has returned while its thread {thread.name} still runs")
 
 
 def _modules_from(frame: FrameType | None) -> Iterator[str]:
@@ -149,11 +148,16 @@ class _Environment(type(os.environ)):  # type: ignore[misc]
 
 @cache
 def _install() -> None:
-    """Have reads noted from now on, and calls not end the process."""
+    """Have reads and threads noted from now on, and calls not end the process."""
     _installed()  # which imports, and so opens files
     sys.addaudithook(_note)  # which Python cannot remove again
     os.environ.__class__ = _Environment
-    end = os._exit
+    start, end = threading.Thread.start, os._exit
+
+    def start_noted(thread: threading.Thread) -> None:
+        start(thread)
+        if notes := notes_of_call.get():
+            notes.thread(thread)
 
     def refuse(status: int) -> None:
         notes = notes_of_call.get()
@@ -161,6 +165,7 @@ def _install() -> None:
             raise RuntimeError(f"a step cannot end the process, with status {status}")
         end(status)
 
+    threading.Thread.start = start_noted  # type: ignore[assignment, method-assign]
     os._exit = refuse  # type: ignore[assignment]
 
 
