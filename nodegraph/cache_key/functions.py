@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import dis
 import os
 import sys
@@ -203,7 +204,8 @@ class _Values:
         try:
             if "random" in kind.__module__.split(".") or isinstance(value, Iterator):
                 raise TypeError("another value after each use")
-            reduced = value.__reduce_ex__(4)
+            reduce = copyreg.dispatch_table.get(kind)
+            reduced = reduce(value) if reduce else value.__reduce_ex__(4)
         except Exception as error:
             text = f"holds a {kind.__qualname__}, of which no digest can be made"
             raise _NoDigestError(text) from error
