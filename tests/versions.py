@@ -16,8 +16,13 @@ from pathlib import Path
 from tests.environments import BIN, ROOT, run
 from tests.readmes import blocks
 
-TESTS = ("cache_key", "graph", "graphfile", "node", "plugin", "store", "execute", "lock")
-"""Folders of tests of the machine that depend most on versions of Python and libraries."""
+TESTS = (
+    *("cache_key", "graph", "graphfile", "node", "plugin", "store", "execute", "lock", "runs"),
+    *("report", "../plugins/nodegraph_align", "../plugins/nodegraph_fill"),
+    *("../plugins/nodegraph_score", "../plugins/nodegraph_smooth", "../plugins/nodegraph_tables"),
+    *("../plugins/nodegraph_compare/test_studentised_range.py",),
+)
+"""Folders of tests that depend most on versions of Python and libraries."""
 TESTS_NEED = ("jsonschema>=4.20", "playwright>=1.50", "pytest-timeout>=2.3", "pytest-xdist>=3.5")
 """What those tests import besides the extra for tests of nodes."""
 
