@@ -15,7 +15,9 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_fill.bilinear import bilinear
     from nodegraph_fill.burke_lasenby import burke_lasenby
     from nodegraph_fill.cubic import cubic
+    from nodegraph_fill.gaussian_process import gaussian_process
     from nodegraph_fill.guenter import guenter
+    from nodegraph_fill.kriging import kriging
     from nodegraph_fill.lin_ouhyoung import lin_ouhyoung
     from nodegraph_fill.linear import linear
     from nodegraph_fill.muscle import muscle
@@ -35,7 +37,9 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         bilinear,
         burke_lasenby,
         cubic,
+        gaussian_process,
         guenter,
+        kriging,
         lin_ouhyoung,
         linear,
         muscle,

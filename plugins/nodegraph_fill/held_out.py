@@ -26,6 +26,7 @@ def calibrated(
     fill: Callable[[Trajectories, Gaps], Trajectories],
     recording: Trajectories,
     gaps: Gaps,
+    noise: NDArray[np.float64] | None,
 ) -> Trajectories:
     """Return the recording filled, with a `sigma` that 95 % of errors lie within 1.96 times.
 
@@ -49,6 +50,10 @@ def calibrated(
         Trajectories with gaps.
     gaps
         Those that were filled.
+    noise
+        Variance of the noise of each marker's samples, (M,), mm^2; None: 0. The errors have it,
+        and ``sqrt(sigma^2 + noise)`` is what is multiplied. From the square, the noise is taken
+        off again, with the factor where that is below 1.
 
     Returns
     -------
@@ -61,8 +66,11 @@ def calibrated(
     if len(held.start) < _LEAST:
         sigma[frame, marker] = np.nan
     else:
-        scale = _scale(recording, held, fill(_without(recording, held), held))
-        sigma[frame, marker] *= scale(gaps.length)[gap]
+        noise = np.zeros(gaps.shape[1]) if noise is None else noise
+        scale = _scale(recording, held, fill(_without(recording, held), held), noise)
+        square = scale(gaps.length)[gap] ** 2
+        extra = np.maximum(square - 1.0, 0.0) * noise[marker]
+        sigma[frame, marker] = np.sqrt(square * sigma[frame, marker] ** 2 + extra)
     return replace(filled, sigma=sigma)
 
 
@@ -84,13 +92,13 @@ def _without(recording: Trajectories, gaps: Gaps) -> Trajectories:
 
 
 def _scale(
-    recording: Trajectories, held: Gaps, filled: Trajectories
+    recording: Trajectories, held: Gaps, filled: Trajectories, noise: NDArray[np.float64]
 ) -> Callable[[NDArray[np.intp]], NDArray[np.float64]]:
     """Return what the sigma of gaps of some lengths is to be multiplied by."""
     gap, frame, marker, _ = held.samples
     assert filled.sigma is not None
     error = np.abs(filled.positions[frame, marker] - recording.positions[frame, marker])
-    sigma = filled.sigma[frame, marker, None]
+    sigma = np.sqrt(filled.sigma[frame, marker] ** 2 + noise[marker])[:, None]
     errors = np.divide(error, sigma, out=np.where(error > 0.0, np.inf, 0.0), where=sigma > 0.0)
 
     def of(length: int) -> float:

@@ -57,7 +57,7 @@ def ridge(
     """
     estimate = np.full_like(recording.positions, np.nan)
     before, after = np.full((2, len(gaps.start), 3), np.nan)
-    near, present = _nearest_first(recording), recording.present
+    near, present = nearest_first(recording), recording.present
     for gap, (marker, start, stop) in enumerate(
         zip(gaps.marker, gaps.start, gaps.stop, strict=True)
     ):
@@ -75,7 +75,7 @@ def ridge(
     return Estimate(estimate, ends=lambda: (before, after))
 
 
-def _nearest_first(recording: Trajectories) -> NDArray[np.intp]:
+def nearest_first(recording: Trajectories) -> NDArray[np.intp]:
     """Return the other markers, (M, M - 1), in the order of their distance to each."""
     shape = reference_shape(recording)
     squared = ((shape[:, None] - shape) ** 2).sum(axis=2)

@@ -39,12 +39,16 @@ class Estimate:
     again : callable or None
         The model as it is to estimate the held-out gaps that `sigma` is calibrated by; None: as
         it estimated these.
+    noise : (M,) array of float64, or None
+        Variance of the noise of present samples, mm^2. Errors of held-out samples have it, those
+        to the place itself have not: `sigma` is calibrated with it and given without. None: 0.
     """
 
     positions: NDArray[np.float64]
     sigma: NDArray[np.float64] | None = None
     ends: Callable[[], Ends] | None = None
     again: Callable[[Trajectories, Gaps], Estimate] | None = None
+    noise: NDArray[np.float64] | None = None
 
 
 def whole_take(
@@ -103,7 +107,7 @@ def _filled(
     def held_out(recording: Trajectories, gaps: Gaps) -> Trajectories:
         return _written(recording, gaps, again(recording, gaps), meets=meets)
 
-    return calibrated(filled, held_out, recording, gaps)
+    return calibrated(filled, held_out, recording, gaps, estimate.noise)
 
 
 def _written(
