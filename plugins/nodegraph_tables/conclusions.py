@@ -26,7 +26,7 @@ def conclude_table(table: Table) -> Iterator[str]:
     for sentence in info.answer:
         yield without_measured(sentence)
     for column, rows in info.best.items():
-        if column in table:
+        if rows and column in table:
             best = sorted(_row(table, place) for place in rows)
             yield f"best {column}: {'; '.join(best)}"
 
