@@ -37,6 +37,12 @@ EXECUTE = ROOT / "tests" / "nodegraph" / "execute"
 GIB = 2**30
 CROWD = 32
 TEXTS = {
+    "curves.ma": "//Maya ASCII 2017 scene\ncurrentUnit -l centimeter -t ntsc;\n"
+    + "".join(
+        f'createNode animCurveTL -n "c{axis}";\n\tsetAttr ".ktv[0:2]" 0 1 1 2.5 2 3;\n'
+        f'connectAttr "c{axis}.o" "chin.t{axis}";\n'
+        for axis in "xyz"
+    ),
     "head.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n",
     "long.csv": "Timecode,BlendShapeCount,JawOpen\n00:00:00:01.000,1,0.25\n00:00:00:02.000,1,0.5\n",
     "openface.csv": "frame, timestamp, confidence, success, x_0, y_0, X_0, Y_0, Z_0\n"

@@ -71,9 +71,9 @@ def nodegraph_formats() -> Iterable[Format]:
     """Return the formats that are read; of those that fit a file, the first."""
     from nodegraph_files import c3d, npz, obj
     from nodegraph_files.glb import reading as glb
-    from nodegraph_files.text import csv, live_link, mot, trc, weights
+    from nodegraph_files.text import csv, live_link, maya, mot, trc, weights
 
-    recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, mot.FORMAT, csv.FORMAT)
+    recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, mot.FORMAT, maya.FORMAT, csv.FORMAT)
     of_weights = (live_link.FORMAT, weights.FORMAT)
     return (*recordings, *of_weights, npz.MODEL_FORMAT, glb.FORMAT, obj.FORMAT)
 

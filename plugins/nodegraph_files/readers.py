@@ -41,7 +41,7 @@ def read_recording(
     rate: RateSetting = None,
     zeros_missing: bool = True,
 ) -> Trajectories:
-    """Read a recording: C3D, TRC, MOT, CSV, NPZ or a plugin's format, by content, then by suffix.
+    """Read a recording: C3D, TRC, MOT, CSV, NPZ, MA or a plugin's, by content, then by suffix.
 
     Parameters
     ----------
