@@ -65,7 +65,7 @@ def test_all_points_take_speech_for_head_motion(built_in: Path, kind: str) -> No
 def test_the_answer_says_which_data_it_is_about(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
     for kind in KINDS:
-        assert f"data={kind}" in html
+        assert f"data {kind}" in html
         assert (built_in / f"found-first_figure_data-{kind}.svg").is_file()
     assert "D = " in (built_in / "shapes.svg").read_text()
 

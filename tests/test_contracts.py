@@ -61,6 +61,7 @@ TAKES_AND_GIVES_ANSWERS = {
     "score.gaps": (["truth"], []),
     "score.head_motion": (["truth"], []),
     "score.impulses": (["truth", "impulses"], []),
+    "score.realism": (["recordings"], []),
     "score.smoothness": (["truth"], []),
     "score.steps": (["truth"], []),
     "score.tracking": (["truth"], []),

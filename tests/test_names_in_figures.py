@@ -24,8 +24,8 @@ SHOWN = {
 }
 """Labels, and how they are drawn."""
 
-WITHOUT_LABELS = {"score.calibration"}
-"""Nodes whose figures name the axes or levels of coverage, and no label."""
+WITHOUT_LABELS = {"score.calibration", "score.realism"}
+"""Nodes whose figures name axes, levels of coverage or measures, and no label."""
 
 
 FIGURES = [

@@ -307,4 +307,4 @@ def test_a_full_disk_leaves_no_part_of_an_export(command: Command, limited: Comm
     )
     assert status == 2
     assert "there/a.txt: cannot be written: File too large" in err
-    assert not list(Path("there").iterdir())
+    assert not Path("there").exists()

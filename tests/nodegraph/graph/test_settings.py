@@ -219,7 +219,7 @@ def test_a_scheme_finds_a_place(tmp_path: Path) -> None:
         return tmp_path / name
 
     registry = Registry.of([everything])
-    registry.hooks.__dict__["_places"] = {"sample": sample}
+    registry.hooks._known["places"] = {"sample": sample}
     text = "nodegraph: 1\nnodes: {a: {use: set.all, with: {path: 'sample:face'}}}"
     graph = build(read_graph_text(text, "g.yaml", Path()), registry)
     assert values(graph)["path"] == (tmp_path / "face").resolve()
