@@ -39,8 +39,8 @@ def cited(study: Study) -> Mapping[str, str]:
     mapping of str to str
         ``methods.md`` and ``methods.tex``, paragraphs on what the study ran over, on every method
         that gave a result with what differs from its defaults, and on the software;
-        ``settings.md`` and ``settings.tex``, a table of all settings with units and of what each
-        method declares; ``references.bib``, the BibTeX of the methods.
+        ``settings.md`` and ``settings.tex``, a table of all settings with units and of how far each
+        method looks ahead; ``references.bib``, the BibTeX of the methods.
     """
     return {
         "methods.md": _text(study, _Markdown()),
@@ -190,17 +190,19 @@ def _software(study: Study, form: _Form) -> str:
 def _step(row: MethodRow, form: _Form) -> str:
     settings = row.settings if row.damages else _changed(row)
     details = _settings([setting for setting in settings if setting.name != "seed"], form)
-    source = form.cite(row.keys) if row.keys and row.citation else ""
-    return f"{form.code(row.use)}{source}" + (f" ({details})" if details else "")
+    return f"{form.code(row.use)}{_source(row, form)}" + (f" ({details})" if details else "")
 
 
 def _method(row: MethodRow, shared: Container[str], form: _Form) -> str:
     name = form.code(row.label)
     if row.label != row.use.rpartition(".")[2]:
         name = f"{name} ({form.code(row.use)})"
-    source = form.cite(row.keys) if row.keys and row.citation else ""
     own = _settings([setting for setting in _changed(row) if setting.name not in shared], form)
-    return f"{name}{source}" + (f" with {own}" if own else "")
+    return f"{name}{_source(row, form)}" + (f" with {own}" if own else "")
+
+
+def _source(row: MethodRow, form: _Form) -> str:
+    return form.cite(row.keys) if row.keys and row.citation else ""
 
 
 def _settings(settings: Iterable[SettingRow], form: _Form) -> str:
