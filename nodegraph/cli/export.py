@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 
 HELP = "Write a value of a run as a file."
 
+_LAYOUT = {
+    "rows": "Of a table in LaTeX: what stands down the side, such as fill or ends,fill.",
+    "columns": "Of a table in LaTeX: what stands along the top, such as ends,length.",
+}
+
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
@@ -24,6 +29,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         "node", metavar="NODE", help="Node, or one of its outputs, such as gaps.truth."
     )
     add_pairs(parser, "at", "Labels of the value: fill=muscle,trial=3.")
+    for option, text in _LAYOUT.items():
+        parser.add_argument(f"--{option}", metavar="LABELS", help=text)
     parser.add_argument(
         "--out",
         type=Path,
@@ -47,7 +54,9 @@ def export(arguments: Namespace) -> int:
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
     value = recorded_value(record, arguments.node, labels_at(arguments), store)
-    files = _files(value, arguments.out, registry)
+    chosen = {name: getattr(arguments, name) for name in _LAYOUT}
+    layout = {name: tuple(text.split(",")) for name, text in chosen.items() if text}
+    files = _files(value, arguments.out, registry, layout)
     for path in files:
         refuse_existing(path)
     for path, content in files.items():
@@ -55,16 +64,19 @@ def export(arguments: Namespace) -> int:
     return 0
 
 
-def _files(value: object, out: Path, registry: Registry) -> Mapping[Path, bytes]:
+def _files(
+    value: object, out: Path, registry: Registry, layout: Mapping[str, Sequence[str]]
+) -> Mapping[Path, bytes]:
     """Return the content of each file: of `out` first, then of those beside it."""
     from nodegraph.filenames import fold, portable_name, portable_paths
     from nodegraph.runs.export import exporters_of
 
-    exporters = exporters_of(value, registry)
+    exporters = exporters_of(value, registry, layout)
     kind = type(value).__name__
     if out.suffix.lower() not in exporters:
         formats = ", ".join(sorted(exporters)) or "no format"
-        raise NodegraphError(f"{out}: a value of type {kind} can be written as {formats}")
+        options = f" with {' and '.join(f'--{name}' for name in layout)}" if layout else ""
+        raise NodegraphError(f"{out}: a value of type {kind} can be written as {formats}{options}")
     try:
         files = exporters[out.suffix.lower()]()
     except Exception as error:  # a plugin's writer may raise anything

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import PurePosixPath
+from types import MappingProxyType
 
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import Files
@@ -19,16 +20,29 @@ Exporter = Callable[[], Mapping[str, bytes]]
 """Returns the content of files by name, the one of its suffix first."""
 
 _FAMILY = "write"
+_NOTHING: Mapping[str, object] = MappingProxyType({})
 
 
-def exporters_of(value: object, registry: Registry) -> dict[str, Exporter]:
-    """Return an exporter of a value for each suffix, such as ``.c3d``."""
+def exporters_of(
+    value: object, registry: Registry, settings: Mapping[str, object] = _NOTHING
+) -> dict[str, Exporter]:
+    """Return an exporter of a value for each suffix, such as ``.c3d``.
+
+    Parameters
+    ----------
+    value
+    registry
+    settings
+        Of the node that writes; only formats whose node has all of them are given.
+    """
+    if settings:
+        return dict(_from_writers(value, registry, settings))
     if isinstance(value, Files):
         return {
             suffix: partial(_with_suffix, value.content, suffix)
             for suffix in map(_suffix, value.content)
         }
-    return {**_from_renderer(value, registry), **dict(_from_writers(value, registry))}
+    return {**_from_renderer(value, registry), **dict(_from_writers(value, registry, settings))}
 
 
 def _from_renderer(value: object, registry: Registry) -> dict[str, Exporter]:
@@ -37,12 +51,14 @@ def _from_renderer(value: object, registry: Registry) -> dict[str, Exporter]:
     return {suffix: partial(_part, files, suffix) for suffix in files}
 
 
-def _from_writers(value: object, registry: Registry) -> Iterator[tuple[str, Exporter]]:
+def _from_writers(
+    value: object, registry: Registry, settings: Mapping[str, object]
+) -> Iterator[tuple[str, Exporter]]:
     for entry in registry.family(_FAMILY).values():
         port = _port_for(value, entry.node)
-        if port:
+        if port and settings.keys() <= entry.node.settings.keys():
             suffix = f".{entry.node.method.rpartition('_')[2]}"
-            yield suffix, partial(_write, entry.node, port, value, suffix)
+            yield suffix, partial(_write, entry.node, {port: value, **settings}, suffix)
 
 
 def _port_for(value: object, node: Node) -> str:
@@ -61,8 +77,8 @@ def _with_suffix(files: Mapping[str, bytes], suffix: str) -> Mapping[str, bytes]
     return {name: content for name, content in files.items() if _suffix(name) == suffix}
 
 
-def _write(node: Node, port: str, value: object, suffix: str) -> Mapping[str, bytes]:
-    content: Mapping[str, bytes] = node.function(**{port: value}).content
+def _write(node: Node, arguments: Mapping[str, object], suffix: str) -> Mapping[str, bytes]:
+    content: Mapping[str, bytes] = node.function(**arguments).content
     return dict(sorted(content.items(), key=lambda file: _suffix(file[0]) != suffix))
 
 

@@ -1,6 +1,8 @@
-"""Tables and figures: their types, storage, appearance, and the conclusions that they hold."""
+"""Tables and figures: their types, storage, appearance, conclusions, and tables for papers."""
 
-from collections.abc import Iterable
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from nodegraph import Kind, hookimpl, late
 from nodegraph_tables.comparisons import (
@@ -16,6 +18,9 @@ from nodegraph_tables.poses import Poses, difference, poses_of
 from nodegraph_tables.storage import figure_files, lend_table
 from nodegraph_tables.style import figure_text
 from nodegraph_tables.types import Figure, Table
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
 
 __all__ = [
     "BetterEnd",
@@ -35,6 +40,14 @@ __all__ = [
     "poses_of",
     "with_info",
 ]
+
+
+@hookimpl
+def nodegraph_nodes() -> Iterable[Callable[..., object]]:
+    """Return the plugin's nodes."""
+    from nodegraph_tables.write_tex import write_tex
+
+    return (write_tex,)
 
 
 @hookimpl

@@ -6,10 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from nodegraph import Rendered, listed
+from nodegraph import Rendered
 from nodegraph_tables.cells import Cell, Column, columns_of
 from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
+from nodegraph_tables.latex import latex_of, without_constants
 from nodegraph_tables.lead import lead_html, lead_style
 from nodegraph_tables.style import SHARE
 from nodegraph_tables.types import Table
@@ -34,29 +35,6 @@ _SHORT = 24
 _MOST_BESIDE = 2
 """With more such columns, intervals stand below their means also where there is room."""
 
-_LATEX = str.maketrans(
-    {
-        "\\": r"\textbackslash{}",
-        "&": r"\&",
-        "%": r"\%",
-        "$": r"\$",
-        "#": r"\#",
-        "_": r"\_",
-        "{": r"\{",
-        "}": r"\}",
-        "~": r"\textasciitilde{}",
-        "^": r"\textasciicircum{}",
-        "<": r"\textless{}",
-        ">": r"\textgreater{}",
-        # these two would be taken for an option where a row begins
-        "[": "{[}",
-        "*": "{*}",
-        "\N{DAGGER}": r"\textdagger{}",
-        "\N{SUPERSCRIPT TWO}": r"\textsuperscript{2}",
-        "\N{SUPERSCRIPT THREE}": r"\textsuperscript{3}",
-    }
-)
-
 
 def render_table(table: Table, title: str) -> Rendered:
     """Return a table as HTML, plain text, CSV (full precision) and LaTeX (booktabs).
@@ -76,13 +54,13 @@ def render_table_in_run(table: Table, title: str, origin: Origin) -> Rendered:
 def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
     table = _with_named_rows(table)
     info = info_of(table)
-    columns, constants = _without_constants(columns_of(table))
+    columns, constants = without_constants(columns_of(table))
     notes = [*constants, *info.notes]
     csv = _csv(table)
     return Rendered(
         html=_html(caption, columns, info, notes, csv.decode()),
         text=_text(columns, notes),
-        files={".csv": csv, ".tex": _latex(caption, columns, constants).encode()},
+        files={".csv": csv, ".tex": latex_of(table, caption).encode()},
         answer=info.answer,
         lead=lead_html(info.lead) if info.lead else "",
         styles=(lead_style(),) if info.lead else (),
@@ -90,23 +68,6 @@ def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
         title=info.title,
         kind="table",
     )
-
-
-def _without_constants(columns: Sequence[Column]) -> tuple[list[Column], list[str]]:
-    """Return the columns that differ between rows, and a sentence on the others."""
-    varying = [column for column in columns if not column.constant]
-    if not any(column.numeric and not column.label for column in varying):
-        return list(columns), []
-    together: dict[str, list[str]] = {}
-    for column in columns:
-        if column.constant:
-            value = f"{column.cells[0]} {column.unit}".strip() or "empty"
-            together.setdefault(value, []).append(column.name)
-    texts = [
-        f"{listed(names)} {'is' if len(names) == 1 else 'are'} {value}"
-        for value, names in together.items()
-    ]
-    return varying, [f"{'; '.join(texts)} throughout."] if texts else []
 
 
 def _csv(table: pd.DataFrame) -> bytes:
@@ -268,38 +229,6 @@ def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
     if any(cell.best for row in rows for cell in row):
         lines.append("* the best of its group")
     return "\n".join([*lines, *notes])
-
-
-def _latex(caption: str, columns: Sequence[Column], notes: Sequence[str]) -> str:
-    alignment = "".join("r" if column.numeric else "l" for column in columns)
-    rows = [" & ".join(_cell_latex(cell) for cell in row) + r" \\" for row in _rows(columns)]
-    head = " & ".join(column.head.translate(_LATEX) for column in columns) + r" \\"
-    # An empty line would end the caption's paragraph, which LaTeX refuses.
-    if notes and caption[-1:] not in ".?!":
-        caption = f"{caption};"
-    caption = " ".join(" ".join([caption, *notes]).split())
-    return "\n".join(
-        [
-            r"% needs \usepackage{booktabs}",
-            r"\begin{table}",
-            rf"\caption{{{caption.translate(_LATEX)}}}",
-            rf"\begin{{tabular}}{{{alignment}}}",
-            r"\toprule",
-            head,
-            r"\midrule",
-            *rows,
-            r"\bottomrule",
-            r"\end{tabular}",
-            r"\end{table}",
-            "",
-        ]
-    )
-
-
-def _cell_latex(cell: Cell) -> str:
-    text = cell.text.translate(_LATEX)
-    text = rf"\textbf{{{text}}}" if cell.best else text
-    return f"{text} {cell.beside.translate(_LATEX)}".rstrip()
 
 
 def _rows(columns: Sequence[Column]) -> list[tuple[Cell, ...]]:

@@ -19,6 +19,12 @@ def write_txt(x: float, *, name: str = "number") -> Files:
 def write_raw(x: float) -> Files:
     raise TypeError("no numbers today")
 
+@node("write.grid")
+def write_grid(x: float, *, rows: tuple[str, ...] = ()) -> Files:
+    if "y" in rows:
+        raise ValueError("there is no y")
+    return Files({"x.grid": "; ".join(rows).encode()})
+
 @node("write.pair")
 def write_pair(x: float, y: float) -> Files:
     return Files({"x.pair": b""})
@@ -52,6 +58,12 @@ def test_a_value_is_written_in_the_form_that_the_suffix_names(command: Command) 
 
 
 @pytest.mark.usefixtures("ran")
+def test_the_node_that_writes_is_told_what_stands_in_the_rows(command: Command) -> None:
+    assert exported(command, "total", "--rows", "fill,length", "--out", "a.grid")[0] == 0
+    assert Path("a.grid").read_text() == "fill; length"
+
+
+@pytest.mark.usefixtures("ran")
 def test_an_output_is_named_after_a_point_and_labels_in_several_options(command: Command) -> None:
     status, _, _ = exported(command, "gaps.truth", "--at", "length=5", "--out", "truth.txt")
     assert (status, Path("truth.txt").read_text()) == (0, "5.0")
@@ -80,7 +92,16 @@ def test_a_combination_of_a_shared_step_is_exported(ran: Path, command: Command)
         ),
         (("fill", "--at", "fil=hold", "--out", "a.txt"), "'fill' has no axis 'fil'"),
         (("fill", "--at", "length=2", "--out", "a.txt"), "'length' has no label '2'; there is: 1"),
-        (("total", "--out", "a.xyz"), "of type float can be written as .raw"),
+        (("total", "--out", "a.xyz"), "of type float can be written as .grid, .raw"),
+        (
+            ("total", "--rows", "x", "--out", "a.raw"),
+            "of type float can be written as .grid with --rows",
+        ),
+        (
+            ("total", "--rows", "x", "--columns", "y", "--out", "a.grid"),
+            "can be written as no format with --rows and --columns",
+        ),
+        (("total", "--rows", "x,y", "--out", "a.grid"), "a.grid: there is no y"),
         (("total", "--out", "a.raw"), "a.raw: TypeError: no numbers today"),
         (("fill", "--at", "fill", "--out", "a.txt"), "--at fill: write --at AXIS=LABEL"),
         (("a", "--out", "toy.yaml"), "toy.yaml already exists"),

@@ -213,7 +213,7 @@ def test_numbers_that_are_the_same_throughout_are_stated_once() -> None:
     assert Page(rendered.html).rows == [["fill", "x"], ["a", "0.500"], ["b", "1.500"]]
     for text in (rendered.html, rendered.text, rendered.files[".tex"].decode()):
         assert "refused, lost are 0; n is empty throughout." in text
-    assert r"\caption{t; refused, lost are 0;" in rendered.files[".tex"].decode()
+    assert r"\caption{t. refused, lost are 0;" in rendered.files[".tex"].decode()
     assert rendered.files[".csv"].startswith(b"fill,x,refused,lost,n\na,0.5,0,0.0,\n")
     assert Page(render_table(frame.iloc[:1], "t").html).rows[0] == list(frame.columns)
     assert Page(render_table(frame[["fill", "lost"]], "t").html).rows[0] == ["fill", "lost"]
@@ -250,7 +250,7 @@ def test_an_interval_and_a_p_stand_in_the_cell_of_their_mean_and_the_best_is_mar
         "0.750]",
         "\N{DAGGER}*",
     ]
-    assert r"\textbf{0.500} {[}0.250, 0.750] \textdagger{}" in rendered.files[".tex"].decode()
+    assert r"\textbf{0.500} & {[}0.250, 0.750] \textdagger{}" in rendered.files[".tex"].decode()
     assert Page(rendered.html).rows[0] == ["marker", "x"]
     assert rendered.files[".csv"].decode().splitlines()[:2] == [
         "marker,x,x low,x high,x p",

@@ -1,0 +1,165 @@
+"""The numbers of a comparison by method and group, as papers and terminals show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean
+from typing import TYPE_CHECKING
+
+from nodegraph_tables.cells import ALL, cells_at, columns_of
+from nodegraph_tables.info import info_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from nodegraph_tables.cells import Cell, Column
+
+Labels = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Crosstab:
+    """Labels down the side and along the top, and a cell for each pair of them.
+
+    Attributes
+    ----------
+    side, top : tuple of str
+        Names of the labels of a row, and of a column, from the outside in.
+    rows, heads : tuple of tuple of str
+    columns : tuple of list of Cell
+    unit : str
+        Of all numbers, as it is printed.
+    """
+
+    side: Labels
+    top: Labels
+    rows: tuple[Labels, ...]
+    heads: tuple[Labels, ...]
+    columns: tuple[list[Cell], ...]
+    unit: str = ""
+
+
+def crosstab(
+    table: pd.DataFrame,
+    rows: Sequence[str] = (),
+    columns: Sequence[str] = (),
+    *,
+    most: int | None = None,
+    in_print: bool = False,
+) -> Crosstab | None:
+    """Return the numbers whose best are marked; None for a table without any.
+
+    Where there is one column of them, and several labels, the last label stands down the side, by
+    mean place within the groups, and the others along the top.
+
+    Parameters
+    ----------
+    table
+    rows, columns
+        Labels that stand down the side, and along the top, in place of these. What neither names
+        stands in the rows; in the columns, if only rows are named.
+    most
+        The columns at which the outer labels begin to stand down the side.
+    in_print
+        See `columns_of`.
+
+    Raises
+    ------
+    ValueError
+        If a name is no label, or is given twice, or the table cannot be laid out anew.
+    """
+    info = info_of(table)
+    shown = columns_of(table, in_print=in_print)
+    labels = {column.name: column for column in shown if column.label}
+    marked = [column for column in shown if column.name in info.best]
+    is_long = len(marked) == 1 and len(labels) > 1
+    if rows or columns:
+        _check(rows, columns, labels if is_long else ())
+    if not labels or not marked:
+        return None
+    if not is_long:
+        return Crosstab(
+            side=tuple(labels),
+            top=("",),
+            rows=_texts(labels.values()),
+            heads=tuple((column.name,) for column in marked),
+            columns=tuple(column.cells for column in marked),
+            unit=marked[0].unit,
+        )
+    side, top = _layout(labels, rows, columns, most)
+    order = _order(labels)
+    row_of, head_of = (_texts(labels[name] for name in names) for names in (side, top))
+    sides = sorted(
+        set(row_of), key=lambda row: [order[n][t] for n, t in zip(side, row, strict=True)]
+    )
+    tops = sorted(
+        set(head_of), key=lambda head: [order[n][t] for n, t in zip(top, head, strict=True)]
+    )
+    at = {pair: place for place, pair in enumerate(zip(row_of, head_of, strict=True))}
+    value = marked[0]
+    return Crosstab(
+        side=side,
+        top=top,
+        rows=tuple(sides),
+        heads=tuple(
+            tuple(_head(table, *pair) for pair in zip(top, head, strict=True)) for head in tops
+        ),
+        columns=tuple(
+            cells_at(table, value.name, [at.get((row, head)) for row in sides], in_print=in_print)
+            for head in tops
+        ),
+        unit=value.unit,
+    )
+
+
+def _check(rows: Sequence[str], columns: Sequence[str], labels: Iterable[str]) -> None:
+    named, there = [*rows, *columns], list(labels)
+    if not there:
+        raise ValueError("only a table with a row for each group and method can be laid out anew")
+    for name in named:
+        if name not in there:
+            raise ValueError(f"the table has no label {name!r}; there is: {', '.join(there)}")
+        if named.count(name) > 1:
+            raise ValueError(f"{name!r} is named twice among rows and columns")
+
+
+def _texts(columns: Iterable[Column]) -> tuple[Labels, ...]:
+    return tuple(zip(*(map(str, column.cells) for column in columns), strict=True))
+
+
+def _layout(
+    labels: Mapping[str, Column], rows: Sequence[str], columns: Sequence[str], most: int | None
+) -> tuple[Labels, Labels]:
+    *groups, compared = labels
+    if rows or columns:
+        rest = [name for name in labels if name not in (*rows, *columns)]
+        return ((*rows, *rest), tuple(columns)) if columns else (tuple(rows), tuple(rest))
+    for outer in range(len(groups)):
+        top = groups[outer:]
+        if most is None or len(set(_texts(labels[name] for name in top))) <= most:
+            return (*groups[:outer], compared), tuple(top)
+    return (*groups[:-1], compared), (groups[-1],)
+
+
+def _order(labels: Mapping[str, Column]) -> dict[str, dict[str, float]]:
+    """Return the places of labels: of the last by its mean place in groups, of others as listed."""
+    *groups, compared = labels
+    order: dict[str, dict[str, float]] = {
+        name: {text: place for place, text in enumerate(dict.fromkeys(map(str, column.cells)))}
+        for name, column in labels.items()
+    }
+    within: dict[Labels, int] = {}
+    places: dict[str, list[int]] = {}
+    of_rows = _texts(labels[name] for name in groups)
+    for group, cell in zip(of_rows, labels[compared].cells, strict=True):
+        within[group] = within.get(group, -1) + 1
+        places.setdefault(str(cell), []).append(within[group])
+    order[compared] = {text: fmean(each) for text, each in places.items()}
+    return order
+
+
+def _head(table: pd.DataFrame, name: str, text: str) -> str:
+    """Return a label along the top, with its axis where it is a number."""
+    is_number = table[name].dtype.kind in "iuf"
+    return f"{name} {text}" if is_number and text != ALL else text
