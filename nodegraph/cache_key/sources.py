@@ -9,7 +9,6 @@ import warnings
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple, TypeGuard
 
 from nodegraph.gc_pause import gc_paused
@@ -27,7 +26,7 @@ _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 class Source(NamedTuple):
-    """The content of a module's file, as far as it decides which code is run.
+    """The content of a module's file, as far as it decides which code is run: data for JSON.
 
     A reference is ``module:name``, or ``module:`` for all of a module; relative modules begin with
     dots.
@@ -47,7 +46,7 @@ class Source(NamedTuple):
 
     digest: str
     imports: Sequence[str] = ()
-    names: Mapping[str, Sequence[str]] = MappingProxyType({})
+    names: Mapping[str, Sequence[str]] = {}
     acts: bool = False
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import pytest
 
 from nodegraph.plugin import loading
-from tests.nodegraph.cli.conftest import Command
+from tests.nodegraph.cli.conftest import NODES, Command
 
 FIVE_LINES = """\
 from nodegraph import node
@@ -40,6 +41,19 @@ def test_check_tells_what_would_run(command: Command) -> None:
     ]
     command("run", "toy.yaml", "--only", "length=1")
     assert "8 steps, 4 of them stored" in command("check", "toy.yaml")[1]
+
+
+def test_modules_without_python_source_are_remembered(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    uses = "def late():\n    import toys_broken, toys_compiled\n    return toys_broken.x\n"
+    Path("toys.py").write_text(NODES.replace("return start", "return late()") + uses)
+    for name, content in (("broken.py", b"x = ("), ("compiled" + EXTENSION_SUFFIXES[0], b"\0ELF")):
+        Path(f"toys_{name}").write_bytes(content)
+        os.utime(f"toys_{name}", ns=(1, 1))  # what was written just now is not remembered
+    for _ in range(2):
+        assert command("check", "toy.yaml")[::2] == (0, "")
 
 
 @pytest.mark.parametrize(
