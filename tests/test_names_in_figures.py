@@ -11,7 +11,7 @@ from nodegraph import Across, Refusal
 from nodegraph.node.decorator import Node
 from nodegraph.testing.specimens import cases
 from nodegraph_mocap import Figure
-from nodegraph_tables.figures import draw
+from nodegraph_tables.figures import StoredFigure, store_figure
 from tests.test_contracts import INSTALLED, required
 
 SHOWN = {
@@ -63,9 +63,9 @@ def drawn(node: Node) -> list[Figure]:
     return []
 
 
-def text_of(figure: Figure) -> str:
+def text_of(drawing: StoredFigure) -> str:
     """Return what is written in a figure; a name may be broken into lines."""
-    root = ET.fromstring(draw(figure, "svg"))
+    root = ET.fromstring(drawing.svg)
     texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
     return " ".join(" ".join(texts).split())
 
@@ -79,7 +79,8 @@ def test_labels_are_drawn_as_they_stand(name: str) -> None:
     node = INSTALLED.find(name).node
     figures = drawn(node)
     assert figures, "draws none of the specimens"
-    text = " ".join(map(text_of, figures))
-    assert all(draw(figure, "pdf").startswith(b"%PDF") for figure in figures)
+    drawings = [store_figure(figure) for figure in figures]
+    text = " ".join(map(text_of, drawings))
+    assert all(drawing.pdf.startswith(b"%PDF") for drawing in drawings)
     if node.name not in WITHOUT_LABELS:
         assert [shown for shown in SHOWN.values() if shown not in text] == []

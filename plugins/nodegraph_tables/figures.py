@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from html import escape
 from io import BytesIO
 from threading import Lock
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 from nodegraph import Rendered, Value, listed
 from nodegraph_tables.style import ROLES
@@ -18,10 +18,17 @@ from nodegraph_tables.types import Figure
 if TYPE_CHECKING:
     from matplotlib.mathtext import MathTextParser, VectorParse
     from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
 
 _DRAWING = Lock()
 """Held while matplotlib's settings, which all threads share, differ from the user's."""
 
+_SETTINGS: dict[Any, object] = {
+    "svg.hashsalt": "nodegraph",  # without, a drawing would have different ids each time
+    "svg.fonttype": "none",
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
+}
 _TAG = re.compile(r"<[a-zA-Z][^>]*>")
 _WIDTH = re.compile(r'<svg[^>]*\swidth="([\d.]+(?:pt|px))"')
 _ID = re.compile(r"""(\sid="|href="#|url\(#)""")
@@ -66,21 +73,31 @@ class StoredFigure(Value):
 
 
 def store_figure(figure: Figure) -> StoredFigure:
-    """Return the drawing of a figure; equal bytes for equal figures, in any thread."""
-    return StoredFigure(draw(figure, "svg"), draw(figure, "pdf"))
+    """Return the drawing of a figure; equal bytes for equal figures, in any thread.
 
-
-def draw(figure: Figure, format: Literal["svg", "pdf"]) -> bytes:
-    """Return a figure as a file; equal bytes for equal figures, in any thread."""
+    Both files have the layout that the figure has on a screen: to find it takes as long as to
+    draw it, and each format would ask for its own.
+    """
     import matplotlib as mpl
 
+    with _DRAWING, mpl.rc_context(_SETTINGS):
+        show_broken_formulas_as_text(figure)
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox().padded(mpl.rcParams["savefig.pad_inches"])
+        engine = figure.get_layout_engine()
+        figure.set_layout_engine(None)
+        try:
+            svg, pdf = (_saved(figure, format, box) for format in ("svg", "pdf"))
+        finally:
+            figure.set_layout_engine(engine)
+    return StoredFigure(_rounded(svg), pdf)
+
+
+def _saved(figure: Figure, format: str, box: Bbox) -> bytes:
     file = BytesIO()
     undated = {"Date": None} if format == "svg" else {"CreationDate": None}
-    # without a salt of its own, a drawing would have different ids each time
-    with _DRAWING, mpl.rc_context({"svg.hashsalt": "nodegraph", "svg.fonttype": "none"}):
-        show_broken_formulas_as_text(figure)
-        figure.savefig(file, format=format, metadata=undated, bbox_inches="tight")
-    return _rounded(file.getvalue()) if format == "svg" else file.getvalue()
+    figure.savefig(file, format=format, metadata=undated, bbox_inches=box)
+    return file.getvalue()
 
 
 def _rounded(svg: bytes) -> bytes:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nodegraph_tables.axes import SMALL, name_lines
-from nodegraph_tables.figures import StoredFigure, draw, render_figure, store_figure
+from nodegraph_tables.figures import StoredFigure, render_figure, store_figure
 from nodegraph_tables.style import BEST
 
 
@@ -116,7 +116,7 @@ def test_it_is_reported_once_for_the_same_text() -> None:
 def test_a_formula_stays_one() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        drawn = draw(labelled(label="power (mm$^2$/Hz)"), "svg").decode()
+        drawn = store_figure(labelled(label="power (mm$^2$/Hz)")).svg.decode()
     assert "$" not in drawn.replace("<!-- power (mm$^2$/Hz) -->", "").replace(
         r"<!-- $\mathdefault{10^{", ""
     ).replace("}}$ -->", "")
