@@ -15,11 +15,14 @@ from typing import (
     Annotated,
     Any,
     Literal,
+    TypedDict,
     TypeVar,
     Union,
+    Unpack,
     get_args,
     get_origin,
     get_type_hints,
+    overload,
 )
 
 from nodegraph.errors import NodeError, nearest
@@ -43,17 +46,41 @@ from nodegraph.node.ports import (
     TruthMark,
     Unit,
 )
+from nodegraph.node.shared import with_shared
 from nodegraph.node.values import Value
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
 F = TypeVar("F", bound=Callable[..., object])
+R = TypeVar("R")
 T = TypeVar("T")
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*")
 _ATTRIBUTE = "__nodegraph_node__"
 _NO_DEFAULT = inspect.Parameter.empty
+
+
+class _Declarations(TypedDict, total=False):
+    cite: str | tuple[str, ...]
+    adapted: str
+    lookahead: LookAhead
+    ends: Ends
+    synthetic: Synthetic
+    live: Literal["frame"] | LiveForm | None
+    requires: Callable[..., object] | None
+    deprecated: str
+    timeout: float | None
+
+
+@overload
+def node(name: str, **declared: Unpack[_Declarations]) -> Callable[[F], F]: ...
+
+
+@overload
+def node(
+    name: str, *, shares: object, **declared: Unpack[_Declarations]
+) -> Callable[[Callable[..., R]], Callable[..., R]]: ...
 
 
 def node(
@@ -68,7 +95,8 @@ def node(
     requires: Callable[..., object] | None = None,
     deprecated: str = "",
     timeout: float | None = None,
-) -> Callable[[F], F]:
+    shares: object = None,
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Make a function a node; it stays callable as it is.
 
     Positional arguments are input ports, keyword-only arguments are settings, the return
@@ -108,12 +136,17 @@ def node(
         as before; graphs that use it get a notice, and ``family.*`` leaves it out.
     timeout
         Seconds after which a call has failed, for a node that may never return.
+    shares
+        A frozen dataclass of ports and settings that several nodes have, with their documentation
+        under "Attributes"; or a value of it, whose fields are the defaults. The function takes it
+        in an argument that is annotated with it; the node, and whoever calls it, has the fields
+        in place of that argument: those for keywords only as settings, the others as ports.
 
     Raises
     ------
     NodeError
-        If the name is not of that form. The signature and what is declared are checked when the
-        node is first used.
+        If the name is not of that form, or no argument takes what is shared. The rest of the
+        signature and what is declared are checked when the node is first used.
 
     Examples
     --------
@@ -127,7 +160,9 @@ def node(
         raise NodeError(f"{name!r} is not a node's name; write family.method, in lower case")
     keys = (cite,) if isinstance(cite, str) else tuple(cite)
 
-    def decorate(function: F) -> F:
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        if shares is not None:
+            function = with_shared(name, function, shares)
         cited = tuple(key for key in keys if key != "none")
         declaration = Declaration(adapted, lookahead, ends, synthetic)
         described = Node(

@@ -14,14 +14,14 @@ from nodegraph.formatting import number_of
 from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, Setting
 from nodegraph.node.live_form import RunningForm, StateForm
+from nodegraph.node.shared import section_of
 
 FILE, COLUMN, TEXT, NAME = "FILE", "COLUMN", "TEXT", "NAME"
 """Values in an example that only the reader can know."""
 
 _WIDTH = 96
-_SECTION = r"^{}\n-+\n(.*?)(?=^\w[\w ]*\n-+$|\Z)"
-_PARAMETERS = re.compile(_SECTION.format("Parameters"), re.MULTILINE | re.DOTALL)
-_EXAMPLES = re.compile(_SECTION.format("Examples"), re.MULTILINE | re.DOTALL)
+_PARAMETERS = section_of("Parameters")
+_EXAMPLES = section_of("Examples")
 _NONE = re.compile(r"\b[Nn]one(?=:)")
 _CODE = re.compile(r"(?<!`)`{1,2}([^`]+)`{1,2}(?!`)")
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from html import escape
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 from nodegraph.cli.main import all_parsers
 from nodegraph.graphfile import keys
-from nodegraph.node.description import describe_declaration, describe_settings, summary_of
+from nodegraph.node.description import describe_declaration, describe_settings, meanings, summary_of
 from nodegraph.plugin import hooks
 from nodegraph.plugin.bibliography import references
 from nodegraph.plugin.hooks import GROUP, HOOKS, Shape
@@ -31,7 +33,10 @@ _DOCUMENTED = (
     "nodegraph.plugin.streaming",
     "nodegraph.node.live_form",
 )
-_WITHOUT_HEADING = "    options: {show_root_heading: false, show_root_toc_entry: false}"
+_NODE = (
+    "    options: {show_root_heading: false, show_root_toc_entry: false, "
+    "show_docstring_parameters: false}"
+)
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -92,17 +97,27 @@ def _node(entry: Registered, cited: Mapping[str, str]) -> str:
     node = entry.node
     name = f"## {node.name} {{#{_anchor(node.name)}}}"
     declared = " · ".join([f"plugin {entry.plugin}", *describe_declaration(node)])
-    ports = [("in", port) for port in node.inputs] + [("out", port) for port in node.outputs]
-    rows = [(row.name, row.default, row.unit, row.kind) for row in describe_settings(node)]
+    meaning = meanings(node)
+    ports = [("in", f"`{port}`", _plain(meaning.get(port.name, ""))) for port in node.inputs]
+    ports += [("out", f"`{port}`", "") for port in node.outputs]
+    rows = [
+        (row.name, row.default, row.unit, row.kind, _plain(row.meaning))
+        for row in describe_settings(node)
+    ]
     parts = [
         name,
         declared,
-        _table(("side", "port"), [(side, f"`{port}`") for side, port in ports]),
-        _table(("setting", "default", "unit", "values"), rows) if rows else "",
-        f"::: {node.function.__module__}.{node.function.__qualname__}\n{_WITHOUT_HEADING}",
+        _table(("side", "port", "meaning"), ports),
+        _table(("setting", "default", "unit", "values", "meaning"), rows) if rows else "",
+        f"::: {node.function.__module__}.{node.function.__qualname__}\n{_NODE}",
         *(f"- {cited[key]}" for key in node.cite),
     ]
     return "\n\n".join(filter(None, parts))
+
+
+def _plain(text: str) -> str:
+    """Return Markdown that shows a text as it is."""
+    return re.sub(r"[*_\[\\`{]", r"\\\g<0>", escape(text, quote=False))
 
 
 def _anchor(name: str) -> str:

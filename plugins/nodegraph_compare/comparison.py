@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Across, Label
     from nodegraph_compare.blocks import Group
-    from nodegraph_compare.question import Better, Question
+    from nodegraph_compare.question import Asked, Question
     from nodegraph_mocap import Table
 
 
@@ -70,17 +70,7 @@ class Comparison:
         return _named_label(self.methods, name, "baseline")
 
 
-def prepare(
-    scores: Across[Table],
-    *,
-    metric: str | None,
-    compare: str | None,
-    within: tuple[str, ...],
-    blocks: tuple[str, ...],
-    clusters: tuple[str, ...],
-    better: Better = "declared",
-    fallback: str | None = None,
-) -> Comparison:
+def prepare(scores: Across[Table], asked: Asked) -> Comparison:
     """Return the comparison that the settings of a node ask for; see `ask`.
 
     Called by a node itself, so that a warning of a fallback that is left out is the node's.
@@ -90,20 +80,12 @@ def prepare(
     ValueError
         As `ask` does, and if the fallback is not a label that is compared.
     """
-    question = ask(
-        scores,
-        metric=metric,
-        compare=compare,
-        within=within,
-        blocks=blocks,
-        clusters=clusters,
-        better=better,
-    )
+    question = ask(scores, asked)
     if question.alike.warning:
-        warnings.warn(question.alike.warning, stacklevel=3)
+        warnings.warn(question.alike.warning, stacklevel=4)
     gathered = groups(scores, question)
     methods = _compared_labels(scores, question, gathered)
-    return Comparison(scores, question, gathered, methods, fallback_label(methods, fallback))
+    return Comparison(scores, question, gathered, methods, fallback_label(methods, asked.fallback))
 
 
 def _compared_labels(
@@ -124,7 +106,7 @@ def fallback_label(order: Sequence[Label], name: str | None) -> Label | None:
         warnings.warn(
             f"the fallback {name!r} is not among those compared: blocks that a method lacks are "
             "left out",
-            stacklevel=4,
+            stacklevel=5,
         )
         return None
     return _named_label(order, name, "fallback")

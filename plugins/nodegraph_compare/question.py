@@ -160,6 +160,51 @@ def sign_of(end: BetterEnd) -> float:
     return -1.0 if end == "higher" else 1.0
 
 
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """The settings that say what is compared.
+
+    Attributes
+    ----------
+    metric
+        The column of numbers to compare. Default: the first column of floats; columns of whole
+        numbers, such as indices and lengths, are never taken by default.
+    compare
+        The axis, or column, whose labels are compared. Default: the last gathered axis that is
+        not in `within` or `blocks`.
+    within
+        Axes, or columns: each combination of their labels is compared by itself.
+    blocks
+        Axes, or columns, whose combinations are the paired blocks, within each cluster. Default:
+        every gathered axis that is not compared or in `within`, and the first column of the
+        tables where it identifies the unit of a row, that is, where it holds no floats and is not
+        called ``frame``. An axis named nowhere is averaged over within each block.
+    clusters
+        Axes, or columns, whose combinations are the independent units that claims are about.
+        Default: the axes along which the data themselves differ, that is, which a node without
+        inputs reads or makes its data by, but for those in `compare` and `within`; the axis
+        ``actor`` alone, or a field of that name, ``recording.actor``, where there is one.
+        Recordings that look like one person's count as one where nothing says who is recorded.
+    better
+        Which end of the metric is the better one: ``lower``, ``higher``, or ``none`` (a lag is
+        best at zero). ``declared``: as the scores declare it, where they do not, ``lower``.
+    fallback
+        A label of `compare`: where another method has no number in a block, this one's stands, as
+        it would in use. What is refused is not missing at random: a method that refuses the
+        hardest blocks looks better over the rest. Two other rules are applied next to it, the
+        blocks that all methods have, and the worst value of the block: a claim stands only if all
+        three agree.
+    """
+
+    metric: OneColumn = None
+    compare: OneName = None
+    within: Names = ()
+    blocks: Names = ()
+    clusters: Clusters = ()
+    better: Better = "declared"
+    fallback: OneLabel = None
+
+
 @dataclass(frozen=True)
 class Question:
     """A comparison's columns; each is a gathered axis or a column of the tables.
@@ -216,36 +261,8 @@ class Question:
         return f" by {text}" if text else ""
 
 
-def ask(
-    scores: Across[Table],
-    *,
-    metric: str | None,
-    compare: str | None,
-    within: tuple[str, ...],
-    blocks: tuple[str, ...],
-    clusters: tuple[str, ...] = (),
-    better: Better = "declared",
-) -> Question:
+def ask(scores: Across[Table], asked: Asked) -> Question:
     """Return the question with its defaults filled in and every name checked.
-
-    Parameters
-    ----------
-    scores
-        The gathered tables.
-    metric
-        The column of numbers. Default: the first column of floats.
-    compare
-        Default: the last gathered axis that is in neither `within` nor `blocks`.
-    within
-        Each combination of their labels is a group.
-    blocks
-        Default: the other gathered axes, and the first column where it identifies the unit of a
-        row.
-    clusters
-        Default: see `clusters_of`; of the gathered axes along which the data differ, but for those
-        in `compare` and `within`.
-    better
-        Which end of the metric is the better one; ``declared``: see `better_end`.
 
     Raises
     ------
@@ -256,10 +273,10 @@ def ask(
     """
     if not len(scores):
         raise ValueError("there is no table to compare")
-    used = (*within, *blocks)
-    free = [axis for axis in scores.axes if axis not in used]
-    compared = compare if compare is not None or not free else free[-1]
-    units = blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
+    within, clusters = asked.within, asked.clusters
+    free = [axis for axis in scores.axes if axis not in (*within, *asked.blocks)]
+    compared = asked.compare if asked.compare is not None or not free else free[-1]
+    units = asked.blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
     named = (*within, *filter(None, [compared]), *units)
     _check_names(scores, named)
     _check_blocks(units)
@@ -272,11 +289,11 @@ def ask(
     averaged = tuple(axis for axis in scores.axes if axis not in (*named, *identity))
     known = (*clusters, *sources)
     drawn = tuple(name for name in units if name in scores.axes and name not in known)
-    value = _metric(scores, metric)
-    end = better_end(scores, value, better)
+    value = _metric(scores, asked.metric)
+    end = better_end(scores, value, asked.better)
     alike = find_alike(scores, clusters, sources)
-    asked = (value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
-    return Question(*asked, sources, alike, scores.synthetic)
+    columns = (value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
+    return Question(*columns, sources, alike, scores.synthetic)
 
 
 def unit_of(scores: Across[Table], metric: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
@@ -20,15 +21,7 @@ from nodegraph_compare.left_out import (
     narrowed_group,
     start_text,
 )
-from nodegraph_compare.question import (
-    Clusters,
-    Equivalent,
-    Names,
-    OneColumn,
-    OneLabel,
-    OneName,
-    suited_margin,
-)
+from nodegraph_compare.question import Asked, Equivalent, OneLabel, suited_margin
 from nodegraph_compare.table.summary import by_ratio
 from nodegraph_compare.verdict import clusters_name, scope_of
 from nodegraph_compare.words import caution_text, scope_text
@@ -46,6 +39,20 @@ if TYPE_CHECKING:
 _MOST_PANELS = 12
 
 
+@dataclass(frozen=True, kw_only=True)
+class Believing(Asked):
+    """The settings that say what is compared, where one method is to be better.
+
+    Attributes
+    ----------
+    better
+        Which end of the metric is the better one: ``lower`` or ``higher``. ``declared``: as the
+        scores declare it, else ``lower``.
+    """
+
+    better: Literal["declared", "lower", "higher"] = "declared"
+
+
 class Believed(NamedTuple):
     """Probabilities and their picture."""
 
@@ -53,19 +60,13 @@ class Believed(NamedTuple):
     figure: Figure
 
 
-@node("compare.bayes", cite=("corani2017statistical", "gelman2006prior"))
+@node("compare.bayes", cite=("corani2017statistical", "gelman2006prior"), shares=Believing)
 def bayes(
     scores: Across[Table],
+    asked: Believing,
     *,
-    metric: OneColumn = None,
-    compare: OneName = None,
-    within: Names = (),
-    blocks: Names = (),
-    clusters: Clusters = (),
-    better: Literal["declared", "lower", "higher"] = "declared",
     baseline: OneLabel = None,
     equivalent: Equivalent = 1.1,
-    fallback: OneLabel = None,
 ) -> Believed:
     """How probable it is that a method is better, practically equal, or worse than another.
 
@@ -85,32 +86,11 @@ def bayes(
     ----------
     scores
         Tables, a row per unit (a gap, a marker, a take).
-    metric
-        The column of numbers to compare. Default: the first column of floats.
-    compare
-        The axis, or column, whose labels are compared. Default: the last gathered axis that is
-        not in `within` or `blocks`.
-    within
-        Axes, or columns: each combination of their labels is compared by itself.
-    blocks
-        Axes, or columns, whose combinations are the paired blocks, within each cluster. Default:
-        every gathered axis that is not compared or in `within`, and the first column of the
-        tables where it identifies the unit of a row.
-    clusters
-        Axes, or columns, whose combinations are the independent units. Default: the axes along
-        which the data differ, but for those in `compare` and `within`; see `compare.table`.
-    better
-        Which end of the metric is the better one: ``lower`` or ``higher``. ``declared``: as the
-        scores declare it, else ``lower``.
     baseline
         A label of `compare` that the others are compared to. Default: the best of each group.
     equivalent
         Within which methods count as practically equal: a ratio, such as 1.1, or a difference
         with the metric's unit, such as ``0.05 mm``.
-    fallback
-        A label of `compare`, whose value stands where another method has none in a block. A method
-        is called better, equivalent or worse only if it is so over the blocks that all methods
-        have, and with the worst value of the block in place of a missing one, too.
 
     Returns
     -------
@@ -128,16 +108,7 @@ def bayes(
     Refusal
         If no group has five clusters.
     """
-    comparison = prepare(
-        scores,
-        metric=metric,
-        compare=compare,
-        within=within,
-        blocks=blocks,
-        clusters=clusters,
-        better=better,
-        fallback=fallback,
-    )
+    comparison = prepare(scores, asked)
     question, gathered = comparison.question, comparison.filled
     if question.better == "none":
         raise ValueError(f"{question.metric} has no better end; give `better`")

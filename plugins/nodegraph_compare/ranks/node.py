@@ -10,15 +10,7 @@ from nodegraph import Across, Label, node
 from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import block_text, end_text, left_out
-from nodegraph_compare.question import (
-    Better,
-    Clusters,
-    Names,
-    OneColumn,
-    OneLabel,
-    OneName,
-    Question,
-)
+from nodegraph_compare.question import Asked, Question
 from nodegraph_compare.ranks.answer import answers
 from nodegraph_compare.ranks.lead import lead_of
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank_by_rules
@@ -53,28 +45,18 @@ class Ranked(NamedTuple):
         "kendall1939problem",
         "kerby2014simple",
     ),
+    shares=Asked,
 )
-def ranks(
-    scores: Across[Table],
-    *,
-    metric: OneColumn = None,
-    compare: OneName = None,
-    within: Names = (),
-    blocks: Names = (),
-    clusters: Clusters = (),
-    better: Better = "declared",
-    fallback: OneLabel = None,
-    test: PairTest = "nemenyi",
-) -> Ranked:
+def ranks(scores: Across[Table], asked: Asked, *, test: PairTest = "nemenyi") -> Ranked:
     """Rank methods within each independent unit, and test whether their mean ranks differ.
 
     The units are those of `compare.table`: the clusters, such as actors, by their mean over the
-    blocks, or parts of a recording. In every unit the methods are ranked, 1 for the best, equal
-    ones sharing the mean of their ranks; values that differ by rounding alone, by at most 1e-9 of
-    their size, are equal, as in `compare.table`, and so are differences of a pair. Friedman's test
-    asks whether all methods rank alike; its chi2, corrected for ties, is given beside Iman and
-    Davenport's F, which is less conservative and decides here (Demsar 2006). Then every pair is
-    tested:
+    blocks, or parts of a recording. In every unit the methods are ranked, 1 for the best (the
+    lowest value where neither end is better), equal ones sharing the mean of their ranks; values
+    that differ by rounding alone, by at most 1e-9 of their size, are equal, as in `compare.table`,
+    and so are differences of a pair. Friedman's test asks whether all methods rank alike; its chi2,
+    corrected for ties, is given beside Iman and Davenport's F, which is less conservative and
+    decides here (Demsar 2006). Then every pair is tested:
 
     - ``nemenyi``: two methods are apart where their mean ranks differ by the critical difference
       ``q sqrt(k (k + 1) / (12 N))`` or more, q the 95 % quantile of the studentised range of the
@@ -93,27 +75,6 @@ def ranks(
     ----------
     scores
         Tables, a row per unit (a gap, a marker, a take).
-    metric
-        The column of numbers to compare. Default: the first column of floats.
-    compare
-        The axis, or column, whose labels are compared. Default: the last gathered axis that is
-        not in `within` or `blocks`.
-    within
-        Axes, or columns: each combination of their labels is ranked by itself.
-    blocks
-        Axes, or columns, whose combinations are the blocks. Default: every gathered axis that is
-        not compared or in `within`, and the first column of the tables where it identifies the
-        unit of a row.
-    clusters
-        Axes, or columns, whose combinations are the independent units. Default: the axes along
-        which the data differ, but for those in `compare` and `within`; see `compare.table`.
-    better
-        Which end of the metric is the better one: ``lower``, ``higher``, or ``none``, for which
-        rank 1 is the lowest value. ``declared``: as the scores declare it, else ``lower``.
-    fallback
-        A label of `compare`, whose value stands where another method has none in a block. A
-        verdict stands only if it is the same over the blocks that all methods have, and with the
-        worst value of the block in place of a missing one.
     test
         Of the pairs: ``nemenyi`` or ``wilcoxon_holm``.
 
@@ -141,16 +102,7 @@ def ranks(
     """
     from nodegraph_compare.ranks.figure import draw
 
-    comparison = prepare(
-        scores,
-        metric=metric,
-        compare=compare,
-        within=within,
-        blocks=blocks,
-        clusters=clusters,
-        better=better,
-        fallback=fallback,
-    )
+    comparison = prepare(scores, asked)
     question, gathered = comparison.question, comparison.filled
     rankings = [
         rank_by_rules(group, comparison.fallback, question.better, test)

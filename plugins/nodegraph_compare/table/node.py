@@ -15,13 +15,10 @@ from nodegraph_compare.left_out import left_out
 from nodegraph_compare.overview.build import BlocksOf, cluster_means, metrics_of
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.question import (
-    Better,
-    Clusters,
+    Asked,
     Equivalent,
     Names,
-    OneColumn,
     OneLabel,
-    OneName,
     Question,
     check_numbers,
     suited_margin,
@@ -78,19 +75,14 @@ class Compared(NamedTuple):
         "ibragimov2010robust",
         "hedges1981distribution",
     ),
+    shares=Asked,
 )
 def table(
     scores: Across[Table],
+    asked: Asked,
     *,
-    metric: OneColumn = None,
-    compare: OneName = None,
-    within: Names = (),
-    blocks: Names = (),
-    clusters: Clusters = (),
-    better: Better = "declared",
     baseline: OneLabel = None,
     equivalent: Equivalent | None = None,
-    fallback: OneLabel = None,
     rows: Names = (),
     columns: Names = (),
     beside: Annotated[tuple[str, ...], ColumnOf("scores")] = (),
@@ -132,42 +124,15 @@ def table(
     ----------
     scores
         Tables, a row per unit (a gap, a marker, a take).
-    metric
-        The column of numbers to compare. Default: the first column of floats; columns of whole
-        numbers, such as indices and lengths, are never taken by default.
-    compare
-        The axis, or column, whose labels are compared. Default: the last gathered axis that is
-        in `rows` or `columns`, or else not in `within` or `blocks`.
-    within
-        Axes, or columns: each combination of their labels is compared by itself.
-    blocks
-        Axes, or columns, whose combinations are the paired blocks, within each cluster. Default:
-        every gathered axis that is not compared or in `within`, and the first column of the
-        tables where it identifies the unit of a row, that is, where it holds no floats and is not
-        called ``frame``. An axis named nowhere is averaged over within each block.
-    clusters
-        Axes, or columns, whose combinations are the independent units that claims are about.
-        Default: the axes along which the data themselves differ, that is, which a node without
-        inputs reads or makes its data by, but for those in `compare` and `within`; the axis
-        ``actor`` alone, or a field of that name, ``recording.actor``, where there is one.
-        Recordings that look like one person's count as one where nothing says who is recorded.
-    better
-        Which end of the metric is the better one: ``lower``, ``higher``, or ``none`` (a lag is
-        best at zero). ``declared``: as the scores declare it, where they do not, ``lower``.
     baseline
         A label of `compare`: methods are compared to it in place of the best.
     equivalent
         Within which methods count as practically equal: a ratio, such as 1.1, or a difference
         with the metric's unit, such as ``0.05 mm``. Declare it before you see results.
-    fallback
-        A label of `compare`: where another method has no number in a block, this one's stands, as
-        it would in use. What is refused is not missing at random: a method that refuses the
-        hardest blocks looks better over the rest. Two other rules are shown next to it, the blocks
-        that all methods have, and the worst value of the block: a claim stands only if all three
-        agree, and the answer says so.
     rows
         Axes, or columns, whose labels stand down the side of a table of means; those not in
-        `within` are taken as if they were.
+        `within` are taken as if they were. The last one in `rows` or `columns` is compared by
+        default.
     columns
         Axes, or columns, whose labels stand along its top. What neither names stands in the rows
         (in the columns, if only rows are named). Without both, every mean has a row.
@@ -219,17 +184,8 @@ def table(
     from nodegraph_compare.table.figure import draw
 
     layout = Layout(rows, columns)
-    compare, within = implied(scores, compare, within, layout, blocks)
-    comparison = prepare(
-        scores,
-        metric=metric,
-        compare=compare,
-        within=within,
-        blocks=blocks,
-        clusters=clusters,
-        better=better,
-        fallback=fallback,
-    )
+    compare, within = implied(scores, asked.compare, asked.within, layout, asked.blocks)
+    comparison = prepare(scores, replace(asked, compare=compare, within=within))
     question, gathered = comparison.question, comparison.groups
     for name in beside:
         check_numbers(scores, name, "beside")

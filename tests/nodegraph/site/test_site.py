@@ -20,6 +20,7 @@ from playwright.sync_api import Page
 import nodegraph as ng
 from nodegraph.cli.main import COMMANDS, main
 from nodegraph.graphfile.keys import TOP_LEVEL
+from nodegraph.node.description import describe_settings
 from nodegraph.plugin.hook_types import expect
 from nodegraph.plugin.hooks import HOOKS, Shape
 from nodegraph.plugin.registry import Registry
@@ -106,6 +107,7 @@ def test_every_node_command_hook_and_key_appears(guides: Path) -> None:
         page = texts[entry.node.family]
         assert f'id="{entry.node.name.replace(".", "-")}"' in page
         assert all(f"<td>{name}</td>" in page for name in entry.node.settings)
+        assert all(text.meaning in page for text in describe_settings(entry.node))
     assert all(f">nodegraph {name}</h2>" in texts["commands"] for name in COMMANDS)
     assert all(f"nodegraph_{name}</code></h2>" in texts["hooks"] for name in HOOKS)
     assert all(f"<td><code>{name}</code></td>" in texts["keys"] for name in TOP_LEVEL)

@@ -14,7 +14,7 @@ from pandas import DataFrame
 from nodegraph import Across, Label
 from nodegraph.cli.main import main
 from nodegraph_compare.blocks import Group, groups
-from nodegraph_compare.question import Question, ask
+from nodegraph_compare.question import Asked, Question, ask
 from nodegraph_files import npz_bytes
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_synthesize.face import synthesize_face
@@ -98,9 +98,8 @@ def _scores(takes: Mapping[str, Trajectories], fields: Fields) -> Across[Table]:
 
 
 def _asked(scores: Across[Table], clusters: tuple[str, ...] = ()) -> tuple[Question, Group]:
-    question = ask(
-        scores, metric="rmse", compare="fill", within=(), blocks=("gap",), clusters=clusters
-    )
+    asked = Asked(metric="rmse", compare="fill", blocks=("gap",), clusters=clusters)
+    question = ask(scores, asked)
     (group,) = groups(scores, question)
     return question, group
 

@@ -6,7 +6,7 @@ import pytest
 
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import groups
-from nodegraph_compare.question import ask
+from nodegraph_compare.question import Asked, ask
 
 NAN = np.nan
 
@@ -34,7 +34,7 @@ def test_rows_become_blocks_in_the_order_of_the_labels() -> None:
             (5, "cubic"): scored(7, 8),
         }
     )
-    question = ask(scores, metric=None, compare="fill", within=("length",), blocks=())
+    question = ask(scores, Asked(compare="fill", within=("length",)))
     long, short = groups(scores, question)
     assert (long.labels, short.labels) == ((45,), (5,))
     assert long.methods == short.methods == ("lin", "cubic")
@@ -44,14 +44,14 @@ def test_rows_become_blocks_in_the_order_of_the_labels() -> None:
 
 def test_rows_are_averaged_within_their_block() -> None:
     scores = across({(5, "a"): scored(1, 3, 8), (15, "a"): scored(2, 4, 0)})
-    question = ask(scores, metric=None, compare="fill", within=(), blocks=("gap",))
+    question = ask(scores, Asked(compare="fill", blocks=("gap",)))
     (group,) = groups(scores, question)
     assert group.values.tolist() == [[1.5], [3.5], [4.0]]
 
 
 def test_a_block_with_a_row_without_a_number_is_lacking() -> None:
     scores = across({(5, "a"): scored(1, NAN), (5, "b"): scored(1, np.inf), (5, "c"): scored(1, 2)})
-    question = ask(scores, metric=None, compare="fill", within=(), blocks=("length",))
+    question = ask(scores, Asked(compare="fill", blocks=("length",)))
     (group,) = groups(scores, question)
     assert group.values[0] == pytest.approx([NAN, NAN, 1.5], nan_ok=True)
     assert group.missing.tolist() == [0.5, 0.5, 0.0]
@@ -65,7 +65,7 @@ def test_blocks_count_when_every_usable_method_has_them() -> None:
             (5, "c"): scored(NAN, NAN, NAN),
         }
     )
-    question = ask(scores, metric=None, compare="fill", within=("length",), blocks=())
+    question = ask(scores, Asked(compare="fill", within=("length",)))
     (group,) = groups(scores, question)
     assert group.usable.tolist() == [True, True, False]
     assert group.complete.tolist() == [True, False, False]
@@ -78,7 +78,7 @@ def test_refused_combinations_are_a_share_and_skipped_ones_are_not_there() -> No
         (45, "b", "failed"),
         (45, "a", "skipped"),
     )
-    by_length = ask(scores, metric=None, compare="fill", within=("length",), blocks=())
+    by_length = ask(scores, Asked(compare="fill", within=("length",)))
     short, middle, long = groups(scores, by_length)
     assert (short.methods, short.refused.tolist()) == (("a", "b"), [0, 1])
     assert np.isnan(short.values[0, 1])
@@ -86,7 +86,7 @@ def test_refused_combinations_are_a_share_and_skipped_ones_are_not_there() -> No
     assert (middle.methods, middle.refused.tolist()) == (("a", "b"), [0, 0])
     assert (long.labels, long.methods, long.refused.tolist()) == ((45,), ("b",), [1])
     assert not long.complete.any()
-    together = ask(scores, metric=None, compare="fill", within=(), blocks=("length", "gap"))
+    together = ask(scores, Asked(compare="fill", blocks=("length", "gap")))
     (group,) = groups(scores, together)
     assert group.refused == pytest.approx([0, 2 / 3])
 
@@ -94,7 +94,7 @@ def test_refused_combinations_are_a_share_and_skipped_ones_are_not_there() -> No
 def test_columns_of_the_tables_group_too() -> None:
     table = pd.DataFrame({"marker": ["x", "y", "x"], "side": ["l", "r", "r"], "rmse": [1.0, 2, 3]})
     scores = Across.of({"a": table, "b": table.assign(rmse=table["rmse"] * 2)}, axis="fill")
-    question = ask(scores, metric=None, compare="fill", within=("side",), blocks=("marker",))
+    question = ask(scores, Asked(compare="fill", within=("side",), blocks=("marker",)))
     left, right = groups(scores, question)
     assert (left.labels, left.values.tolist()) == (("l",), [[1, 2]])
     assert (right.labels, right.values.tolist()) == (("r",), [[3, 6], [2, 4]])
@@ -102,7 +102,7 @@ def test_columns_of_the_tables_group_too() -> None:
 
 def test_nothing_compared_is_one_column() -> None:
     scores = Across((), (({}, scored(1, 2, 3)),))
-    question = ask(scores, metric=None, compare=None, within=(), blocks=())
+    question = ask(scores, Asked())
     (group,) = groups(scores, question)
     assert group.methods == ("",)
     assert group.values.tolist() == [[1], [2], [3]]
@@ -110,5 +110,5 @@ def test_nothing_compared_is_one_column() -> None:
 
 def test_tables_without_rows_have_no_groups() -> None:
     scores = Across.of({"a": scored(1).iloc[:0]}, axis="fill")
-    question = ask(scores, metric="rmse", compare=None, within=(), blocks=())
+    question = ask(scores, Asked(metric="rmse"))
     assert groups(scores, question) == ()

@@ -8,13 +8,13 @@ import pytest
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import label_order
 from nodegraph_compare.comparison import fallback_label
-from nodegraph_compare.question import Question, ask
+from nodegraph_compare.question import Asked, Question, ask
 
 TABLE = pd.DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
 
 
 def question_of(scores: Across[Any]) -> Question:
-    return ask(scores, metric="rmse", compare=None, within=(), blocks=())
+    return ask(scores, Asked(metric="rmse"))
 
 
 def across(present: list[tuple[int, str]], absent: list[tuple[int, str, str]]) -> Across[None]:

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 import pytest
 
 from nodegraph import Across
-from nodegraph_compare.question import Question, ask, blocks_name, unit_of
+from nodegraph_compare.question import Asked, Question, ask, blocks_name, unit_of
 from nodegraph_tables import TableInfo, with_info
 
 
@@ -16,9 +18,8 @@ def across(*axes: str, **columns: list[object]) -> Across[pd.DataFrame]:
     return Across(axes, ((dict.fromkeys(axes, "one"), score(**columns)),))
 
 
-def question_of(scores: Across[pd.DataFrame], **settings: object) -> Question:
-    defaults = {"metric": None, "compare": None, "within": (), "blocks": ()}
-    return ask(scores, **{**defaults, **settings})  # type: ignore[arg-type]
+def question_of(scores: Across[pd.DataFrame], **settings: Any) -> Question:
+    return ask(scores, Asked(**settings))
 
 
 def test_defaults() -> None:

@@ -39,7 +39,7 @@ def compared(values: NDArray[np.float64], **more: object) -> Compared:
     ]
     scores = Across(("actor", "fill"), tuple(entries), sources=("actor",))
     settings: dict[str, object] = {"metric": "rmse", "compare": "fill", **more}
-    result: Compared = table(scores, **settings)  # type: ignore[arg-type]
+    result: Compared = table(scores, **settings)
     return result
 
 

@@ -1,0 +1,120 @@
+"""Ports and settings that several nodes share, as the fields of a dataclass that documents them."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import MISSING, fields, replace
+from functools import partial, wraps
+from typing import Any, TypeVar, get_type_hints
+
+from nodegraph.errors import NodeError
+
+R = TypeVar("R")
+
+
+def section_of(title: str) -> re.Pattern[str]:
+    """Return what finds a section of a numpydoc docstring; its text is the first group."""
+    return re.compile(rf"^{title}\n-+\n(.*?)(?=^\w[\w ]*\n-+$|\Z)", re.MULTILINE | re.DOTALL)
+
+
+_PARAMETERS, _ATTRIBUTES = section_of("Parameters"), section_of("Attributes")
+_NEXT_SECTION = re.compile(r"(?=^\w[\w ]*\n-+$)|\Z", re.MULTILINE)
+_KEYWORD = inspect.Parameter.KEYWORD_ONLY
+
+
+def with_shared(name: str, function: Callable[..., R], shares: object) -> Callable[..., R]:
+    """Return a function with the fields of a dataclass in place of the argument that takes it.
+
+    Signature and docstring have those of the fields where that argument stands: a field that is
+    for keywords only is a setting, any other one a port.
+
+    Parameters
+    ----------
+    name
+        The name of the node, for messages.
+    function
+        One of its arguments is annotated with the dataclass.
+    shares
+        The dataclass, or a value of it, whose fields are the defaults.
+
+    Raises
+    ------
+    NodeError
+        If no argument is annotated with it, one has the name of a field, or the type of a field is
+        not known.
+    """
+    kind = shares if isinstance(shares, type) else type(shares)
+    make = kind if shares is kind else partial(replace, shares)  # type: ignore[type-var]
+    declared = inspect.signature(function)
+    taken = next((each.name for each in declared.parameters.values() if _is_of(each, kind)), None)
+    if taken is None:
+        raise NodeError(f"{name}: no argument is annotated with {kind.__name__}, which it shares")
+    own = [each for each in declared.parameters.values() if each.name != taken]
+    at = list(declared.parameters).index(taken)
+    try:
+        shared = {each.name: each for each in _arguments(kind, shares)}
+        arguments = [*own[:at], *shared.values(), *own[at:]]
+        signature = declared.replace(parameters=sorted(arguments, key=lambda each: each.kind))
+    except (NameError, ValueError) as error:
+        raise NodeError(f"{name}: {error}") from error
+
+    @wraps(function)
+    def flat(*inputs: Any, **settings: Any) -> R:
+        given = signature.bind(*inputs, **settings).arguments
+        values = {each: given.pop(each) for each in shared if each in given}
+        return function(**given, **{taken: make(**values)})
+
+    hints = {each.name: each.annotation for each in signature.parameters.values()}
+    hints["return"] = signature.return_annotation
+    flat.__annotations__ = {
+        each: hint for each, hint in hints.items() if hint is not signature.empty
+    }
+    flat.__signature__ = signature  # type: ignore[attr-defined]
+    doc = inspect.getdoc(function)
+    flat.__doc__ = doc and _documented(doc, kind, signature.parameters)
+    return flat
+
+
+def _is_of(argument: inspect.Parameter, kind: type) -> bool:
+    annotation = argument.annotation
+    if isinstance(annotation, str):
+        return annotation.rpartition(".")[2] == kind.__name__
+    return annotation is kind
+
+
+def _arguments(kind: type, shares: object) -> Iterator[inspect.Parameter]:
+    hints = get_type_hints(kind, include_extras=True)
+    for each in fields(kind):
+        default = each.default if shares is kind else getattr(shares, each.name)
+        yield inspect.Parameter(
+            each.name,
+            _KEYWORD if each.kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD,
+            default=inspect.Parameter.empty if default is MISSING else default,
+            annotation=hints[each.name],
+        )
+
+
+def _documented(doc: str, kind: type, names: Iterable[str]) -> str:
+    """Return a docstring whose parameters are those of the function and of a dataclass."""
+    entries: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        section = _ATTRIBUTES.search(inspect.cleandoc(base.__doc__ or ""))
+        entries |= _entries(section[1] if section else "")
+    section = _PARAMETERS.search(doc)
+    entries |= _entries(section[1] if section else "")
+    text = "\n".join(dict.fromkeys(entries[name] for name in names if name in entries))
+    if section is None:
+        section = next(_NEXT_SECTION.finditer(doc, 1))
+    before, after = doc[: section.start()].rstrip(), doc[section.end() :].lstrip()
+    return "\n\n".join(filter(None, [before, f"Parameters\n----------\n{text}", after]))
+
+
+def _entries(section: str) -> Iterator[tuple[str, str]]:
+    """Yield the names and the text of each entry of a section, without the types."""
+    for entry in re.split(r"^(?=\S)", section, flags=re.MULTILINE)[1:]:
+        head, _, text = entry.partition("\n")
+        names = head.partition(" :")[0]
+        for name in names.split(","):
+            yield name.strip(), f"{names}\n{text.rstrip()}"
