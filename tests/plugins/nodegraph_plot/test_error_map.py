@@ -14,7 +14,7 @@ from nodegraph import Across, Label
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.view import frontal
 from nodegraph_plot.error_map import error_map
-from nodegraph_tables.figures import draw
+from nodegraph_tables.figures import store_figure
 from tests.plugins.nodegraph_plot import made_face
 
 
@@ -138,7 +138,7 @@ def test_equal_errors_one_marker_and_no_errors_are_drawn() -> None:
                 across(one=recording.keep(markers)), alone(truth.keep(markers)), samples="all"
             )
             assert count(figure.axes[0], "error") == len(markers)
-            assert draw(figure, "svg")
+            assert store_figure(figure).svg
 
 
 def test_what_cannot_be_compared_is_an_error() -> None:

@@ -13,7 +13,7 @@ from nodegraph_plot.playback import playback
 from nodegraph_plot.recordings import comparable, named_looks
 from nodegraph_plot.spectra import spectra
 from nodegraph_plot.trajectories import trajectories
-from nodegraph_tables.figures import draw
+from nodegraph_tables.figures import store_figure
 
 FRAMES = 40
 
@@ -95,5 +95,5 @@ def test_the_truth_is_matched_by_name(plot: Callable[..., Figure]) -> None:
     recording, truth = half_known()
     recordings = Across.of({"a": recording}, axis="fill")
     both = (truth, truth.keep(truth.markers[::-1]))
-    first, second = (draw(plot(recordings, known), "svg") for known in both)
+    first, second = (store_figure(plot(recordings, known)).svg for known in both)
     assert first == second

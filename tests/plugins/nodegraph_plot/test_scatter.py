@@ -13,7 +13,7 @@ from nodegraph import Across
 from nodegraph_mocap import Table
 from nodegraph_plot.scatter import scatter
 from nodegraph_tables import TableInfo, with_info
-from nodegraph_tables.figures import draw
+from nodegraph_tables.figures import store_figure
 
 
 def scores(**columns: object) -> Across[Table]:
@@ -83,7 +83,7 @@ def test_names_of_columns_and_units_are_drawn_as_text() -> None:
     table = DataFrame({r"$\frac$": [1.0, 2.0], "_n": [1.0, 2.0]})
     table = with_info(table, TableInfo(units={"_n": "$"}))
     figure = scatter(Across.of({"a": table}, axis="fill"), x="_n", metric=r"$\frac$")
-    drawn = draw(figure, "svg").decode()
+    drawn = store_figure(figure).svg.decode()
     assert r">$\frac$<" in drawn
     assert "_n ($)<" in drawn
 
@@ -94,4 +94,4 @@ def test_no_row_and_no_number_are_an_empty_figure() -> None:
     nowhere = DataFrame({"n": [1.0], "rmse": [np.nan]})
     with pytest.warns(UserWarning, match="left out: a 1 of 1"):
         figure = scatter(Across.of({"a": nowhere}, axis="fill"), x="n", metric="rmse")
-    assert draw(figure, "pdf")
+    assert store_figure(figure).pdf

@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 from nodegraph import Absent, Across
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_plot.trajectories import trajectories
-from nodegraph_tables.figures import draw
+from nodegraph_tables.figures import store_figure
 from nodegraph_tables.style import REST, looks
 from tests.plugins.nodegraph_plot import made_face
 
@@ -167,7 +167,7 @@ def test_the_only_frame_is_a_dot(frames: int) -> None:
     other = replace(short, positions=short.positions + 1.0)
     for recordings in (across(a=short), across(a=short, b=other)):
         figure = trajectories(recordings, short)
-        assert draw(figure, "svg")
+        assert store_figure(figure).svg
         label = "measured" if len(recordings) == 1 else "b"
         for name in (label, "truth"):
             line = curve(figure.axes[0], name)
@@ -188,7 +188,7 @@ def test_a_sample_between_two_missing_ones_is_a_dot() -> None:
 def test_names_of_markers_are_drawn_as_text() -> None:
     markers = (r"$\frac$", "_hidden", "pay $1 or $2")
     take = replace(made_face.truth().keep(made_face.MARKERS[:3]), markers=markers, marker_set=None)
-    drawn = draw(trajectories(across(a=take), markers=markers), "svg").decode()
+    drawn = store_figure(trajectories(across(a=take), markers=markers)).svg.decode()
     for name in markers:
         assert f"{name}<" in drawn
 
