@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -17,12 +16,10 @@ from nodegraph_fill.matern import Courses, Matern
 from nodegraph_fill.ridge import nearest_first
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
-from nodegraph_mocap.suspect import FACTOR, OPPOSITE, impulses
+from nodegraph_mocap.suspect import FACTOR, OPPOSITE, impulses, usual
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from nodegraph_fill.matern_kernel import System
 
 _PENALTY = 10.0
 """Ridge penalty, relative to the variance of the marker's errors of prediction."""
@@ -36,8 +33,6 @@ _REST_LENGTH, _REST_NOISE = 20.0, 1e-2
 _REACH = 3.0
 """Lengths of the rest beyond a gap that count."""
 _ROUNDING = 1e-8
-_CHANNELS = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])
-"""What others predict shows the common part, a sample the common part and the rest."""
 
 
 @whole_take(
@@ -133,19 +128,17 @@ class _Processes:
         take = _Take.of(_courses(recording), self)
         positions, sigma = np.full((*gaps.shape, 3), np.nan), np.full(gaps.shape, np.nan)
         starts, stops = np.maximum(gaps.start - 1, 0), np.minimum(gaps.stop + 1, gaps.shape[0])
+        gone = np.pad(np.cumsum(~recording.present, axis=0), ((1, 0), (0, 0)))
+        whole = gone[stops] == gone[starts]
         for marker in np.unique(gaps.marker).tolist():
-            near = self.near[marker]
-            windows = [
-                slice(*window)
-                for window in np.stack([starts, stops], axis=1)[gaps.marker == marker].tolist()
-            ]
-            whole = [np.asarray(recording.present[each].all(axis=0)) for each in windows]
-            predictors = [near[there[near]][: self.neighbours] for there in whole]
+            near, some = self.near[marker], np.flatnonzero(gaps.marker == marker)
+            predictors = [near[there[near]][: self.neighbours] for there in whole[some]]
             lesson = _Lesson.of(take, marker, [near[: self.neighbours], *predictors])
             if marker not in self.rest:
                 self.rest[marker] = lesson.rest(near[: self.neighbours])
-            for window, some in zip(windows, predictors, strict=True):
-                mean, variance = lesson.smoothed(some, window)
+            for gap, others in zip(some, predictors, strict=True):
+                window = slice(starts[gap], stops[gap])
+                mean, variance = lesson.smoothed(others, window)
                 positions[window, marker] = mean + take.courses.middle[marker]
                 sigma[window, marker] = np.sqrt(variance)
         noise = np.array([own.noise for own in self.own])
@@ -153,51 +146,61 @@ class _Processes:
 
 
 def _courses(recording: Trajectories) -> Courses:
-    positions = recording.positions
-    off = (impulses(positions) > 0.0) | _off_at_ends(positions)
-    off |= _off_at_ends(positions[::-1])[::-1]
-    return Courses.of(positions, recording.present & ~off)
+    positions, present = recording.positions, recording.present
+    middle = np.full(present.shape, np.nan)
+    between = positions[1:-1] - (positions[:-2] + positions[2:]) / 2.0
+    middle[1:-1] = np.linalg.norm(between, axis=2)
+    off, limit = impulses(positions) > 0.0, FACTOR * usual(middle)
+    for way in (slice(None), slice(None, None, -1)):
+        off[way] |= _off_at_ends(present[way], middle[way], limit)
+    return Courses.of(positions, present & ~off)
 
 
-def _off_at_ends(positions: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _off_at_ends(
+    present: NDArray[np.bool_], middle: NDArray[np.float64], limit: NDArray[np.float64]
+) -> NDArray[np.bool_]:
     """Return which samples before a gap or the take's end, (T, M), look like an impulse.
 
     It takes the sample before off the midpoint of its two neighbours, and not the one before that.
     """
-    middle = np.linalg.norm(positions[1:-1] - (positions[:-2] + positions[2:]) / 2.0, axis=2)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of a marker that has none
-        usual = np.nanmedian(middle, axis=0) if len(middle) else np.full(positions.shape[1], np.nan)
-    off = np.zeros(positions.shape[:2], dtype=np.bool_)
-    last = np.pad(np.isnan(positions[4:, :, 0]), ((0, 1), (0, 0)), constant_values=True)
-    off[3:] = last[: len(off[3:])]
-    off[3:] &= (middle[1:] > FACTOR * usual) & (middle[:-1] < OPPOSITE * middle[1:])
+    off = np.zeros_like(present)
+    off[3:-1] = ~present[4:]
+    off[3:][-1:] = True
+    off[3:] &= (middle[2:-1] > limit) & (middle[1:-2] < OPPOSITE * middle[2:-1])
     return off
 
 
 @dataclass(frozen=True)
 class _Take:
-    """A take completed over time.
+    """A take completed over time, its frames as columns, the coordinates of all markers as rows.
 
     Attributes
     ----------
     courses : Courses
     processes : _Processes
-    completed : (T, M, 3) array of float64
-        The rows, where not seen as the marker's own process has them.
-    errors : (T, M, 3) array of float64
-        Those of predicting each row from the rows before, by one process for all markers.
+    completed : (3 M, T) array of float64
+        The courses, where not seen as the marker's own process has them.
+    errors : (3 M, T) array of float64
+        Those of predicting each column from the ones before, by one process for all markers.
+    noise : (3 M,) array of float64
+        Variance of the noise of the samples.
     """
 
     courses: Courses
     processes: _Processes
     completed: NDArray[np.float64]
     errors: NDArray[np.float64]
+    noise: NDArray[np.float64]
+
+    @cached_property
+    def rows(self) -> NDArray[np.intp]:
+        """Where the coordinates of each marker are, (M, 3)."""
+        return np.arange(len(self.completed)).reshape(-1, 3)
 
     @cached_property
     def folds(self) -> list[slice]:
         """Parts of the take, of the same length."""
-        edges = np.linspace(0, len(self.errors), _FOLDS + 1).astype(np.intp).tolist()
+        edges = np.linspace(0, self.completed.shape[1], _FOLDS + 1).astype(np.intp).tolist()
         return [slice(*pair) for pair in pairwise(edges)]
 
     @staticmethod
@@ -212,10 +215,12 @@ class _Take:
         known = [each for each, some in zip(own, seen, strict=True) if some]
         length = _SHORTER * float(np.median([each.length for each in known]))
         noise = _NOISIER * float(np.median([each.noise / each.variance for each in known]))
-        errors = completed.reshape(len(completed), -1).copy()
-        whole = np.ones(len(errors), dtype=np.bool_)
+        completed = completed.reshape(len(completed), -1)
+        errors, whole = completed.copy(), np.ones(len(completed), dtype=np.bool_)
         matern_kernel.whiten(errors, whole, length, max(noise, _LEAST_NOISE))
-        return _Take(courses, processes, completed, errors.reshape(completed.shape))
+        noises = np.repeat([each.noise for each in own], 3)
+        completed, errors = (np.ascontiguousarray(each.T) for each in (completed, errors))
+        return _Take(courses, processes, completed, errors, noises)
 
 
 @dataclass(frozen=True)
@@ -226,7 +231,7 @@ class _Lesson:
     ----------
     take : _Take
     marker : int
-    place : (M,) array of int
+    place : (M, 3) array of int
         Where the coordinates of each marker are in `squares`, those of the marker are last.
     squares : (folds, 3 N, 3 N) array of float64
         The products of the errors of prediction, summed over the frames of each fold.
@@ -240,25 +245,24 @@ class _Lesson:
     @staticmethod
     def of(take: _Take, marker: int, predictors: list[NDArray[np.intp]]) -> _Lesson:
         """Return what some sets of markers tell about a marker."""
-        gone = ~take.courses.seen[:, marker]
+        known = take.courses.seen[:, marker].copy()
         for _ in range(_AFTER):
-            gone[1:] |= gone[:-1]
+            known[1:] &= known[:-1]
         used = np.append(np.unique(np.concatenate(predictors)), marker)
-        place = np.zeros(len(take.processes.own), dtype=np.intp)
-        place[used] = 3 * np.arange(len(used))
-        errors = take.errors[:, used].reshape(len(gone), -1)
-        errors[gone] = 0.0
-        squares = np.stack([errors[frames].T @ errors[frames] for frames in take.folds])
+        place = np.zeros_like(take.rows)
+        place[used] = np.arange(3 * len(used)).reshape(-1, 3)
+        errors = take.errors[take.rows[used].ravel()] * known
+        squares = np.stack([part @ part.T for part in (errors[:, each] for each in take.folds)])
         return _Lesson(take, marker, place, squares)
 
     def rest(self, predictors: NDArray[np.intp]) -> Matern:
         """Return the process of what predictors leave of frames that were not learnt from."""
-        rows, left = self.take.completed, []
+        completed, left = self.take.completed, []
         for frames, square in zip(self.take.folds, self.squares, strict=True):
             weights = self._weights(self._total - square, predictors)
-            left.append(rows[frames, self.marker] - self._predicted(frames, predictors, weights))
+            left.append(completed[3 * self.marker :][:3, frames] - weights @ completed[:, frames])
         seen = self.take.courses.seen[:, self.marker]
-        return Matern.fitted(np.concatenate(left), seen, _REST_LENGTH, _REST_NOISE)
+        return Matern.fitted(np.hstack(left).T, seen, _REST_LENGTH, _REST_NOISE)
 
     def smoothed(
         self, predictors: NDArray[np.intp], frames: slice
@@ -266,22 +270,23 @@ class _Lesson:
         """Return mean, (F, 3), and variance, (F,), of the marker in some frames."""
         from nodegraph_fill import matern_kernel
 
-        take, marker = self.take, self.marker
-        own, rest = take.processes.own[marker], take.processes.rest[marker]
+        courses, processes = self.take.courses, self.take.processes
+        own, rest = processes.own[self.marker], processes.rest[self.marker]
         reach = math.ceil(_REACH * rest.length)
         first = max(frames.start - reach, 0)
         window = slice(first, frames.stop + reach)
         weights = self._weights(self._total, predictors)
-        predicted = self._predicted(window, predictors, weights)
-        values = np.stack([predicted, take.courses.rows[window, marker]], axis=1)
-        seen = np.stack([np.ones(len(values), np.bool_), take.courses.seen[window, marker]], axis=1)
-        seen[:, 0] = len(predictors) > 0
-        noise = np.repeat([take.processes.own[each].noise for each in predictors], 3)
-        noises = [float(noise @ (weights**2).mean(axis=1)), min(own.noise, rest.noise)]
+        noise = float((weights * weights).sum(axis=0) @ self.take.noise) / 3.0
+        rows = courses.rows[window, self.marker]
+        values, seen = np.empty((len(rows), 2, 3)), np.empty((len(rows), 2), dtype=np.bool_)
+        values[:, 0], values[:, 1] = (weights @ self.take.completed[:, window]).T, rows
+        seen[:, 0], seen[:, 1] = len(predictors) > 0, courses.seen[window, self.marker]
         return matern_kernel.smooth(
-            _sum(own, rest),
-            _CHANNELS,
-            np.maximum(noises, _ROUNDING * (own.variance + rest.variance)),
+            np.array([own.length, rest.length]),
+            np.array([own.variance, rest.variance]),
+            np.maximum(
+                [noise, min(own.noise, rest.noise)], _ROUNDING * (own.variance + rest.variance)
+            ),
             values,
             seen,
             frames.start - first,
@@ -295,31 +300,17 @@ class _Lesson:
     def _weights(
         self, squares: NDArray[np.float64], predictors: NDArray[np.intp]
     ) -> NDArray[np.float64]:
-        """Return the weights of the predictors' coordinates, (3 N, 3)."""
+        """Return the weights of all coordinates, (3, 3 M), 0 but for those of the predictors."""
         from scipy.linalg.lapack import dposv
 
-        columns = (self.place[predictors, None] + np.arange(3)).ravel()
-        penalty = _PENALTY * np.trace(squares[-3:, -3:]) / (3.0 * len(self.take.errors))
-        if not (len(columns) and penalty > 0.0):
-            return np.zeros((len(columns), 3))
-        products = squares[np.ix_(columns, columns)]
-        products.flat[:: len(columns) + 1] += penalty
-        return np.asarray(dposv(products, squares[columns, -3:])[1])
-
-    def _predicted(
-        self, frames: slice, predictors: NDArray[np.intp], weights: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        rows = self.take.completed[frames, predictors]
-        return np.asarray(rows.reshape(len(rows), len(weights)) @ weights)
-
-
-def _sum(first: Matern, second: Matern) -> System:
-    """Return the linear system of two independent processes, as `matern_kernel.smooth` takes it."""
-    from nodegraph_fill import matern_kernel
-
-    system = np.zeros((3, 6, 6))
-    for each, half in ((first, slice(0, 3)), (second, slice(3, 6))):
-        one, other, third = matern_kernel.transition(each.length)
-        system[:, half, half] = one, each.variance * other, each.variance * third
-    moves, drift, still = system
-    return moves, drift, still
+        weights = np.zeros((3, len(self.take.completed)))
+        columns = self.place[predictors].ravel()
+        total = squares[-1, -1] + squares[-2, -2] + squares[-3, -3]
+        penalty = _PENALTY * total / (3.0 * self.take.completed.shape[1])
+        if len(columns) and penalty > 0.0:
+            products = squares.take(columns, axis=0).take(columns, axis=1)
+            products.flat[:: len(columns) + 1] += penalty
+            # symmetric, so that it need not be copied into Fortran's order
+            solution = dposv(products.T, squares[columns, -3:], overwrite_a=True)[1]
+            weights[:, self.take.rows[predictors].ravel()] = solution.T
+        return weights

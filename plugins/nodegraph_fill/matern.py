@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 _MOST_FRAMES = 2000
 """Consecutive frames by which a process is fitted, those with the most samples."""
-_OWN = np.eye(1, 3)
 _OWN_LENGTH, _OWN_NOISE = 10.0, 1e-3
 
 
@@ -95,10 +94,9 @@ class Courses:
         """Return mean, (T, 3), and variance, (T,), of a marker, its samples being known."""
         from nodegraph_fill import matern_kernel
 
-        moves, drift, still = matern_kernel.transition(process.length)
         return matern_kernel.smooth(
-            (moves, process.variance * drift, process.variance * still),
-            _OWN,
+            np.array([process.length]),
+            np.array([process.variance]),
             np.array([process.noise]),
             self.rows[:, [marker]],
             self.seen[:, [marker]],

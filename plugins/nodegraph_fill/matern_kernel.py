@@ -1,4 +1,7 @@
-"""The loops of Gaussian processes over time, compiled: import this module only when it runs."""
+"""The loops of Gaussian processes over time, compiled: import this module only when it runs.
+
+Written out entry by entry: what numba makes of expressions of arrays takes long to compile.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,6 @@ if TYPE_CHECKING:
 
     Flags = NDArray[np.bool_]
     Floats = NDArray[np.float64]
-    System = tuple[Floats, Floats, Floats]
 
 compiled = kernel(fastmath={"reassoc", "contract"})
 inner = kernel(fastmath={"reassoc", "contract"}, no_cpython_wrapper=True)  # for kernels only
@@ -27,57 +29,103 @@ _STEPS = (0.8, 2.0, 0.15)
 
 
 @inner
-def _congruent(left: Floats, right: Floats, matrix: Floats, half: Floats) -> None:
-    """Replace a matrix M by ``L M R``, skipping what is zero in L and R."""
-    size = len(left)
-    half[:] = 0.0
-    for i in range(size):
-        for k in range(size):
-            if left[i, k] != 0.0:
-                for j in range(size):
-                    half[i, j] += left[i, k] * matrix[k, j]
-    matrix[:] = 0.0
-    for k in range(size):
-        for j in range(size):
-            if right[k, j] != 0.0:
-                for i in range(size):
-                    matrix[i, j] += half[i, k] * right[k, j]
-
-
-@inner
-def _times(matrix: Floats, states: Floats) -> None:
-    """Replace states s, as columns, by ``M s``."""
-    size = len(matrix)
-    column = np.empty(size)
-    for k in range(states.shape[1]):
-        for i in range(size):
-            column[i] = 0.0
-            for j in range(size):
-                column[i] += matrix[i, j] * states[j, k]
-        for i in range(size):
-            states[i, k] = column[i]
-
-
-@compiled
-def transition(length: float) -> System:
-    """Return transition, covariance of its noise and stationary covariance, (3, 3) each.
+def _set_process(length: float, moves: Floats, drift: Floats, still: Floats) -> None:
+    """Write transition, covariance of its noise and stationary covariance, (3, 3) each.
 
     The state is a process of variance 1 and its first two derivatives, by powers of
     ``sqrt(5) / length`` per frame.
     """
     s = np.sqrt(5.0) / length
-    half = 0.5 * s * s
-    moves = np.exp(-s) * np.array(
-        [
-            [1.0 + s + half, s + s * s, half],
-            [-half, 1.0 + s - s * s, s - half],
-            [half - s, s * s - 3.0 * s, 1.0 - 2.0 * s + half],
-        ]
+    half, decay = 0.5 * s * s, np.exp(-s)
+    moves[0, 0] = decay * (1.0 + s + half)
+    moves[0, 1] = decay * (s + s * s)
+    moves[0, 2] = decay * half
+    moves[1, 0] = -decay * half
+    moves[1, 1] = decay * (1.0 + s - s * s)
+    moves[1, 2] = decay * (s - half)
+    moves[2, 0] = decay * (half - s)
+    moves[2, 1] = decay * (s * s - 3.0 * s)
+    moves[2, 2] = decay * (1.0 - 2.0 * s + half)
+    for i in range(3):
+        for j in range(3):
+            still[i, j] = 0.0
+    still[0, 0] = still[2, 2] = 1.0
+    still[1, 1] = 1.0 / 3.0
+    still[0, 2] = still[2, 0] = -1.0 / 3.0
+    for i in range(3):
+        for j in range(3):
+            drift[i, j] = still[i, j]
+    _turn(moves, moves, still)
+    for i in range(3):
+        for j in range(3):
+            drift[i, j], still[i, j] = drift[i, j] - still[i, j], drift[i, j]
+
+
+@inner
+def _turn(left: Floats, right: Floats, matrix: Floats) -> None:
+    """Replace S by ``L S R'``, (3, 3) each."""
+    for j in range(3):
+        x, y, z = matrix[0, j], matrix[1, j], matrix[2, j]
+        for i in range(3):
+            matrix[i, j] = left[i, 0] * x + left[i, 1] * y + left[i, 2] * z
+    for i in range(3):
+        x, y, z = matrix[i, 0], matrix[i, 1], matrix[i, 2]
+        for j in range(3):
+            matrix[i, j] = right[j, 0] * x + right[j, 1] * y + right[j, 2] * z
+
+
+@inner
+def _set_gains(seen: Flags, length: float, noise: float, moves: Floats, gains: Floats) -> float:
+    """Write how the next state follows from the error of predicting a sample.
+
+    By frame, ``gains[t, :3]`` times the error is added to the moved state. ``gains[t, 3]`` is one
+    over the error's deviation. Both are 0 where not seen. Returned is the sum of the logarithms
+    of the errors' variances.
+    """
+    drift, covariance = np.empty((3, 3)), np.empty((3, 3))
+    _set_process(length, moves, drift, covariance)
+    x = y = z = weight = logarithm = total = 0.0
+    variance, steady = 1.0, False
+    for t in range(len(seen)):
+        if not seen[t]:
+            x = y = z = weight = 0.0
+            steady = False
+        elif not steady:
+            a, b, c = covariance[0, 0], covariance[1, 0], covariance[2, 0]
+            variance = a + noise
+            weight, logarithm = 1.0 / np.sqrt(variance), np.log(variance)
+            for i in range(3):
+                along = covariance[i, 0] / variance
+                covariance[i, 0] -= along * a
+                covariance[i, 1] -= along * b
+                covariance[i, 2] -= along * c
+            x = (moves[0, 0] * a + moves[0, 1] * b + moves[0, 2] * c) / variance
+            y = (moves[1, 0] * a + moves[1, 1] * b + moves[1, 2] * c) / variance
+            z = (moves[2, 0] * a + moves[2, 1] * b + moves[2, 2] * c) / variance
+        if seen[t]:
+            total += logarithm
+        gains[t, 0], gains[t, 1], gains[t, 2], gains[t, 3] = x, y, z, weight
+        if not steady:
+            _turn(moves, moves, covariance)
+            for i in range(3):
+                for j in range(3):
+                    covariance[i, j] += drift[i, j]
+            steady = seen[t] and abs(covariance[0, 0] + noise - variance) <= _STEADY * variance
+    return total
+
+
+@inner
+def _predict(
+    moves: Floats, gain: Floats, value: float, x: float, y: float, z: float
+) -> tuple[float, float, float, float]:
+    """Return the error of predicting a value from the state, and the next state."""
+    error = value - x
+    return (
+        error,
+        moves[0, 0] * x + moves[0, 1] * y + moves[0, 2] * z + gain[0] * error,
+        moves[1, 0] * x + moves[1, 1] * y + moves[1, 2] * z + gain[1] * error,
+        moves[2, 0] * x + moves[2, 1] * y + moves[2, 2] * z + gain[2] * error,
     )
-    still = np.array([[1.0, 0.0, -1.0 / 3.0], [0.0, 1.0 / 3.0, 0.0], [-1.0 / 3.0, 0.0, 1.0]])
-    moved = still.copy()
-    _congruent(moves, np.ascontiguousarray(moves.T), moved, np.empty((3, 3)))
-    return moves, still - moved, still
 
 
 @compiled
@@ -89,50 +137,35 @@ def whiten(rows: Floats, seen: Flags, length: float, noise: float) -> float:
     float
         The sum of the logarithms of the variances of the predictions.
     """
-    moves, drift, covariance = transition(length)
-    back, half = np.ascontiguousarray(moves.T), np.empty((3, 3))
-    state, gain = np.zeros((3, rows.shape[1])), np.zeros(3)
-    variance, weight, total, steady = 1.0, 0.0, 0.0, False
-    for t in range(len(rows)):
-        if not seen[t]:
-            gain[:], weight, steady = 0.0, 0.0, False
-        elif not steady:
-            variance = covariance[0, 0] + noise
-            gain[:], weight = covariance[:, 0] / variance, 1.0 / np.sqrt(variance)
-            for i in range(3):
-                for j in range(3):
-                    covariance[i, j] -= gain[i] * gain[j] * variance
-        if seen[t]:
-            total += np.log(variance)
-        _predict(moves, gain, weight, state, rows[t])
-        if not steady:
-            _congruent(moves, back, covariance, half)
-            covariance += drift
-            steady = seen[t] and abs(covariance[0, 0] + noise - variance) <= _STEADY * variance
+    moves, gains = np.empty((3, 3)), np.empty((len(rows), 4))
+    total = _set_gains(seen, length, noise, moves, gains)
+    for c in range(rows.shape[1]):
+        x = y = z = 0.0
+        for t in range(len(rows)):
+            error, x, y, z = _predict(moves, gains[t], rows[t, c], x, y, z)
+            rows[t, c] = gains[t, 3] * error
     return total
 
 
 @inner
-def _predict(moves: Floats, gain: Floats, weight: float, state: Floats, row: Floats) -> None:
-    """Add a row to the states, replace it by its weighted errors, and go on to the next frame."""
-    for c in range(len(row)):
-        error = row[c] - state[0, c]
-        row[c] = weight * error
-        x, y, z = state[0, c], state[1, c], state[2, c]
-        x, y, z = x + gain[0] * error, y + gain[1] * error, z + gain[2] * error
-        state[0, c] = moves[0, 0] * x + moves[0, 1] * y + moves[0, 2] * z
-        state[1, c] = moves[1, 0] * x + moves[1, 1] * y + moves[1, 2] * z
-        state[2, c] = moves[2, 0] * x + moves[2, 1] * y + moves[2, 2] * z
-
-
-@inner
-def deviance(rows: Floats, seen: Flags, length: float, noise: float) -> tuple[float, float]:
+def _deviance(
+    rows: Floats, seen: Flags, length: float, noise: float, gains: Floats
+) -> tuple[float, float]:
     """Return twice the negative log likelihood at the best variance, and that variance."""
-    errors = rows.copy()
-    total = whiten(errors, seen, length, noise)
-    count = max(np.sum(seen), 1) * rows.shape[1]
-    variance = max(np.sum(errors**2) / count, 1e-300)
-    return count * np.log(variance) + rows.shape[1] * total, variance
+    moves = np.empty((3, 3))
+    total = 3.0 * _set_gains(seen, length, noise, moves, gains)
+    x = y = z = u = v = w = r = s = q = 0.0
+    count, square = 0, 0.0
+    for t in range(len(rows)):
+        first, x, y, z = _predict(moves, gains[t], rows[t, 0], x, y, z)
+        second, u, v, w = _predict(moves, gains[t], rows[t, 1], u, v, w)
+        third, r, s, q = _predict(moves, gains[t], rows[t, 2], r, s, q)
+        errors = first * first + second * second + third * third
+        square += gains[t, 3] * gains[t, 3] * errors
+        count += 3 * seen[t]
+    count = max(count, 3)
+    variance = max(square / count, 1e-300)
+    return total + count * np.log(variance), variance
 
 
 @compiled
@@ -142,8 +175,9 @@ def fit(rows: Floats, seen: Flags, length: float, noise: float) -> tuple[float, 
     From those given, both logarithms step to the best of the four neighbours, by half as much
     where none is better.
     """
+    gains = np.empty((len(rows), 4))
     x, y = np.log(length), np.log(noise)
-    least, variance = deviance(rows, seen, length, noise)
+    least, variance = _deviance(rows, seen, length, noise, gains)
     across, along, end = _STEPS
     while across > end:
         best_x, best_y, before = x, y, least
@@ -151,7 +185,7 @@ def fit(rows: Floats, seen: Flags, length: float, noise: float) -> tuple[float, 
             a = x + (across if turn == 0 else -across if turn == 1 else 0.0)
             b = y + (along if turn == 2 else -along if turn == 3 else 0.0)
             if _LENGTHS[0] <= a <= _LENGTHS[1] and _NOISES[0] <= b <= _NOISES[1]:
-                value, square = deviance(rows, seen, np.exp(a), np.exp(b))
+                value, square = _deviance(rows, seen, np.exp(a), np.exp(b), gains)
                 if value < least:
                     least, variance, best_x, best_y = value, square, a, b
         x, y = best_x, best_y
@@ -162,73 +196,128 @@ def fit(rows: Floats, seen: Flags, length: float, noise: float) -> tuple[float, 
 
 @compiled
 def smooth(
-    model: System,
-    channels: Floats,
+    lengths: Floats,
+    variances: Floats,
     noises: Floats,
     values: Floats,
     seen: Flags,
     first: int,
     last: int,
 ) -> tuple[Floats, Floats]:
-    """Return mean, (F, 3), and variance, (F,), of the last channel in some frames.
+    """Return mean, (F, 3), and variance, (F,), of a sum of processes in some frames.
 
-    The covariances are the same for the three coordinates. Forward a Kalman filter, backward the
-    smoother of Bryson and Frazier, which inverts nothing.
+    Channel c observes the sum of the first c + 1 processes, so that the last one observes what is
+    wanted. The covariances are the same for the three coordinates. Forward a Kalman filter,
+    backward the smoother of Bryson and Frazier, which inverts nothing.
 
     Parameters
     ----------
-    model
-        Transition, covariance of its noise, and of the first state; (D, D) each.
-    channels
-        What each channel observes of the state, (C, D).
+    lengths, variances
+        Of the processes, (C,).
     noises
-        The variances of its noise, (C,).
+        The variances of the channels' noise, (C,).
     values, seen
         Observations, (T, C, 3), and where there are any, (T, C).
     first, last
         Frames ``first`` to ``last - 1`` are wanted.
     """
-    moves, drift, covariance = model[0], model[1], model[2].copy()
-    frames, count, size = len(values), len(channels), len(moves)
-    back = np.ascontiguousarray(moves.T)
-    states, covariances = np.empty((frames, size, 3)), np.empty((frames, size, size))
-    gains, errors = np.zeros((frames, count, size)), np.zeros((frames, count, 3))
-    squares = np.ones((frames, count))
-    state, half = np.zeros((size, 3)), np.empty((size, size))
+    frames, count = len(values), len(lengths)
+    moves, back = np.empty((count, 3, 3)), np.empty((count, 3, 3))
+    drift, covariance = np.empty((count, 3, 3)), np.zeros((count, count, 3, 3))
+    for c in range(count):
+        _set_process(lengths[c], moves[c], drift[c], covariance[c, c])
+        _scale(variances[c], moves[c], back[c], drift[c], covariance[c, c])
+    states, covariances = np.empty((last, count, 3, 3)), np.empty((last, count, count, 3, 3))
+    gains, errors = np.empty((frames, count, count, 3)), np.empty((frames, count, 3))
+    weights = np.zeros((frames, count))
+    state, pull = np.zeros((count, 3, 3)), np.zeros((count, 3, 3))
+    precision = np.zeros((count, count, 3, 3))
     for t in range(frames):
-        states[t], covariances[t] = state, covariance
+        if first <= t < last:
+            _copy(state, covariance, states[t], covariances[t])
         for c in range(count):
             if seen[t, c]:
-                squares[t, c] = _observe(
-                    channels[c],
-                    noises[c],
-                    values[t, c],
-                    state,
-                    covariance,
-                    gains[t, c],
-                    errors[t, c],
-                )
-        _times(moves, state)
-        _congruent(moves, back, covariance, half)
-        covariance += drift
+                gain, error = gains[t, c], errors[t, c]
+                weights[t, c] = _observe(c, noises[c], values[t, c], state, covariance, gain, error)
+        _move(moves, state, covariance)
+        _add(covariance, drift)
     mean, variance = np.empty((last - first, 3)), np.empty(last - first)
-    pull, weight = np.zeros((size, 3)), np.zeros((size, size))
     for t in range(frames - 1, first - 1, -1):
-        _times(back, pull)
-        _congruent(back, moves, weight, half)
+        _move(back, pull, precision)
         for c in range(count - 1, -1, -1):
             if seen[t, c]:
-                _look_back(channels[c], gains[t, c], errors[t, c], squares[t, c], pull, weight)
+                _look_back(c, gains[t, c], errors[t, c], weights[t, c], pull, precision)
         if t < last:
-            variance[t - first] = _known(
-                channels[-1], states[t], covariances[t], pull, weight, mean[t - first]
-            )
+            place = t - first
+            variance[place] = _known(states[t], covariances[t], pull, precision, mean[place])
     return mean, variance
 
 
 @inner
+def _scale(variance: float, moves: Floats, back: Floats, drift: Floats, still: Floats) -> None:
+    """Give a process its variance, and transpose its transition."""
+    for i in range(3):
+        for j in range(3):
+            back[j, i] = moves[i, j]
+            drift[i, j] *= variance
+            still[i, j] *= variance
+
+
+@inner
+def _copy(state: Floats, covariance: Floats, states: Floats, covariances: Floats) -> None:
+    for c in range(len(state)):
+        for i in range(3):
+            for k in range(3):
+                states[c, i, k] = state[c, i, k]
+        for d in range(len(state)):
+            for i in range(3):
+                for j in range(3):
+                    covariances[c, d, i, j] = covariance[c, d, i, j]
+
+
+@inner
+def _move(moves: Floats, state: Floats, covariance: Floats) -> None:
+    """Replace states s, as columns, by ``M s`` and a matrix S by ``M S M'``, block by block."""
+    for c in range(len(moves)):
+        for k in range(3):
+            x, y, z = state[c, 0, k], state[c, 1, k], state[c, 2, k]
+            for i in range(3):
+                state[c, i, k] = moves[c, i, 0] * x + moves[c, i, 1] * y + moves[c, i, 2] * z
+        for d in range(len(moves)):
+            _turn(moves[c], moves[d], covariance[c, d])
+
+
+@inner
+def _add(covariance: Floats, drift: Floats) -> None:
+    """Add to the blocks of the diagonal."""
+    for c in range(len(drift)):
+        for i in range(3):
+            for j in range(3):
+                covariance[c, c, i, j] += drift[c, i, j]
+
+
+@inner
+def _add_outer(matrix: Floats, column: Floats, row: Floats, factor: float) -> None:
+    """Add the product of a column and a row times a factor, (3, 3)."""
+    for i in range(3):
+        along = factor * column[i]
+        for j in range(3):
+            matrix[i, j] += along * row[j]
+
+
+@inner
+def _times(matrix: Floats, column: Floats, product: Floats) -> None:
+    """Add ``M v`` to a product, M being made of blocks."""
+    for c in range(len(matrix)):
+        for d in range(len(matrix)):
+            for i in range(3):
+                for j in range(3):
+                    product[c, i] += matrix[c, d, i, j] * column[d, j]
+
+
+@inner
 def _observe(
-    channel: Floats,
+    channel: int,
     noise: float,
     value: Floats,
     state: Floats,
@@ -236,66 +325,77 @@ def _observe(
     gain: Floats,
     error: Floats,
 ) -> float:
-    """Add an observation; write its gain and its error over its variance, which is returned."""
-    size, square = len(state), noise
-    for i in range(size):
-        gain[i] = 0.0
-        for j in range(size):
-            gain[i] += covariance[i, j] * channel[j]
-        square += channel[i] * gain[i]
+    """Add an observation; return one over its variance, and write gain and error by this."""
+    _set_along(covariance, channel, gain)
+    variance = noise
+    for c in range(channel + 1):
+        variance += gain[c, 0]
+    weight = 1.0 / variance
     for k in range(3):
-        error[k] = value[k]
-        for i in range(size):
-            error[k] -= channel[i] * state[i, k]
-        error[k] /= square
-    for i in range(size):
-        for k in range(3):
-            state[i, k] += gain[i] * error[k]
-        for j in range(size):
-            covariance[i, j] -= gain[i] * gain[j] / square
-    gain /= square
-    return square
+        error[k] = weight * value[k]
+        for c in range(channel + 1):
+            error[k] -= weight * state[c, 0, k]
+    for c in range(len(state)):
+        _add_outer(state[c], gain[c], error, 1.0)
+        for d in range(len(state)):
+            _add_outer(covariance[c, d], gain[c], gain[d], -weight)
+    for c in range(len(state)):
+        for i in range(3):
+            gain[c, i] *= weight
+    return weight
+
+
+@inner
+def _set_along(covariance: Floats, channel: int, along: Floats) -> None:
+    """Write the covariance of the state with what a channel observes."""
+    for c in range(len(covariance)):
+        for i in range(3):
+            along[c, i] = 0.0
+            for d in range(channel + 1):
+                along[c, i] += covariance[c, d, i, 0]
 
 
 @inner
 def _look_back(
-    channel: Floats, gain: Floats, error: Floats, square: float, pull: Floats, weight: Floats
+    channel: int, gain: Floats, error: Floats, weight: float, pull: Floats, precision: Floats
 ) -> None:
     """Take an observation into what later ones tell of the state before."""
-    size = len(pull)
-    for k in range(3):
-        toward = error[k]
-        for i in range(size):
-            toward -= gain[i] * pull[i, k]
-        for i in range(size):
-            pull[i, k] += channel[i] * toward
-    along, total = np.zeros(size), 1.0 / square
-    for i in range(size):
-        for j in range(size):
-            along[i] += weight[i, j] * gain[j]
-        total += gain[i] * along[i]
-    for i in range(size):
-        for j in range(size):
-            weight[i, j] += (
-                channel[i] * total * channel[j] - along[i] * channel[j] - channel[i] * along[j]
-            )
+    count = len(pull)
+    along = np.zeros((count, 3))
+    _times(precision, gain, along)
+    for c in range(count):
+        for i in range(3):
+            weight += gain[c, i] * along[c, i]
+            for k in range(3):
+                error[k] -= gain[c, i] * pull[c, i, k]
+    for c in range(channel + 1):
+        for k in range(3):
+            pull[c, 0, k] += error[k]
+        for d in range(count):
+            for i in range(3):
+                precision[c, d, 0, i] -= along[d, i]
+                precision[d, c, i, 0] -= along[d, i]
+        for d in range(channel + 1):
+            precision[c, d, 0, 0] += weight
 
 
 @inner
 def _known(
-    wanted: Floats, state: Floats, covariance: Floats, pull: Floats, weight: Floats, mean: Floats
+    state: Floats, covariance: Floats, pull: Floats, precision: Floats, mean: Floats
 ) -> float:
-    """Write the mean of a channel, all observations being known, and return its variance."""
-    size, variance = len(wanted), 0.0
-    along = np.zeros(size)
-    for i in range(size):
-        for j in range(size):
-            along[i] += covariance[i, j] * wanted[j]
-    mean[:] = 0.0
-    for i in range(size):
-        variance += wanted[i] * along[i]
-        for j in range(size):
-            variance -= along[i] * weight[i, j] * along[j]
-        for k in range(3):
-            mean[k] += wanted[i] * state[i, k] + along[i] * pull[i, k]
+    """Write the mean of the sum, all observations being known, and return its variance."""
+    count, variance = len(state), 0.0
+    along, turned = np.empty((count, 3)), np.zeros((count, 3))
+    _set_along(covariance, count - 1, along)
+    _times(precision, along, turned)
+    for k in range(3):
+        mean[k] = 0.0
+        for c in range(count):
+            mean[k] += state[c, 0, k]
+            for i in range(3):
+                mean[k] += along[c, i] * pull[c, i, k]
+    for c in range(count):
+        variance += along[c, 0]
+        for i in range(3):
+            variance -= along[c, i] * turned[c, i]
     return max(variance, 0.0)

@@ -44,10 +44,10 @@ def impulses(positions: NDArray[np.float64]) -> NDArray[np.float64]:
     limit = -OPPOSITE * distance**2
     opposed = ((before < limit) | np.isnan(before)) & ((after < limit) | np.isnan(after))
     opposed &= ~(np.isnan(before) & np.isnan(after))
-    return np.where(opposed & (distance > FACTOR * _usual(distance)), distance, 0.0)
+    return np.where(opposed & (distance > FACTOR * usual(distance)), distance, 0.0)
 
 
-def _usual(distance: NDArray[np.float64]) -> NDArray[np.float64]:
+def usual(distance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the median of each marker; NaN for one that has no number."""
     ordered = np.sort(distance, axis=0)  # NaN last; nanmedian takes several times as long
     last = np.maximum(np.count_nonzero(~np.isnan(distance), axis=0) - 1, 0)

@@ -39,17 +39,11 @@ def test_errors_of_prediction_are_those_of_the_cholesky_factor(length: float, no
 
 def test_two_processes_in_two_channels_are_the_conditional_mean() -> None:
     frames, noises = 30, np.array([0.02, 0.05])
-    system, covariances = np.zeros((3, 6, 6)), []
-    for half, length, scale in ((slice(0, 3), 9.0, 2.0), (slice(3, 6), 3.0, 0.5)):
-        moves, drift, still = matern_kernel.transition(length)
-        system[:, half, half] = moves, scale * drift, scale * still
-        covariances.append(scale * covariance(frames, length))
-    channels = np.array([[1.0, 0, 0, 0, 0, 0], [1.0, 0, 0, 1.0, 0, 0]])
+    lengths, variances = np.array([9.0, 3.0]), np.array([2.0, 0.5])
+    covariances = [s * covariance(frames, n) for n, s in zip(lengths, variances, strict=True)]
     values = np.random.default_rng(2).normal(size=(frames, 2, 3))
     seen = np.stack([np.ones(frames, dtype=np.bool_), seen_in(frames)], axis=1)
-    mean, variance = matern_kernel.smooth(
-        (system[0], system[1], system[2]), channels, noises, values, seen, 3, 28
-    )
+    mean, variance = matern_kernel.smooth(lengths, variances, noises, values, seen, 3, 28)
     common, both = covariances[0], covariances[0] + covariances[1]
     shown = np.block([[common, common], [common, both]]) + np.diag(np.repeat(noises, frames))
     to = np.hstack([common, both])
