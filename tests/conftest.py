@@ -38,8 +38,10 @@ _NUMBERS = count()
 gc.disable()  # until all tests are collected: nothing of theirs is garbage
 
 LONG = (
-    *("test_stored_studies", "test_fill_study", "test_third_party", "test_installation"),
-    *("test_locked_studies", "test_tracking_study"),
+    *("test_contracts", "test_stored_studies", "test_reports", "test_misbehaving_nodes"),
+    *("test_third_party", "test_installation", "test_locked_studies", "test_fill_study"),
+    *("test_executor", "test_tracking_study", "test_readme", "test_jupyter", "test_hostile"),
+    *("test_documentation", "test_random_stores", "test_marker_selection_study"),
 )
 """Modules that take longest."""
 
