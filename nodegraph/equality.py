@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import io
+import pickle
+import sys
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
@@ -69,7 +72,7 @@ def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) ->
         return ""
     if type(first) is not type(second):
         return at, type(first).__name__, type(second).__name__, ""
-    if (type(first) in _PLAIN and first == second) or (id(first), id(second)) in seen:
+    if (id(first), id(second)) in seen or _are_plainly_equal(first, second):
         return ""
     if isinstance(first, np.ndarray) and not first.dtype.hasobject:
         return _array_difference(first, second, at)
@@ -89,6 +92,16 @@ def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) ->
     return ""
 
 
+def _are_plainly_equal(first: object, second: object) -> bool:
+    """Return whether it is certain, without a look at their parts, that two values are equal."""
+    if not _is_figure(first):
+        return type(first) in _PLAIN and first == second
+    try:
+        return _pickled(first) == _pickled(second)
+    except Exception:  # what cannot be pickled, such as a local function, can be drawn
+        return False
+
+
 def _parts(value: object) -> Mapping[str, object] | None:
     """Return the parts of a value by the expressions that reach them; None if it has none."""
     if is_dataclass(value) and not isinstance(value, type):
@@ -105,7 +118,7 @@ def _parts(value: object) -> Mapping[str, object] | None:
 
 
 def _library_parts(value: Any) -> Mapping[str, object] | None:
-    # by name, so that neither pandas nor matplotlib is imported for values of other types
+    # by name, so that pandas is not imported for values of other types
     kinds = {f"{kind.__module__.partition('.')[0]}.{kind.__name__}" for kind in type(value).mro()}
     if "pandas.DataFrame" in kinds:
         columns = {f"[{name!r}]": value.iloc[:, i] for i, name in enumerate(value.columns)}
@@ -113,12 +126,33 @@ def _library_parts(value: Any) -> Mapping[str, object] | None:
         return {".columns": tuple(value.columns), **columns, ".attrs": value.attrs, **metadata}
     if "pandas.Series" in kinds:
         return {".index": value.index.to_numpy(), ".values": value.to_numpy()}
-    if "matplotlib.Figure" in kinds:
+    if _is_figure(value):
         return {".pixels": _pixels(value)}
     equals: object = type(value).__eq__
     if equals is object.__eq__ and hasattr(value, "__dict__"):
         return {f".{name}": part for name, part in vars(value).items()}
     return None
+
+
+def _is_figure(value: object) -> bool:
+    return isinstance(value, getattr(sys.modules.get("matplotlib.figure"), "Figure", ()))
+
+
+def _pickled(figure: object) -> bytes:
+    from matplotlib.transforms import TransformNode
+
+    class Pickler(pickle.Pickler):
+        def reducer_override(self, value: Any) -> Any:
+            if not isinstance(value, TransformNode):
+                return NotImplemented
+            reduced: Any = value.__reduce_ex__(pickle.HIGHEST_PROTOCOL)
+            make, arguments, state, *rest = reduced
+            # the keys are the ids of its parents, which differ
+            return make, arguments, {**state, "_parents": [*state["_parents"].values()]}, *rest
+
+    written = io.BytesIO()
+    Pickler(written, pickle.HIGHEST_PROTOCOL).dump(figure)
+    return written.getvalue()
 
 
 def _pixels(figure: Any) -> NDArray[np.generic]:

@@ -254,7 +254,6 @@ def _check_contract(
     contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, object]
 ) -> None:
     name = getattr(contract, "__name__", repr(contract))
-    promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
     node = trial.node
     settings = {**node.defaults, **trial.settings}
     lookahead = node.lookahead(settings)
@@ -273,4 +272,5 @@ def _check_contract(
     except Exception as error:
         violations = [source.failure(name, error)]
     for violation in violations:
+        promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
         trial.add_fault(f"breaks what every {node.family}.* node promises: {promise}", violation)

@@ -65,7 +65,8 @@ def side_effects(seed: int) -> Iterator[dict[str, str]]:
 
 def _changed(shared: Iterable[SharedState], before: Iterable[object]) -> Iterator[tuple[str, str]]:
     for state, value in zip(shared, before, strict=True):
-        if changed := difference(value, state.read(), name="it"):
+        now = state.read()
+        if now != value and (changed := difference(value, now, name="it")):
             yield (
                 f"{state.name} for everything else in the process: {state.instead}",
                 changed.removeprefix("it"),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
 
 from nodegraph_mocap import figure_text
 from nodegraph_score.alignment_answer import named
@@ -66,4 +67,4 @@ def _panel(axis: Axes, part: Table) -> None:
             )  # fmt: skip
     axis.margins(y=0.15)
     axis.set_xticks(component)
-    axis.yaxis.set_major_formatter(lambda share, _: f"{100 * share:.0f} %")
+    axis.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0, symbol=" %"))

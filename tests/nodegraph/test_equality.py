@@ -17,14 +17,16 @@ class Size(Value):
     length: float
 
 
-def test_same_looks_into_what_values_are_made_of() -> None:
+def figure(height: float) -> Figure:
     from matplotlib.figure import Figure as Drawn
-    from pandas import DataFrame
 
-    def figure(height: float) -> Figure:
-        drawn = Drawn(figsize=(1, 1))
-        drawn.add_subplot().plot([0, height])
-        return drawn
+    drawn = Drawn(figsize=(1, 1))
+    drawn.add_subplot().plot([0, height])
+    return drawn
+
+
+def test_same_looks_into_what_values_are_made_of() -> None:
+    from pandas import DataFrame
 
     nan = float("nan")
     assert same({"a": [nan, (1, "x")]}, {"a": [nan, (1, "x")]})
@@ -37,6 +39,18 @@ def test_same_looks_into_what_values_are_made_of() -> None:
     assert not same(1, 1.0)
     assert not same(np.zeros(2), np.zeros(2, np.float32))
     assert not same(np.zeros(2), np.zeros((2, 1)))
+
+
+def test_figures_are_the_same_that_look_the_same_whatever_they_are_made_of() -> None:
+    first, second, third = figure(1.0), figure(1.0), figure(2.0)
+    first.axes[0].set_gid("first")
+    assert same(first, second)
+    for each in (first, second, third):
+        each.axes[0].xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    assert same(first, second)
+    assert not same(first, third)
+    second.axes[0].xaxis.set_major_formatter(lambda value, _: f"{2 * value:g}")
+    assert not same(first, second)
 
 
 @pytest.mark.parametrize(
