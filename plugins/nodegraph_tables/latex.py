@@ -220,7 +220,7 @@ def _crossed(crossed: Crosstab) -> tuple[str, list[str]]:
             lines.append(_line([*shown, *map(_number, cells)]))
         if intervals and not beside:
             small = (rf"\scriptsize {_digits(cell.beside)}".rstrip() for cell in cells)
-            lines.append(_line([*[""] * stub, *small]))
+            lines.append(f"{_line([*[''] * stub, *small])}[2pt]")
         before = labels
     return columns, lines
 

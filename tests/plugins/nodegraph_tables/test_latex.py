@@ -56,7 +56,8 @@ def body(latex: str) -> list[list[str]]:
     inside = latex.partition(r"\toprule")[2].partition(r"\bottomrule")[0]
     rules = r"\midrule", r"\cmidrule", r"\addlinespace"
     lines = [line for line in inside.strip().splitlines() if not line.startswith(rules)]
-    return [[cell.strip() for cell in line.removesuffix(r"\\").split("&")] for line in lines]
+    rows = [line.removesuffix("[2pt]").removesuffix(r"\\") for line in lines]
+    return [[cell.strip() for cell in row.split("&")] for row in rows]
 
 
 def caption(latex: str) -> str:
