@@ -190,7 +190,7 @@ def odd_study(seed: int, most: int = 300) -> Odd:
         "axes": axes,
         "nodes": nodes,
         "report": [
-            {"show": name, **({"caption": TEXT} if draw.random() < 0.3 else {})}
+            {"show": name, **{key: TEXT for key in ("caption", "notes") if draw.random() < 0.3}}
             for name in nodes
             if name in ("table", *others)
         ],

@@ -18,7 +18,9 @@ PASS = "pass"
 
 IDENTIFIER_HINT = "use letters, digits and _, not a digit first"
 REFERENCE_HINT = "write node, node.port, or {from: node.port, at: {axis: label}}"
-REPORT_HINT = "write node, node.port, or {show: node.port, at: ..., title: ..., caption: ...}"
+REPORT_HINT = (
+    "write node, node.port, or {show: node.port, at: ..., title: ..., caption: ..., notes: ...}"
+)
 AXIS_HINT = (
     "write a list [5, 15], labels {a: 5, b: 15}, {count: 20}, {range: [5, 60, 5]} or "
     '{files: "data/*.csv"}'
@@ -82,7 +84,8 @@ TOP_LEVEL: Mapping[str, Key] = {
     ),
     "report": Key(
         Form.REPORT,
-        "What the report shows: node, node.port, or {show: node.port, title: ..., caption: ...}.",
+        "What the report shows: node, node.port, or {show: node.port, title: ..., caption: ...,"
+        " notes: ...}.",
     ),
 }
 
@@ -109,4 +112,5 @@ REPORT_ENTRY: Mapping[str, Key] = {
     "at": FIXED_REFERENCE["at"],
     "title": Key(Form.TEXT, "The heading. Default: the value's own title."),
     "caption": Key(Form.TEXT, "The text beside its number: Table 1. Default: the value's own."),
+    "notes": Key(Form.TEXT, "Markdown beside its cards, its figure or its table."),
 }

@@ -87,8 +87,12 @@ def read_report_entry(item: Located, problems: Problems) -> ReportEntry | None:
         return None
     entry = _entry(read_reference(shown, problems))
     at = _fixed_labels(parts["at"], problems) if "at" in parts else {}
-    title, caption = (read_text(key, parts.get(key), problems) for key in ("title", "caption"))
-    return None if entry is None else replace(entry, at=at, title=title, caption=caption)
+    title, caption, notes = (
+        read_text(key, parts.get(key), problems) for key in ("title", "caption", "notes")
+    )
+    if entry is None:
+        return None
+    return replace(entry, at=at, title=title, caption=caption, notes=notes)
 
 
 def _entry(source: Reference | None) -> ReportEntry | None:

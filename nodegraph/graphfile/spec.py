@@ -56,16 +56,19 @@ class Reference:
 
 @dataclass(frozen=True)
 class ReportEntry(Reference):
-    """A value that the report shows, with its heading and its caption.
+    """A value that the report shows, with its heading, its caption and notes beside it.
 
     Attributes
     ----------
     title, caption : str
         Empty for those of the value itself.
+    notes : str
+        Markdown; empty for none.
     """
 
     title: str = ""
     caption: str = ""
+    notes: str = ""
 
 
 @dataclass(frozen=True)

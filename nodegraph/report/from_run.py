@@ -268,6 +268,7 @@ class _Shown:
             node=result.node,
             output=result.output,
             caption=result.entry.caption,
+            notes_markdown=result.entry.notes,
         )
         self.sections.append(section)
 

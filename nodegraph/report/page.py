@@ -107,7 +107,6 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
             kinds=kinds,
             printed=printed(study),
             failed=any(kind.kind is Kind.FAILED for kind in kinds),
-            notes=_markdown(study.notes_markdown) if study.notes_markdown else "",
             policy=policy(trusted, *scripts, connect=server != _NO_SERVER),
             stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,
@@ -187,6 +186,7 @@ def templates_of(package: str) -> Environment:
         "path": _path,
         "duration": duration,
         "inline": _inline,
+        "markdown": _markdown,
     }
     return environment
 

@@ -63,6 +63,8 @@ class Section:
         Where it comes from.
     caption : str
         The author's; empty for none.
+    notes_markdown : str
+        The author's notes beside it, as those of the study.
     number : str
         ``Table 1``; empty for what has none.
     is_replaced : bool
@@ -78,6 +80,7 @@ class Section:
     node: str = ""
     output: str = ""
     caption: str = ""
+    notes_markdown: str = ""
     number: str = ""
     is_replaced: bool = False
     run: str = ""
@@ -94,7 +97,7 @@ def numbered(sections: Iterable[Section]) -> tuple[Section, ...]:
     """Return sections with the numbers of their tables and figures.
 
     What another section of the same node shows too has none. Sections of one title come together,
-    those with a lead first.
+    those with a lead first. Notes that several sections of a node have stand with the first.
     """
     listed = list(sections)
     places: dict[tuple[str, str], int] = {}
@@ -107,13 +110,19 @@ def numbered(sections: Iterable[Section]) -> tuple[Section, ...]:
         for output in section.rendered.replaces
     }
     counts: Counter[str] = Counter()
+    noted: set[tuple[str, str, str]] = set()
     result = []
     for section in listed:
         is_replaced = (section.run, section.node, section.output) in replaced
         kind = "" if is_replaced else section.rendered.kind
         counts[kind] += 1
         number = f"{kind.capitalize()} {counts[kind]}" if kind else ""
-        result.append(replace(section, number=number, is_replaced=is_replaced))
+        words = (section.run, section.node, section.notes_markdown)
+        notes = "" if words in noted else section.notes_markdown
+        noted.add(words)
+        result.append(
+            replace(section, number=number, is_replaced=is_replaced, notes_markdown=notes)
+        )
     return tuple(result)
 
 

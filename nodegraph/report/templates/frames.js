@@ -1,5 +1,5 @@
 // What is wider than its frame, or folded, can be reached.
-nodegraph.define("frames", [], () => {
+nodegraph.define("frames", ["selection"], (selection) => {
   // Of a drawing that is wider than the page, its beginning is seen first.
   const begin = (frame) => {
     const first = frame.querySelector(".box");
@@ -21,8 +21,7 @@ nodegraph.define("frames", [], () => {
   document.addEventListener("toggle", (event) => reachable(event.target), true);
   // A link into something folded opens it.
   const unfold = () => {
-    const name = location.hash.slice(1);
-    const target = name.startsWith("select:") ? null : document.getElementById(decodeURIComponent(name));
+    const target = document.getElementById(decodeURIComponent(selection.place()));
     for (let fold = target?.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
     target?.scrollIntoView();
   };

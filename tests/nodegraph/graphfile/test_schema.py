@@ -115,7 +115,13 @@ def graph(**nodes: object) -> dict[str, Any]:
         "report": [
             "n2",
             {"from": "n1", "at": {"i": 1}},
-            {"show": "n1", "at": {"i": "$first"}, "title": "A title", "caption": "In words."},
+            {
+                "show": "n1",
+                "at": {"i": "$first"},
+                "title": "A title",
+                "caption": "In words.",
+                "notes": "*Why?*",
+            },
         ],
     }
 

@@ -67,13 +67,15 @@ def test_without_a_list_the_nodes_that_nothing_reads_are_shown(
     assert [section.title for section in _study(run_of(text)).sections] == ["B", "C"]
 
 
-def test_an_entry_gives_its_title_and_caption(run_of: Callable[..., Run]) -> None:
-    entry = "{show: text, at: {length: $first}, title: A title, caption: In words.}"
+def test_an_entry_gives_its_title_its_caption_and_notes(run_of: Callable[..., Run]) -> None:
+    entry = "{show: text, at: {length: $first}, title: A title, caption: In words., notes: '*So.*'}"
     study = _study(run_of(TEXT.replace("report: [text,", f"report: [{entry},")))
-    shown = [(each.title, each.labels, each.caption) for each in study.sections]
+    shown = [
+        (each.title, each.labels, each.caption, each.notes_markdown) for each in study.sections
+    ]
     assert shown[:2] == [
-        ("A title", "length=5", "In words."),
-        ("Gaps hidden", "length=5, trial=0", ""),
+        ("A title", "length=5", "In words.", "*So.*"),
+        ("Gaps hidden", "length=5, trial=0", "", ""),
     ]
 
 

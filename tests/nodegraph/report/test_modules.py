@@ -8,7 +8,7 @@ from playwright.sync_api import Page
 
 from nodegraph import Rendered, json_script
 from nodegraph.report import Section, Study, page
-from tests.browser import load
+from tests.browser import load, until
 
 READER = """
 nodegraph.define("reader", ["page", "double", "selection", "server"],
@@ -54,3 +54,20 @@ def test_the_selection_reaches_its_readers_and_the_address(tab: Page, tmp_path: 
         None,
         True,
     ]
+
+
+def test_a_link_to_a_place_of_the_page_keeps_what_is_selected(tab: Page, tmp_path: Path) -> None:
+    path = report(tmp_path)
+    load(tab, path)
+    tab.evaluate("window.selection.set({method: 'ridge', '2.group': 3})")
+    tab.evaluate("document.querySelector('.contents a[href=\"#methods\"]').click()")
+    until(tab, "location.hash.includes('at=')")
+    address = tab.evaluate("location.hash")
+    assert address == "#select:method=ridge&2.group=3&at=methods"
+    tab.goto("about:blank")
+    tab.goto(f"{path.as_uri()}{address}")
+    state = tab.evaluate("window.selection.state")
+    assert (state["method"], state["2.group"]) == ("ridge", 3)
+    assert tab.evaluate("document.querySelector('#methods').open")
+    tab.evaluate("window.selection.clear()")
+    assert tab.evaluate("location.hash") == "#methods"

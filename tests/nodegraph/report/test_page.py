@@ -324,6 +324,27 @@ def test_tables_and_figures_have_numbers_and_captions() -> None:
     assert "More results B" in text
 
 
+def test_notes_stand_beside_the_answer_or_the_figure_once_and_as_safe_markdown() -> None:
+    notes = "*Why* so <script>alert(1)</script>, ![x](http://evil.example/x.png)"
+    lead = Rendered("<p>table</p>", lead="<p>cards</p>", kind="table")
+    figure = Rendered("<p>figure</p>", kind="figure")
+    sections = numbered(
+        [
+            Section("A", figure, node="a", output="figure", notes_markdown=notes),
+            Section("A", lead, node="a", output="table", notes_markdown=notes),
+            Section("B", figure, node="b", notes_markdown="Other [words](javascript:x)"),
+        ]
+    )
+    html = page(Study("Noted", sections=sections))
+    assert html.count('<aside class="prose noted"') == 2
+    answer = html.partition('<section class="answer')[2].partition("</section>")[0]
+    assert answer.index("cards") < answer.index("<em>Why</em> so &lt;script&gt;")
+    beside = html.partition("Other ")[2].partition("</section>")[0]
+    assert beside.index("</aside>") < beside.index("figure")
+    assert "javascript:x" not in [tag.get("href") for tag in Page(html).all("a")]
+    assert not list(Page(html).all("img"))
+
+
 def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:
     notes = "![a](http://evil.example/x.png) <img src=http://evil.example/y> [b](javascript:c)"
     read = Page(page(study(notes_markdown=notes)))

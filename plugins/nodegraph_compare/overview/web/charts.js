@@ -32,7 +32,7 @@ nodegraph.define("compare/charts", [
 
   [...document.querySelectorAll("[data-overview]")].filter((host) => host.querySelector("[data-chart]")).forEach((host, at) => {
     const overview = overviews.load(host.dataset.overview);
-    const view = new View(overview, at === 0);
+    const view = new View(overview, at);
     if (at === 0) selection.begin({ reference: overview.json.baseline });
     controlBar.joinTabs(view, host.dataset.overview);
     for (const place of host.querySelectorAll("[data-chart]")) DRAW[place.dataset.chart](place, view);

@@ -1,20 +1,24 @@
 "use strict";
 // What the charts of one comparison show: the reader's choice with its defaults, the numbers under
-// it, the role of each method, and the words for them. The first comparison of a page shares the
-// whole selection; others share methods, and keep group, block and filters to themselves.
+// it, the role of each method, and the words for them. The first comparison of a page has the whole
+// selection; others share methods, and have group, block and filters of their own in it.
 nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
   const OWN = ["metric", "statistic", "group", "block", "marker", "region", "suspects"];
   const UNSET = { metric: null, statistic: null, group: null, block: null, marker: null, region: null, suspects: true };
   const STATISTICS = { mean: "Mean", median: "Median", rank: "Mean rank" };
 
   class View {
-    constructor(overview, shared) {
+    // Of the comparison at a place in the page, from 0.
+    constructor(overview, place) {
       this.overview = overview;
-      this.own = shared ? null : { ...UNSET };
+      this.prefix = place ? `${place + 1}.` : "";
       this.readers = [];
       this.cache = new Map(); // numbers of groups until something changes
+      const mine = new Map([...Object.keys(selection.state).filter((name) => !OWN.includes(name)).map((name) => [name, name]),
+        ...OWN.map((name) => [this.prefix + name, name])]);
       selection.on((_, changed) => {
-        if (shared || [...changed].some((name) => !OWN.includes(name))) this.notify(changed);
+        const names = [...changed].filter((name) => mine.has(name)).map((name) => mine.get(name));
+        if (names.length) this.notify(new Set(names));
       });
     }
 
@@ -28,19 +32,13 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
     }
 
     get state() {
-      return this.own ? { ...selection.state, ...this.own } : selection.state;
+      const own = OWN.map((name) => [name, selection.state[this.prefix + name] ?? UNSET[name]]);
+      return { ...selection.state, ...Object.fromEntries(own) };
     }
 
     set(values) {
-      if (!this.own) {
-        selection.set(values);
-        return;
-      }
-      const own = Object.entries(values).filter(([name]) => OWN.includes(name));
-      Object.assign(this.own, Object.fromEntries(own));
-      const others = Object.entries(values).filter(([name]) => !OWN.includes(name));
-      if (own.length) this.notify(new Set(own.map(([name]) => name)));
-      if (others.length) selection.set(Object.fromEntries(others));
+      const named = Object.entries(values).map(([name, value]) => [OWN.includes(name) ? this.prefix + name : name, value]);
+      selection.set(Object.fromEntries(named));
     }
 
     toggle(name, value) {

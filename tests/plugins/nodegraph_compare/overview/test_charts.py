@@ -679,7 +679,8 @@ def test_the_reference_is_the_baseline_until_a_reader_chooses_another(
 
 
 def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: Path) -> None:
-    load(tab, charts_of(tmp_path, ODD["higher is better"], ODD["all equal"]), width=1280)
+    path = charts_of(tmp_path, ODD["higher is better"], ODD["all equal"])
+    load(tab, path, width=1280)
     checked = (
         "[...document.querySelectorAll('.segments [aria-checked=true]')]"
         ".map((button) => button.textContent)"
@@ -687,9 +688,13 @@ def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: 
     assert tab.evaluate(checked) == ["1 K", "1 K"]
     tab.click("[data-overview=odd-1] .segments button")
     assert tab.evaluate(checked) == ["1 K", "0 K"]
-    assert tab.evaluate("location.hash") == ""
+    address = tab.evaluate("location.hash")
+    assert address == "#select:2.group=0"
     tab.click("[data-overview=odd-1] .heat tbody th button")
     assert tab.evaluate(COUNT % ".heat tr.selected") == 2
+    tab.goto("about:blank")
+    tab.goto(f"{path.as_uri()}{address}")
+    assert tab.evaluate(checked) == ["1 K", "0 K"]
 
 
 def test_the_tabs_of_the_verdicts_choose_the_group(tab: Page, tmp_path: Path) -> None:
