@@ -131,21 +131,22 @@ def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
     node, registry = call.node, call.registry
     is_ours = registry is None or call.plugin in registry.shipped
-    kept = None if is_ours else Kept()
     notes = Notes(node, call.settings, with_reads=not is_ours)
     # set and reset by hand: a context manager for each step would take three times as long
     noted = notes_of_call.set(notes)
     used = None if registry_of_call.get() is registry else registry_of_call.set(registry)
     start = time.perf_counter()
     _calls.begin()
+    if not is_ours:
+        _kept.begin(call)
     try:
         try:
             returned = node.function(**call.inputs, **call.settings)
         finally:
             if os.getpid() != notes.process:
                 os._exit(0)  # it has forked: the run goes on in the other process alone
-            if kept is not None:
-                notes.warnings += kept.put_back()
+            if not is_ours:
+                notes.warnings += _kept.put_back(call)
             notes.warnings += _calls.end()
         values = values_of(node, returned)
         notes.check_threads()
@@ -175,7 +176,8 @@ def timed_out(call: Call) -> Outcome:
     """Return the outcome of a call that has taken longer than it may."""
     seconds = call.timeout or 0.0
     reason = f"it takes longer than {seconds:g} s, which is the limit"
-    return Outcome(State.FAILED, reason=reason, seconds=seconds, key=call.key)
+    changed = tuple(_kept.put_back(call))
+    return Outcome(State.FAILED, reason=reason, warnings=changed, seconds=seconds, key=call.key)
 
 
 def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
@@ -272,6 +274,7 @@ def _is_for_all(filtered: Any, category: type[Warning]) -> bool:
 
 
 _calls = _Calls()
+_kept = Kept()
 
 
 def values_of(node: Node, returned: object) -> tuple[Any, ...]:

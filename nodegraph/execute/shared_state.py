@@ -7,6 +7,7 @@ import os
 import pickle
 import random
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -37,17 +38,33 @@ class SharedState:
 
 
 class Kept:
-    """The shared state at the beginning of a call.
+    """The shared state as it was when none of the calls was being made that are being made now.
 
     What a node changes in the state of a library, beyond numpy, is not seen.
     """
 
     def __init__(self) -> None:
-        _copy_descriptors()
-        self._before = [state.read() for state in SHARED]
+        self._lock = threading.Lock()
+        self._calls: set[int] = set()
+        self._before: list[object] = []
 
-    def put_back(self) -> Iterator[str]:
-        """Put back what has changed, and yield a warning for each."""
+    def begin(self, call: object) -> None:
+        """Note that a call begins."""
+        with self._lock:
+            if not self._calls:
+                _copy_descriptors()
+                self._before = [state.read() for state in SHARED]
+            self._calls.add(id(call))
+
+    def put_back(self, call: object) -> list[str]:
+        """Put back what has changed when a call ends or is given up; return a warning for each."""
+        with self._lock:
+            if id(call) not in self._calls:
+                return []
+            self._calls.remove(id(call))
+            return list(self._put_back())
+
+    def _put_back(self) -> Iterator[str]:
         for state, before in zip(SHARED, self._before, strict=True):
             if state.read() != before:
                 try:

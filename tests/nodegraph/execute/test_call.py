@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import os
+import sys
 import threading
 import warnings
 from collections.abc import Callable
@@ -17,8 +19,10 @@ from nodegraph.execute.call import (
     perform,
     writes_to_locked_value,
 )
+from nodegraph.execute.threads import in_time
 from nodegraph.node.decorator import node_of
 from nodegraph.node.values import locked
+from nodegraph.plugin.registry import Registry
 
 
 class Two(NamedTuple):
@@ -295,6 +299,53 @@ def test_each_call_collects_its_own_warnings() -> None:
             thread.join()
     expected = {number: (f"I am {number}",) for number in range(8)}
     assert {number: outcome.warnings for number, outcome in outcomes.items()} == expected
+
+
+def foreign(function: Callable[[], float], **more: float) -> Call:
+    """Return a call of a node that another package defines."""
+    described = node_of(node("call.foreign")(function))
+    assert described is not None
+    return Call(0, described, "given", {}, {}, "", Registry.of([function]), **more)
+
+
+def test_a_call_that_begins_in_changed_state_does_not_bring_it_back() -> None:
+    path = sys.path.copy()
+    changed, begun = threading.Event(), threading.Event()
+
+    def forgets() -> float:
+        sys.path.clear()
+        changed.set()
+        begun.wait()
+        return 1.0
+
+    def begins_meanwhile() -> float:
+        begun.set()
+        first.join()
+        return 1.0
+
+    outcomes: list[Outcome] = []
+    first = threading.Thread(target=lambda: outcomes.append(perform(foreign(forgets))))
+    first.start()
+    changed.wait()
+    outcomes.append(perform(foreign(begins_meanwhile)))
+    now, sys.path[:] = sys.path.copy(), path
+    assert now == path
+    assert [bool(outcome.warnings) for outcome in outcomes] == [True, False]
+
+
+def test_state_that_is_changed_after_a_call_was_given_up_stays(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ended = threading.Event()
+
+    def waits() -> float:
+        return float(ended.wait())
+
+    assert in_time(perform, foreign(waits, timeout=0.01)).state == "failed"
+    monkeypatch.setenv("CHANGED", "1")
+    ended.set()
+    assert perform(foreign(waits)).warnings == ()
+    assert os.environ["CHANGED"] == "1"
 
 
 def test_other_warnings_are_shown_as_before() -> None:
