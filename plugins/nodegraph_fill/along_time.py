@@ -7,13 +7,14 @@ the take stays missing, unless a fill needs one end only.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nodegraph import node
-from nodegraph_fill.family import LEFT, MAX_GAP, NO_ENDS, Fill, fill_gaps, make_fill
+from nodegraph_fill.family import LEFT, Filling, fill_gaps, make_fill
 from nodegraph_fill.gaps import Gaps, to_gap_end
 from nodegraph_fill.streams import live_form
 from nodegraph_mocap import Origin, Trajectories
@@ -30,6 +31,17 @@ a warning, as does a marker that is never measured. Samples that are present com
 they went in; those that an earlier fill has made count like measured ones."""
 
 
+@dataclass(frozen=True)
+class Bridging(Filling):
+    """A recording with gaps, and the settings of a fill along time.
+
+    Attributes
+    ----------
+    ends
+        No effect: the fill meets both ends of a gap by itself.
+    """
+
+
 def along_time(
     name: str,
     *,
@@ -38,7 +50,7 @@ def along_time(
     whole_take: bool = False,
     one_end: bool = False,
     otherwise: str = "",
-) -> Callable[[Callable[..., NDArray[np.float64]]], Fill]:
+) -> Callable[[Callable[..., NDArray[np.float64]]], Callable[..., Trajectories]]:
     """Make a method that bridges gaps, and so meets their ends, a fill.
 
     The method takes positions (T, M, 3) mm, NaN where missing, gaps, and its settings, which are
@@ -57,21 +69,16 @@ def along_time(
         Why it may leave a sample missing.
     """
 
-    def decorate(method: Callable[..., NDArray[np.float64]]) -> Fill:
-        def fill(
-            recording: Trajectories, *, ends: object, max_gap: int | None, **settings: Any
-        ) -> Trajectories:
+    def decorate(method: Callable[..., NDArray[np.float64]]) -> Callable[..., Trajectories]:
+        def fill(filling: Bridging, **settings: Any) -> Trajectories:
             def bridged(recording: Trajectories, gaps: Gaps) -> Trajectories:
                 positions = recording.positions.copy()
                 _, frame, marker, _ = gaps.samples
                 positions[frame, marker] = method(recording.positions, gaps, **settings)
                 return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED)
 
-            return fill_gaps(
-                recording, max_gap, bridged, both_ends=not one_end, otherwise=otherwise
-            )
+            return fill_gaps(filling, bridged, both_ends=not one_end, otherwise=otherwise)
 
-        filled = make_fill(method, fill, (NO_ENDS, MAX_GAP), LEFT if one_end else _TWO_ENDS)
         return node(
             name,
             cite=cite,
@@ -79,7 +86,8 @@ def along_time(
             lookahead=None if whole_take else to_gap_end,
             ends=True,
             live=None if whole_take else live_form(partial(partial, method), one_end=one_end),
-        )(filled)
+            shares=Bridging,
+        )(make_fill(method, Bridging, fill, LEFT if one_end else _TWO_ENDS))
 
     return decorate
 

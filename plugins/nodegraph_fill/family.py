@@ -8,11 +8,12 @@ same for all fills, and so are the settings `ends` and `max_gap` that say so.
 from __future__ import annotations
 
 import inspect
+import re
 import warnings
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
 from functools import cache, wraps
-from typing import Any, Literal, Protocol, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -25,143 +26,88 @@ A marker that is never measured stays missing, counted in a warning. Samples tha
 come out as they went in; those that an earlier fill has made count like measured ones."""
 """The paragraph on what most fills leave as it is."""
 
-CALLER = 5
+CALLER = 6
 """The `stacklevel` by which a warning in what `fill_gaps` calls names the caller of the fill."""
 
-
-class Fill(Protocol):
-    """A method with the settings of all fills, called with a recording."""
-
-    __name__: str
-
-    def __call__(
-        self,
-        recording: Trajectories,
-        *,
-        ends: Ends = "as_published",
-        max_gap: int | None = None,
-        **settings: Any,
-    ) -> Trajectories:
-        """Return the recording with filled samples."""
+_RETURNS = """\
+Returns
+-------
+Trajectories
+    The recording with filled samples, their origin `Origin.FILLED`."""
 
 
 @dataclass(frozen=True)
-class Setting:
-    """A setting that fills share, with its line in their documentation."""
+class Filling:
+    """A recording with gaps, and the settings of every fill.
 
-    name: str
-    annotation: object
-    default: object
-    meaning: str
+    Attributes
+    ----------
+    recording
+        Trajectories with gaps.
+    ends
+        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
+        estimate, is spread linearly over the gap, all of it at that end and none at the other;
+        a gap that the take begins or ends with has one end.
+    max_gap
+        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
+        of missing samples of one marker.
+    """
+
+    recording: Trajectories
+    _: KW_ONLY
+    ends: Ends = "as_published"
+    max_gap: MaxGap = None
 
 
-ENDS = Setting(
-    "ends",
-    Ends,
-    "as_published",
-    """\
-as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-estimate, is spread linearly over the gap, all of it at that end and none at the other;
-a gap that the take begins or ends with has one end.""",
-)
-NO_ENDS = Setting(
-    "ends", Ends, "as_published", "No effect: the fill meets both ends of a gap by itself."
-)
-MAX_GAP = Setting(
-    "max_gap",
-    MaxGap,
-    None,
-    """\
-Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-of missing samples of one marker.""",
-)
+F = TypeVar("F", bound=Filling)
 
 
 def make_fill(
-    method: Callable[..., object],
-    fill: Callable[..., Trajectories],
-    shared: Iterable[Setting],
-    left: str,
-) -> Fill:
-    """Return a method as a function of a recording with its own and the shared settings.
+    method: Callable[..., object], kind: type[F], fill: Callable[..., Trajectories], left: str
+) -> Callable[..., Trajectories]:
+    """Return a method as a function of what its kind of fill takes and of its own settings.
 
     Parameters
     ----------
     method
         Its keyword-only arguments are settings; its docstring describes it and these.
+    kind
+        What the function takes besides.
     fill
-        ``fill(recording, **settings)`` fills by that method; all settings are given.
-    shared
-        Settings that are added to the method's own.
+        ``fill(filling, **settings)`` fills by that method, with the settings that are given.
     left
         The paragraph that says what stays missing, which is added to the docstring.
     """
-    own = inspect.signature(method).parameters.values()
     keyword = inspect.Parameter.KEYWORD_ONLY
-    signature = inspect.Signature(
-        [
-            inspect.Parameter(
-                "recording", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=Trajectories
-            ),
-            *(setting for setting in own if setting.kind is keyword),
-            *(
-                inspect.Parameter(
-                    each.name, keyword, default=each.default, annotation=each.annotation
-                )
-                for each in shared
-            ),
-        ],
-        return_annotation=Trajectories,
-    )
+    own = [each for each in inspect.signature(method).parameters.values() if each.kind is keyword]
 
     @cache
     def choices() -> dict[str, tuple[object, ...]]:
         # read when a fill is called: annotations of the method may name what is defined below it
-        hints = get_type_hints(filled)
+        hints = get_type_hints(kind) | get_type_hints(filled)
         return {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Literal}
 
     @wraps(method)
-    def filled(*inputs: Any, **settings: Any) -> Trajectories:
-        bound = signature.bind(*inputs, **settings)
-        bound.apply_defaults()
-        for name, allowed in choices().items():
-            given = bound.arguments[name]
-            if given not in allowed:
-                *others, last = map(str, allowed)
+    def filled(*, filling: F, **settings: Any) -> Trajectories:
+        for name, given in (vars(filling) | settings).items():
+            if given not in choices().get(name, [given]):
+                *others, last = map(str, choices()[name])
                 raise ValueError(f"{name} must be {', '.join(others)} or {last}, got {given!r}")
-        return fill(**bound.arguments)
+        return fill(filling, **settings)
 
-    filled.__signature__ = signature  # type: ignore[attr-defined]
-    filled.__annotations__ = {
-        **{name: each.annotation for name, each in signature.parameters.items()},
-        "return": Trajectories,
-    }
-    filled.__doc__ = _documentation(inspect.getdoc(method) or "", shared, left)
+    filled.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [*own, inspect.Parameter("filling", keyword, annotation=kind)],
+        return_annotation=Trajectories,
+    )
+    filled.__annotations__ = {each.name: each.annotation for each in own}
+    text, *sections = re.split(r"\n\n(?=\w+\n-+\n)", inspect.getdoc(method) or "")
+    at = sum(section.startswith("Parameters") for section in sections)
+    filled.__doc__ = "\n\n".join([text, left, *sections[:at], _RETURNS, *sections[at:]])
     return filled
 
 
-def _documentation(doc: str, shared: Iterable[Setting], left: str) -> str:
-    """Return a method's docstring with what all fills have."""
-    text, _, raises = doc.partition("\n\nRaises\n------\n")
-    text, _, settings = text.partition("\n\nParameters\n----------\n")
-    entries = ["recording\n    Trajectories with gaps.", *filter(None, [settings])]
-    entries += [f"{each.name}\n    " + each.meaning.replace("\n", "\n    ") for each in shared]
-    sections = {
-        "Parameters": "\n".join(entries),
-        "Returns": (
-            "Trajectories\n    The recording with filled samples, their origin `Origin.FILLED`."
-        ),
-        "Raises": raises,
-    }
-    return "\n\n".join(
-        [text, left]
-        + [f"{name}\n{'-' * len(name)}\n{each}" for name, each in sections.items() if each]
-    )
-
-
 def fill_gaps(
-    recording: Trajectories,
-    max_gap: int | None,
+    filling: Filling,
     fill: Callable[[Trajectories, Gaps], Trajectories],
     *,
     both_ends: bool = False,
@@ -171,10 +117,8 @@ def fill_gaps(
 
     Parameters
     ----------
-    recording
-        Trajectories with gaps.
-    max_gap
-        Longer gaps stay missing.
+    filling
+        What the fill takes.
     fill
         Takes the recording and the gaps to fill; not called when there are none.
     both_ends
@@ -182,8 +126,9 @@ def fill_gaps(
     otherwise
         Why it may leave a sample missing.
     """
+    recording = filling.recording
     gaps = Gaps.of(recording)
-    long = gaps.longer_than(max_gap) & ~gaps.never
+    long = gaps.longer_than(filling.max_gap) & ~gaps.never
     left = {"never measured": gaps.never, "longer than max_gap": long}
     if both_ends:
         left["at the take's start"] = gaps.at_start & ~long

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from nodegraph import StateForm, node
-from nodegraph_fill.family import CALLER, ENDS, MAX_GAP, Fill, Setting, fill_gaps, make_fill
+from nodegraph_fill.family import CALLER, Filling, fill_gaps, make_fill
 from nodegraph_fill.gaps import Gaps, to_limit
 from nodegraph_fill.meet_ends import Ends, are_met, meet_ends
 from nodegraph_fill.streams import Limit
@@ -38,31 +38,33 @@ CloseGap = Literal["none", "ramp", "blend"]
 ``ramp``: the mismatch is spread where both ends and the prediction of the second are there.
 """
 
-_SETTINGS = (
-    Setting(
-        "use_filled",
-        bool,
-        True,
-        "Whether samples filled earlier serve as neighbours, after all measured ones.",
-    ),
-    Setting(
-        "close_gap",
-        CloseGap,
-        "none",
-        """\
-none: a jump stays where the marker reappears. ramp: that sample is predicted too and
-its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
-forward and a backward pass, cross-faded linearly; where one is missing, the other.""",
-    ),
-    # a gap begins at its first end, so that its whole mismatch is at the other
-    replace(
-        ENDS,
-        meaning="""\
-met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
-`close_gap` already sees to it. as_published: as `close_gap` has it.""",
-    ),
-    MAX_GAP,
-)
+
+@dataclass(frozen=True, kw_only=True)
+class Stepping(Filling):
+    """A recording with gaps, and the settings of a step-wise fill.
+
+    Attributes
+    ----------
+    use_filled
+        Whether samples filled earlier serve as neighbours, after all measured ones.
+    close_gap
+        none: a jump stays where the marker reappears. ramp: that sample is predicted too and
+        its mismatch e spread over the gap, ``e j / (L + 1)`` at the j-th of L frames. blend: a
+        forward and a backward pass, cross-faded linearly; where one is missing, the other.
+    ends
+        met: the mismatch where the marker reappears is spread over the gap, a ramp, unless
+        `close_gap` already sees to it. as_published: as `close_gap` has it.
+    """  # a gap begins at its first end, so that its whole mismatch is at the other
+
+    use_filled: bool = True
+    close_gap: CloseGap = "none"
+
+    @property
+    def ramps(self) -> bool:
+        """Whether the mismatch is spread over the gap."""
+        return self.close_gap == "ramp" or self.ends == "met"
+
+
 _LEFT = """\
 A gap at the start of the take is filled backward from the marker's first sample. What has
 no usable neighbour stays missing, as does the rest of that gap, counted in a warning.
@@ -183,7 +185,7 @@ def stepwise(
     cite: str | tuple[str, ...],
     adapted: str = "",
     lookahead: Callable[[Mapping[str, Any]], int | None] = lookahead,
-) -> Callable[[Callable[..., Rule]], Fill]:
+) -> Callable[[Callable[..., Rule]], Callable[..., Trajectories]]:
     """Make a rule by which a sample is predicted a fill.
 
     The method takes a recording, which has no frames on a stream, and its settings, which are
@@ -195,24 +197,15 @@ def stepwise(
         As for `nodegraph.node`.
     """
 
-    def decorate(method: Callable[..., Rule]) -> Fill:
-        def fill(
-            recording: Trajectories,
-            *,
-            use_filled: bool,
-            close_gap: CloseGap,
-            ends: Ends,
-            max_gap: int | None,
-            **settings: Any,
-        ) -> Trajectories:
-            rule = replace(method(recording, **settings), use_filled=use_filled)
-            ramps = close_gap == "ramp" or ends == "met"
+    def decorate(method: Callable[..., Rule]) -> Callable[..., Trajectories]:
+        def fill(filling: Stepping, **settings: Any) -> Trajectories:
+            rule = replace(method(filling.recording, **settings), use_filled=filling.use_filled)
 
             def predicted(recording: Trajectories, gaps: Gaps) -> Trajectories:
-                if close_gap == "blend":
+                if filling.close_gap == "blend":
                     chain = _blended(recording, gaps, rule)
                 else:
-                    chain = _chained(recording, gaps, rule, ramps=ramps)
+                    chain = _chained(recording, gaps, rule, ramps=filling.ramps)
                 if chain.still:
                     warnings.warn(
                         f"{chain.still} predictions left a marker where it was: its nearest "
@@ -223,9 +216,8 @@ def stepwise(
                     chain.positions, changed=gaps.mask, origin=Origin.FILLED
                 )
 
-            return fill_gaps(recording, max_gap, predicted, otherwise="no usable neighbour")
+            return fill_gaps(filling, predicted, otherwise="no usable neighbour")
 
-        filled = make_fill(method, fill, _SETTINGS, _LEFT)
         return node(
             name,
             cite=cite,
@@ -233,7 +225,8 @@ def stepwise(
             lookahead=lookahead,
             ends=meets_ends,
             live=_live_form(method, lookahead),
-        )(filled)
+            shares=Stepping,
+        )(make_fill(method, Stepping, fill, _LEFT))
 
     return decorate
 

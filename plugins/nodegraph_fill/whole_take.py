@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import StateForm, node
-from nodegraph_fill.family import ENDS, LEFT, MAX_GAP, Fill, fill_gaps, make_fill
+from nodegraph_fill.family import LEFT, Filling, fill_gaps, make_fill
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.held_out import calibrated
 from nodegraph_fill.meet_ends import are_met, meet_ends
@@ -59,7 +59,7 @@ def whole_take(
     lookahead: Callable[[Mapping[str, Any]], int | None] | None = None,
     live: StateForm | None = None,
     otherwise: str = "",
-) -> Callable[[Callable[..., Estimate]], Fill]:
+) -> Callable[[Callable[..., Estimate]], Callable[..., Trajectories]]:
     """Make a method that estimates all gaps at once a fill.
 
     The method takes the recording, the gaps to fill, of which there is one at least, and its
@@ -73,20 +73,23 @@ def whole_take(
         Why it may have no estimate of a sample.
     """
 
-    def decorate(method: Callable[..., Estimate]) -> Fill:
-        def fill(
-            recording: Trajectories, *, ends: str, max_gap: int | None, **settings: Any
-        ) -> Trajectories:
+    def decorate(method: Callable[..., Estimate]) -> Callable[..., Trajectories]:
+        def fill(filling: Filling, **settings: Any) -> Trajectories:
             def written(recording: Trajectories, gaps: Gaps) -> Trajectories:
                 model = partial(method, **settings)
-                return _filled(recording, gaps, model, meets=ends == "met")
+                return _filled(recording, gaps, model, meets=filling.ends == "met")
 
-            return fill_gaps(recording, max_gap, written, otherwise=otherwise)
+            return fill_gaps(filling, written, otherwise=otherwise)
 
-        filled = make_fill(method, fill, (ENDS, MAX_GAP), LEFT)
-        return node(name, cite=cite, adapted=adapted, lookahead=lookahead, ends=are_met, live=live)(
-            filled
-        )
+        return node(
+            name,
+            cite=cite,
+            adapted=adapted,
+            lookahead=lookahead,
+            ends=are_met,
+            live=live,
+            shares=Filling,
+        )(make_fill(method, Filling, fill, LEFT))
 
     return decorate
 
