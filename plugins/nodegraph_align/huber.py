@@ -9,23 +9,18 @@ from pydantic import Field
 
 from nodegraph import Unit, node
 from nodegraph_align.fitting import Fitting
-from nodegraph_align.landmarks import Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, warn
-from nodegraph_align.reference import reference_of
-from nodegraph_mocap import Trajectories
+from nodegraph_align.poses import Aligned, Poses, warn
+from nodegraph_align.reference import Faces, reference_of
 
 _ROUNDS = 200
 _TOLERANCE = 1e-9
 """Change of weights from one round to the next, below which a frame is done."""
 
 
-@node("align.huber", cite=("huber1964", "verboon_heiser1992"), lookahead=0)
+@node("align.huber", cite=("huber1964", "verboon_heiser1992"), lookahead=0, shares=Faces)
 def huber(
-    recording: Trajectories,
-    reference: Trajectories | None = None,
+    faces: Faces,
     *,
-    landmarks: Landmarks | None = None,
-    scale: Scale = "none",
     width: Annotated[float, Field(gt=0), Unit("mm")] = 1.0,
 ) -> Aligned:
     """Align each frame to a reference, with a bound on what a single landmark does (Huber).
@@ -43,17 +38,6 @@ def huber(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
-    reference
-        The face to align to: its first frame that has all landmarks, else its fullest frame with
-        the landmarks of that one. Left open: the recording's first frame that has all landmarks.
-    landmarks
-        Names of markers that the fit goes by. None: the stable markers of the recording's marker
-        set, or of the reference's if that names none. ``*`` alone: all markers that both have.
-    scale
-        none: the head keeps its size. rms: as large as the reference by the weighted landmarks'
-        root mean square distance from their mean. least_squares: as fits best.
     width
         How far from its place a landmark still counts fully.
 
@@ -78,11 +62,12 @@ def huber(
     """
     if not width > 0:
         raise ValueError(f"width must be positive, got {width}")
-    target, notes = reference_of(recording, reference, landmarks)
-    poses, restless = _settled(Fitting.of(recording, target, scale), width)
+    recording = faces.recording
+    target, notes = reference_of(recording, faces.reference, faces.landmarks)
+    poses, restless = _settled(Fitting.of(recording, target, faces.scale), width)
     if restless:
         notes.append(f"{restless} of {recording.frames} frames have not come to rest")
-    warn(poses, recording, target, notes)
+    warn(poses, recording, target, notes, stacklevel=4)
     return Aligned(*poses.move(recording), target.frame)
 
 

@@ -191,7 +191,14 @@ def for_kernel(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
     return view
 
 
-def warn(poses: Poses, recording: Trajectories, reference: Reference, notes: list[str]) -> None:
+def warn(
+    poses: Poses,
+    recording: Trajectories,
+    reference: Reference,
+    notes: list[str],
+    *,
+    stacklevel: int = 3,
+) -> None:
     """Warn of the notes and of doubtful frames, with counts.
 
     Raises
@@ -206,7 +213,7 @@ def warn(poses: Poses, recording: Trajectories, reference: Reference, notes: lis
         )
     every = [*notes, *_doubts(poses, recording, reference)]
     if every:
-        warnings.warn("; ".join(every), stacklevel=3)
+        warnings.warn("; ".join(every), stacklevel=stacklevel)
 
 
 def _doubts(poses: Poses, recording: Trajectories, reference: Reference) -> Iterator[str]:

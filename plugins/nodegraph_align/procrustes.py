@@ -23,7 +23,7 @@ from nodegraph_align.poses import (
     for_kernel,
     warn,
 )
-from nodegraph_align.reference import Reference, reference_of
+from nodegraph_align.reference import Faces, Reference, reference_of
 from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
 
 if TYPE_CHECKING:
@@ -99,14 +99,12 @@ class _Stream:
     cite=("krzanowski2000", "kabsch1978"),
     lookahead=0,
     live=StateForm(_Stream, outputs=("aligned", "head_motion")),
+    shares=Faces,
 )
 def procrustes(
-    recording: Trajectories,
-    reference: Trajectories | None = None,
+    faces: Faces,
     *,
-    landmarks: Landmarks | None = None,
     steps: Steps = STEPS,
-    scale: Scale = "none",
     restore: bool = True,
     reflection: bool = False,
 ) -> Aligned:
@@ -133,14 +131,6 @@ def procrustes(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
-    reference
-        The face to align to: its first frame that has all landmarks, else its fullest frame with
-        the landmarks of that one. Left open: the recording's first frame that has all landmarks.
-    landmarks
-        Names of markers that the fit goes by. None: the stable markers of the recording's marker
-        set, or of the reference's if that names none. ``*`` alone: all markers that both have.
     steps
         The steps that are carried out, the first ones of translate, scale, rotate; none of them
         leaves all as it is.
@@ -180,10 +170,11 @@ def procrustes(
         raise ValueError(
             f"steps must be the first ones of {', '.join(STEPS)}, got {', '.join(requested)}"
         )
-    onto, notes = reference_of(recording, reference, landmarks)
-    poses = fitted(recording, onto, scale, reflection=reflection)
-    warn(poses, recording, onto, notes)
-    poses, target = _wanted(poses, onto, requested, scale, restore=restore)
+    recording = faces.recording
+    onto, notes = reference_of(recording, faces.reference, faces.landmarks)
+    poses = fitted(recording, onto, faces.scale, reflection=reflection)
+    warn(poses, recording, onto, notes, stacklevel=4)
+    poses, target = _wanted(poses, onto, requested, faces.scale, restore=restore)
     return Aligned(*poses.move(recording), target)
 
 

@@ -10,10 +10,9 @@ from pydantic import Field
 
 from nodegraph import node
 from nodegraph_align.fitting import Fitting
-from nodegraph_align.landmarks import FEWEST, Landmarks
-from nodegraph_align.poses import Aligned, Poses, Scale, warn
-from nodegraph_align.reference import reference_of
-from nodegraph_mocap import Trajectories
+from nodegraph_align.landmarks import FEWEST
+from nodegraph_align.poses import Aligned, Poses, warn
+from nodegraph_align.reference import Faces, reference_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,13 +24,15 @@ _FIRST, _ROUNDS = 2, 50
 """Fits from each start, and from the best of them at most."""
 
 
-@node("align.trimmed", cite=("rousseeuw_vandriessen2006", "verboon_heiser1992"), lookahead=0)
+@node(
+    "align.trimmed",
+    cite=("rousseeuw_vandriessen2006", "verboon_heiser1992"),
+    lookahead=0,
+    shares=Faces,
+)
 def trimmed(
-    recording: Trajectories,
-    reference: Trajectories | None = None,
+    faces: Faces,
     *,
-    landmarks: Landmarks | None = None,
-    scale: Scale = "none",
     share: Annotated[float, Field(gt=0, le=1)] = 0.75,
 ) -> Aligned:
     """Align each frame to a reference by those landmarks that fit best, without the others.
@@ -50,17 +51,6 @@ def trimmed(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
-    reference
-        The face to align to: its first frame that has all landmarks, else its fullest frame with
-        the landmarks of that one. Left open: the recording's first frame that has all landmarks.
-    landmarks
-        Names of markers that the fit goes by. None: the stable markers of the recording's marker
-        set, or of the reference's if that names none. ``*`` alone: all markers that both have.
-    scale
-        none: the head keeps its size. rms: as large as the reference by the root mean square
-        distance from their mean of the landmarks that count. least_squares: as fits best.
     share
         Which share of the landmarks counts; 1 is align.procrustes.
 
@@ -85,10 +75,11 @@ def trimmed(
     """
     if not 0 < share <= 1:
         raise ValueError(f"share must be above 0 and at most 1, got {share}")
-    target, notes = reference_of(recording, reference, landmarks)
-    fitting = Fitting.of(recording, target, scale)
+    recording = faces.recording
+    target, notes = reference_of(recording, faces.reference, faces.landmarks)
+    fitting = Fitting.of(recording, target, faces.scale)
     poses = _nearest(fitting, share)
-    warn(poses, recording, target, notes)
+    warn(poses, recording, target, notes, stacklevel=4)
     return Aligned(*poses.move(recording), target.frame)
 
 

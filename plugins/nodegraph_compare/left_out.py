@@ -53,7 +53,7 @@ def left_out(scores: Across[Table], question: Question, groups: Sequence[Group])
     missing = absences(unsuccessful(scores), question.compare)
     empty = [] if groups else ["the tables have no rows"]
     if sentences or missing or empty:
-        warnings.warn(shortened([*sentences, *missing, *empty]), stacklevel=3)
+        warnings.warn(shortened([*sentences, *missing, *empty]), stacklevel=4)
     more = sum(map(len, [*same.values()][_MOST_NOTES:]))
     noted = [*sentences[:_MOST_NOTES], *([f"and so in {more} more groups"] if more else [])]
     return [

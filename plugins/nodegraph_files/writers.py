@@ -6,6 +6,7 @@ import csv
 import io
 import warnings
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -20,11 +21,27 @@ from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.selection import Selection
 
-Name = Annotated[str, Field(min_length=1)]
+
+@dataclass(frozen=True, kw_only=True)
+class File:
+    """A file that a node writes.
+
+    Attributes
+    ----------
+    name
+        Of the file, without its suffix.
+    """
+
+    name: Annotated[str, Field(min_length=1)]
+
+    def of(self, suffix: str, content: bytes) -> Files:
+        """Return one file, with a suffix unless its name has it."""
+        named = self.name.lower().endswith(suffix)
+        return Files({self.name if named else self.name + suffix: content})
 
 
-@node("write.c3d")
-def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
+@node("write.c3d", shares=File(name="recording"))
+def write_c3d(recording: Trajectories, *, file: File) -> Files:
     """Write a recording as C3D: millimetres in 32 bits, missing samples with residual -1.
 
     The marker set is a file of its own: `write.marker_set_yaml`.
@@ -33,8 +50,6 @@ def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
     ----------
     recording
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -48,11 +63,11 @@ def write_c3d(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.c3d import c3d_bytes
 
-    return file_named(name, ".c3d", _checked(recording, c3d_bytes(recording)))
+    return file.of(".c3d", _checked(recording, c3d_bytes(recording)))
 
 
-@node("write.trc")
-def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
+@node("write.trc", shares=File(name="recording"))
+def write_trc(recording: Trajectories, *, file: File) -> Files:
     """Write a recording as TRC, the tab-separated form of OpenSim, in millimetres.
 
     The marker set is a file of its own: `write.marker_set_yaml`.
@@ -61,8 +76,6 @@ def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
     ----------
     recording
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -76,11 +89,11 @@ def write_trc(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.text.trc import trc_bytes
 
-    return file_named(name, ".trc", _checked(recording, trc_bytes(recording)))
+    return file.of(".trc", _checked(recording, trc_bytes(recording)))
 
 
-@node("write.csv")
-def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
+@node("write.csv", shares=File(name="recording"))
+def write_csv(recording: Trajectories, *, file: File) -> Files:
     """Write a recording as CSV: a row per frame, three columns per marker, in millimetres.
 
     The marker set is a file of its own: `write.marker_set_yaml`.
@@ -89,8 +102,6 @@ def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
     ----------
     recording
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -104,19 +115,17 @@ def write_csv(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.text.csv import csv_bytes
 
-    return file_named(name, ".csv", _checked(recording, csv_bytes(recording)))
+    return file.of(".csv", _checked(recording, csv_bytes(recording)))
 
 
-@node("write.npz")
-def write_npz(recording: Trajectories, *, name: Name = "recording") -> Files:
+@node("write.npz", shares=File(name="recording"))
+def write_npz(recording: Trajectories, *, file: File) -> Files:
     """Write a recording as a NumPy archive: the one form that keeps all of it, bit for bit.
 
     Parameters
     ----------
     recording
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -125,19 +134,17 @@ def write_npz(recording: Trajectories, *, name: Name = "recording") -> Files:
     """
     from nodegraph_files.npz import npz_bytes
 
-    return file_named(name, ".npz", npz_bytes(recording))
+    return file.of(".npz", npz_bytes(recording))
 
 
-@node("write.marker_set_yaml")
-def write_marker_set(marker_set: MarkerSet, *, name: Name = "markers") -> Files:
+@node("write.marker_set_yaml", shares=File(name="markers"))
+def write_marker_set(marker_set: MarkerSet, *, file: File) -> Files:
     """Write a marker set as YAML, to be looked at, corrected, and read again.
 
     Parameters
     ----------
     marker_set
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -146,19 +153,17 @@ def write_marker_set(marker_set: MarkerSet, *, name: Name = "markers") -> Files:
     """
     from nodegraph_files.marker_set import marker_set_text
 
-    return file_named(name, ".yaml", marker_set_text(marker_set).encode())
+    return file.of(".yaml", marker_set_text(marker_set).encode())
 
 
-@node("write.model_npz")
-def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
+@node("write.model_npz", shares=File(name="model"))
+def write_model(model: BlendshapeModel, *, file: File) -> Files:
     """Write a blendshape model as a NumPy archive, bit for bit.
 
     Parameters
     ----------
     model
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -167,19 +172,17 @@ def write_model(model: BlendshapeModel, *, name: Name = "model") -> Files:
     """
     from nodegraph_files.npz import model_bytes
 
-    return file_named(name, ".npz", model_bytes(model))
+    return file.of(".npz", model_bytes(model))
 
 
-@node("write.weights_csv")
-def write_weights(weights: Weights, *, name: Name = "weights") -> Files:
+@node("write.weights_csv", shares=File(name="weights"))
+def write_weights(weights: Weights, *, file: File) -> Files:
     """Write weights as CSV: a row per frame with its time in seconds, a column per shape.
 
     Parameters
     ----------
     weights
         Any; the cell of a weight that is not known is empty.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -191,19 +194,17 @@ def write_weights(weights: Weights, *, name: Name = "weights") -> Files:
         [time, *("" if value != value else value for value in values)]
         for time, values in zip(times.tolist(), weights.values.tolist(), strict=True)
     ]
-    return file_named(name, ".csv", _csv(["time", *weights.names], rows))
+    return file.of(".csv", _csv(["time", *weights.names], rows))
 
 
-@node("write.mask_csv")
-def write_mask(mask: Mask, *, name: Name = "mask") -> Files:
+@node("write.mask_csv", shares=File(name="mask"))
+def write_mask(mask: Mask, *, file: File) -> Files:
     """Write a mask as CSV: a row per run of samples, with marker, first frame and frames.
 
     Parameters
     ----------
     mask
         Such as the samples that `gaps.cut` has hidden.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -213,19 +214,17 @@ def write_mask(mask: Mask, *, name: Name = "mask") -> Files:
     runs = runs_of(mask.hidden)
     columns = (runs.marker.tolist(), runs.start.tolist(), (runs.stop - runs.start).tolist())
     rows = [[mask.markers[m], start, frames] for m, start, frames in zip(*columns, strict=True)]
-    return file_named(name, ".csv", _csv(["marker", "start", "frames"], rows))
+    return file.of(".csv", _csv(["marker", "start", "frames"], rows))
 
 
-@node("write.selection_yaml")
-def write_selection(selection: Selection, *, name: Name = "selection") -> Files:
+@node("write.selection_yaml", shares=File(name="selection"))
+def write_selection(selection: Selection, *, file: File) -> Files:
     """Write a selection as YAML: the names are a list for the setting of `markers.keep`.
 
     Parameters
     ----------
     selection
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -247,7 +246,7 @@ def write_selection(selection: Selection, *, name: Name = "selection") -> Files:
             for row in selection.history.tolist()
         ]
     text = yaml.safe_dump(parts, sort_keys=False, allow_unicode=True, default_flow_style=None)
-    return file_named(name, ".yaml", text.encode())
+    return file.of(".yaml", text.encode())
 
 
 def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
@@ -256,11 +255,6 @@ def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:
     lines.writerow(header)
     lines.writerows(rows)
     return text.getvalue().encode()
-
-
-def file_named(name: str, suffix: str, content: bytes) -> Files:
-    """Return one file, with a suffix unless its name has it."""
-    return Files({name if name.lower().endswith(suffix) else name + suffix: content})
 
 
 def _checked(recording: Trajectories, content: bytes) -> bytes:
@@ -274,7 +268,7 @@ def _checked(recording: Trajectories, content: bytes) -> bytes:
     lost += ["sigma"] if recording.sigma is not None else []
     if lost:
         warnings.warn(
-            f"the file cannot say {', '.join(lost)}; write.npz keeps all of it", stacklevel=3
+            f"the file cannot say {', '.join(lost)}; write.npz keeps all of it", stacklevel=4
         )
     return content
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import Across, Files, NodegraphError, Truth, node
-from nodegraph_files.writers import Name, file_named
+from nodegraph_files.writers import File
 from nodegraph_mocap.recording import Origin, Trajectories
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
@@ -32,12 +32,12 @@ _ROW_OF_STORE = re.compile(rb"\n\x12\t.{8}\x11.{8}", re.DOTALL)
 """In the message that opens a file, an id of two numbers of 64 bits: a time and a random number."""
 
 
-@node("write.rrd")
+@node("write.rrd", shares=File(name="recording"))
 def write_rrd(
     recordings: Across[Trajectories],
     truth: Truth[Trajectories] | None = None,
     *,
-    name: Name = "recording",
+    file: File,
 ) -> Files:
     """Write recordings as a file for the viewer Rerun, an entity for each.
 
@@ -55,8 +55,6 @@ def write_rrd(
         One or several.
     truth
         An entity of its own, in grey.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -75,7 +73,7 @@ def write_rrd(
     entities = _entities(recordings)
     estimated = sum(recording.sigma is not None for recording in entities.values())
     if estimated:
-        warnings.warn(f"the file cannot keep the sigma of {estimated} recordings", stacklevel=2)
+        warnings.warn(f"the file cannot keep the sigma of {estimated} recordings", stacklevel=3)
     if truth is not None:
         entities["truth"] = truth
     try:
@@ -93,10 +91,10 @@ def write_rrd(
         [_with_id(chunk, number) for number, chunk in enumerate(chunks, start=1)]
     )
     with TemporaryDirectory() as folder:
-        file = Path(folder, "it.rrd")
-        store.write_rrd(file, application_id="nodegraph", recording_id=name)
-        content = _repeatable(file.read_bytes())
-    return file_named(name, ".rrd", content)
+        path = Path(folder, "it.rrd")
+        store.write_rrd(path, application_id="nodegraph", recording_id=file.name)
+        content = _repeatable(path.read_bytes())
+    return file.of(".rrd", content)
 
 
 def _entities(recordings: Across[Trajectories]) -> dict[str, Trajectories]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from nodegraph import node
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Selection
 from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, count_of, first_pairs, warn_spanned
+from nodegraph_select.ranking import Wanted, by_variance, first_pairs, warn_spanned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,13 +21,8 @@ _TIE = 1e-9
 """Relative difference from the largest gain within which a gain counts as equal."""
 
 
-@node("select.greedy", cite="farahat2013")
-def greedy(
-    recording: Trajectories,
-    like: Selection | None = None,
-    *,
-    k: Annotated[int, Field(ge=1)] | None = None,
-) -> Selection:
+@node("select.greedy", cite="farahat2013", shares=Wanted)
+def greedy(wanted: Wanted) -> Selection:
     """Choose markers by greedy column subset selection (Farahat et al.).
 
     The columns of X are the features, three coordinates per marker over the take, each less its
@@ -40,17 +34,6 @@ def greedy(
     follow by their variance, with a warning.
 
     Head motion must have been removed. Does not depend on the axes.
-
-    Parameters
-    ----------
-    recording
-        Trajectories with every sample, head motion removed; pairs are those of its marker set,
-        a marker that is in none is alone, with a warning unless it is on the midline.
-    like
-        Another selection: as many markers are chosen as it has, a pair that would exceed them
-        being passed over; one fewer where only pairs are left. In place of `k`.
-    k
-        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
 
     Returns
     -------
@@ -68,8 +51,8 @@ def greedy(
         If the marker set puts a marker into two pairs, a setting is out of range, or there is
         neither or both of `k` and `like`.
     """
-    count = count_of(recording, k, like)
-    features, pairs = features_of(recording), pairs_of(recording)
+    recording, count = wanted.recording, wanted.count()
+    features, pairs = features_of(recording), pairs_of(recording, stacklevel=4)
     pair = membership(pairs, features.markers)
     ranked, left = _ranked(features, pair)
     order = np.concatenate([ranked, pair[by_variance(features.variances)]])

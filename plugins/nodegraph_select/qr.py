@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from nodegraph import node
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Selection
 from nodegraph_select.features import Features, features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, count_of, first_pairs, warn_spanned
+from nodegraph_select.ranking import Wanted, by_variance, first_pairs, warn_spanned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("select.qr", cite=("businger_golub1965", "manohar2018"))
-def qr(
-    recording: Trajectories,
-    like: Selection | None = None,
-    *,
-    k: Annotated[int, Field(ge=1)] | None = None,
-) -> Selection:
+@node("select.qr", cite=("businger_golub1965", "manohar2018"), shares=Wanted)
+def qr(wanted: Wanted) -> Selection:
     """Choose markers by QR with column pivoting (Businger & Golub; Manohar et al.).
 
     The columns of X are the features, three coordinates per marker over the take, each less its
@@ -35,17 +29,6 @@ def qr(
     warning.
 
     Head motion must have been removed. It depends on the axes, because features are coordinates.
-
-    Parameters
-    ----------
-    recording
-        Trajectories with every sample, head motion removed; pairs are those of its marker set,
-        a marker that is in none is alone, with a warning unless it is on the midline.
-    like
-        Another selection: as many markers are chosen as it has, a pair that would exceed them
-        being passed over; one fewer where only pairs are left. In place of `k`.
-    k
-        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
 
     Returns
     -------
@@ -63,8 +46,8 @@ def qr(
         If the marker set puts a marker into two pairs, a setting is out of range, or there is
         neither or both of `k` and `like`.
     """
-    count = count_of(recording, k, like)
-    features, pairs = features_of(recording), pairs_of(recording)
+    recording, count = wanted.recording, wanted.count()
+    features, pairs = features_of(recording), pairs_of(recording, stacklevel=4)
     pivots, residual = _pivots(features)
     order = np.concatenate([pivots // 3, by_variance(features.variances)])
     numbers = membership(pairs, features.markers)[order]

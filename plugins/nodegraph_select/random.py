@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from pydantic import Field
-
 from nodegraph import node
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Selection
 from nodegraph_mocap.streams import Seed, random_for
 from nodegraph_select.pairs import pairs_of
-from nodegraph_select.ranking import count_of, first_pairs
+from nodegraph_select.ranking import Wanted, first_pairs
 
 
-@node("select.random")
-def random(
-    recording: Trajectories,
-    like: Selection | None = None,
-    *,
-    k: Annotated[int, Field(ge=1)] | None = None,
-    seed: Seed = 0,
-) -> Selection:
+@node("select.random", shares=Wanted)
+def random(wanted: Wanted, *, seed: Seed = 0) -> Selection:
     """Choose pairs of markers at random.
 
     All pairs, left and right, and all markers of the midline are put into a random order, each
@@ -33,11 +23,6 @@ def random(
     recording
         Whose markers, and whose marker set's pairs; a marker that is in no pair is alone, with
         a warning unless it is on the midline.
-    like
-        Another selection: as many markers are chosen as it has, a pair that would exceed them
-        being passed over; one fewer where only pairs are left. In place of `k`.
-    k
-        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
     seed
         Which random order. A list, such as ``[$trial, $recording]`` in a graph, is another
         seed for each recording.
@@ -55,8 +40,8 @@ def random(
         If the marker set puts a marker into two pairs, a setting is out of range, or there is
         neither or both of `k` and `like`.
     """
-    count = count_of(recording, k, like)
-    pairs = pairs_of(recording)
+    recording, count = wanted.recording, wanted.count()
+    pairs = pairs_of(recording, stacklevel=4)
     # by name, so that nothing hangs on the order in a file
     drawn = random_for("select.random", seed).permutation(
         sorted(range(len(pairs)), key=lambda number: min(pairs[number]))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import Field
 
 from nodegraph import Refusal
 from nodegraph_mocap import Selection, Trajectories
@@ -32,23 +33,46 @@ class Count:
     exact: bool
 
 
-def count_of(recording: Trajectories, k: int | None, like: Selection | None) -> Count:
-    """Return how many markers a setting, or another selection, asks for.
+@dataclass(frozen=True)
+class Wanted:
+    """A recording and how many of its markers are to be chosen.
 
-    Raises
-    ------
-    Refusal
-        If there are fewer.
-    ValueError
-        If there is neither or both, or the setting is not a number of markers.
+    Attributes
+    ----------
+    recording
+        Trajectories with every sample, head motion removed; pairs are those of its marker set,
+        a marker that is in none is alone, with a warning unless it is on the midline.
+    like
+        Another selection: as many markers are chosen as it has, a pair that would exceed them
+        being passed over; one fewer where only pairs are left. In place of `k`.
+    k
+        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
     """
-    if (k is None) == (like is None):
-        raise ValueError(f"give k or a selection `like`, got {'neither' if k is None else 'both'}")
-    count = Count(len(like.chosen), exact=True) if k is None and like else Count(k or 0, False)
-    check_whole("k", count.markers, 1)
-    if count.markers > len(recording.markers):
-        raise Refusal(f"k = {count.markers} markers cannot be chosen of {len(recording.markers)}")
-    return count
+
+    recording: Trajectories
+    like: Selection | None = None
+    _: KW_ONLY
+    k: Annotated[int, Field(ge=1)] | None = None
+
+    def count(self) -> Count:
+        """Return how many markers are asked for.
+
+        Raises
+        ------
+        Refusal
+            If there are fewer.
+        ValueError
+            If there is neither or both, or the setting is not a number of markers.
+        """
+        k, like, markers = self.k, self.like, self.recording.markers
+        if (k is None) == (like is None):
+            given = "neither" if k is None else "both"
+            raise ValueError(f"give k or a selection `like`, got {given}")
+        count = Count(len(like.chosen), exact=True) if k is None and like else Count(k or 0, False)
+        check_whole("k", count.markers, 1)
+        if count.markers > len(markers):
+            raise Refusal(f"k = {count.markers} markers cannot be chosen of {len(markers)}")
+        return count
 
 
 def first_pairs(
@@ -118,5 +142,5 @@ def warn_spanned(spanning: int, selection: Selection) -> None:
         warnings.warn(
             f"{spanning} of the {chosen} pairs chosen determine all markers' motion; the others "
             "are those of largest variance",
-            stacklevel=3,
+            stacklevel=4,
         )

@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import warnings
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from nodegraph import node
-from nodegraph_mocap import Selection, Trajectories
+from nodegraph_mocap import Selection
 from nodegraph_select.features import features_of
 from nodegraph_select.pairs import membership, pairs_of
-from nodegraph_select.ranking import by_variance, count_of, first_pairs, pairs_chosen
+from nodegraph_select.ranking import Wanted, by_variance, first_pairs, pairs_chosen
 
 
-@node("select.variance")
-def variance(
-    recording: Trajectories,
-    like: Selection | None = None,
-    *,
-    k: Annotated[int, Field(ge=1)] | None = None,
-) -> Selection:
+@node("select.variance", shares=Wanted)
+def variance(wanted: Wanted) -> Selection:
     """Choose the markers that move most, each with its partner.
 
     A marker's variance is the mean squared distance from its mean position. From the largest
@@ -30,17 +23,6 @@ def variance(
     Once all that move are chosen, the rest follow by name, with a warning.
 
     Head motion must have been removed. Does not depend on the axes.
-
-    Parameters
-    ----------
-    recording
-        Trajectories with every sample, head motion removed; pairs are those of its marker set,
-        a marker that is in none is alone, with a warning unless it is on the midline.
-    like
-        Another selection: as many markers are chosen as it has, a pair that would exceed them
-        being passed over; one fewer where only pairs are left. In place of `k`.
-    k
-        Number of markers; one more where the last pair exceeds it, as pairs stay whole.
 
     Returns
     -------
@@ -58,8 +40,8 @@ def variance(
         If the marker set puts a marker into two pairs, a setting is out of range, or there is
         neither or both of `k` and `like`.
     """
-    count = count_of(recording, k, like)
-    features, pairs = features_of(recording), pairs_of(recording)
+    recording, count = wanted.recording, wanted.count()
+    features, pairs = features_of(recording), pairs_of(recording, stacklevel=4)
     order = by_variance(features.variances)
     numbers = membership(pairs, features.markers)[order]
     selection = first_pairs(recording, pairs, numbers, count, features.variances[order], "variance")
@@ -71,5 +53,5 @@ def _warn_still(moving: int, chosen: int) -> None:
     if chosen > moving:
         warnings.warn(
             f"only {moving} of the {chosen} pairs chosen move; the others are the first by name",
-            stacklevel=3,
+            stacklevel=4,
         )

@@ -9,14 +9,12 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_mocap import Detections, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_track.follow import (
-    Gate,
     Links,
     Method,
     OpenTracks,
-    Patience,
-    Shortest,
+    Points,
     follow,
     live_form,
     lookahead,
@@ -38,14 +36,11 @@ def _method(fade: float) -> Method:
     ),
     lookahead=lookahead,
     live=live_form(_method),
+    shares=Points,
 )
 def assignment(
-    detections: Detections,
-    reference: Trajectories | None = None,
+    given: Points,
     *,
-    gate: Gate = None,
-    patience: Patience = 60,
-    shortest: Shortest = 3,
     fade: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8,
 ) -> Trajectories:
     """Follow points by their velocity, assigning those of a frame as a whole.
@@ -75,20 +70,6 @@ def assignment(
 
     Parameters
     ----------
-    detections
-        Unlabelled points.
-    reference
-        A recording whose markers are to be followed, from where they are in its first frame that
-        has all of them: `patience` and `shortest` then play no part, and points of no marker are
-        left out, counted in a warning. None: tracks are opened by points.
-    gate
-        How far from where it is expected a track finds a point. None: half the median distance
-        from a point to the nearest one of the same frame, in 200 frames of the take.
-    patience
-        How many frames a track stays open without a point.
-    shortest
-        Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
-        the take has frames.
     fade
         What is left of a track's velocity from frame to frame while it has no point: 1 continues
         at constant velocity, 0 stays after the first frame.
@@ -99,7 +80,7 @@ def assignment(
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
     method = _method(fade)
-    return follow(detections, reference, method, gate=gate, patience=patience, shortest=shortest)
+    return follow(given, method)
 
 
 def _link(

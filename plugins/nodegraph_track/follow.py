@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Protocol
 
@@ -26,9 +27,35 @@ from nodegraph_mocap import Detections, MarkerFrame, Origin, Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-Gate = Annotated[float, Field(gt=0.0), Unit("mm")] | None
-Patience = Annotated[int, Field(ge=0), Unit("frames")]
-Shortest = Annotated[int, Field(ge=1), Unit("frames")]
+
+@dataclass(frozen=True)
+class Points:
+    """Points to follow, and the settings of every tracker.
+
+    Attributes
+    ----------
+    detections
+        Unlabelled points.
+    reference
+        A recording whose markers are to be followed, from where they are in its first frame that
+        has all of them: `patience` and `shortest` then play no part, and points of no marker are
+        left out, counted in a warning. None: tracks are opened by points.
+    gate
+        How far from where it is expected a track finds a point. None: half the median distance
+        from a point to the nearest one of the same frame, in 200 frames of the take.
+    patience
+        How many frames a track stays open without a point.
+    shortest
+        Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
+        the take has frames.
+    """
+
+    detections: Detections
+    reference: Trajectories | None = None
+    _: KW_ONLY
+    gate: Annotated[float, Field(gt=0.0), Unit("mm")] | None = None
+    patience: Annotated[int, Field(ge=0), Unit("frames")] = 60
+    shortest: Annotated[int, Field(ge=1), Unit("frames")] = 3
 
 
 _MISSING, _MEASURED = int(Origin.MISSING), int(Origin.MEASURED)
@@ -120,32 +147,15 @@ class Method(Protocol):
         """Return the links."""
 
 
-def follow(
-    detections: Detections,
-    reference: Trajectories | None,
-    method: Method,
-    *,
-    gate: float | None,
-    patience: int,
-    shortest: int,
-) -> Trajectories:
+def follow(given: Points, method: Method) -> Trajectories:
     """Follow points through time by a method, and warn of what is dropped; called by a node.
 
     Parameters
     ----------
-    detections
-        Unlabelled points.
-    reference
-        Where the markers to follow are at first, in its first frame that has all of them; None:
-        tracks are opened by points.
+    given
+        What the node takes.
     method
         How a frame's points are linked to the open tracks.
-    gate
-        Millimetres; None: `default_gate`.
-    patience
-        Frames that a track stays open without a point.
-    shortest
-        Tracks of fewer points are dropped; never more than the take has frames.
 
     Returns
     -------
@@ -158,9 +168,10 @@ def follow(
     Refusal
         If there is no point at all, or no frame of the reference has all its markers.
     """
+    detections, reference = given.detections, given.reference
     if not len(detections.points):
         raise Refusal("needs at least one point; no frame has any")
-    shortest = min(shortest, detections.frames)
+    shortest = min(given.shortest, detections.frames)
     offsets, frame = (
         detections.offsets,
         np.repeat(np.arange(detections.frames), np.diff(detections.offsets)),
@@ -168,9 +179,9 @@ def follow(
     # In an order of their own, so that nothing hangs on the order in which they came, and by x
     # first, by which the links are searched.
     points = detections.points[_order(detections.points, frame)]
-    width = default_gate(points, offsets) if gate is None else gate
+    width = default_gate(points, offsets) if given.gate is None else given.gate
     if reference is None:
-        tracker = _Tracker(method, width, patience, shortest)
+        tracker = _Tracker(method, width, given.patience, shortest)
     else:
         tracker = _Tracker.of(reference, method, width)
     owner = np.empty(len(points), dtype=np.intp)
@@ -217,7 +228,7 @@ class _Tracker:
     Parameters
     ----------
     method, gate, patience, shortest
-        As for `follow`.
+        As for `follow` and `Points`.
     tracks
         Those that are open before the first frame: if there are any, there will be no others.
     """
@@ -307,7 +318,7 @@ def _known_trajectories(
         warnings.warn(
             f"{np.count_nonzero(~kept)} of {len(kept)} points are none of the reference's markers "
             "and were left out",
-            stacklevel=4,
+            stacklevel=5,
         )
     positions = np.full((detections.frames, len(reference.markers), 3), np.nan)
     positions[frame[kept], owner[kept]] = points[kept]
@@ -332,7 +343,7 @@ def _trajectories(
         warnings.warn(
             f"{np.count_nonzero(~long)} of {len(long)} tracks have fewer than {shortest} points "
             f"and were dropped as ghosts, {counts[~long].sum()} of {len(points)} points in all",
-            stacklevel=4,
+            stacklevel=5,
         )
     kept, column = long[owner], np.cumsum(long) - 1
     positions = np.full((detections.frames, np.count_nonzero(long), 3), np.nan)

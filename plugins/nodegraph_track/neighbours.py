@@ -8,13 +8,11 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_mocap import Detections, Trajectories
+from nodegraph_mocap import Trajectories
 from nodegraph_track.follow import (
-    Gate,
     Links,
     OpenTracks,
-    Patience,
-    Shortest,
+    Points,
     follow,
     live_form,
     lookahead,
@@ -57,14 +55,11 @@ class _Method:
     ),
     lookahead=lookahead,
     live=live_form(_Method),
+    shares=Points,
 )
 def neighbours(
-    detections: Detections,
-    reference: Trajectories | None = None,
+    given: Points,
     *,
-    gate: Gate = None,
-    patience: Patience = 60,
-    shortest: Shortest = 3,
     neighbours: Annotated[int, Field(ge=1)] = 8,
 ) -> Trajectories:
     """Follow points by the motion of their neighbours, assigning those of a frame as a whole.
@@ -103,20 +98,6 @@ def neighbours(
 
     Parameters
     ----------
-    detections
-        Unlabelled points.
-    reference
-        A recording whose markers are to be followed, from where they are in its first frame that
-        has all of them: `patience` and `shortest` then play no part, and points of no marker are
-        left out, counted in a warning. None: tracks are opened by points.
-    gate
-        How far from where it is expected a track finds a point. None: half the median distance
-        from a point to the nearest one of the same frame, in 200 frames of the take.
-    patience
-        How many frames a track stays open without a point.
-    shortest
-        Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
-        the take has frames.
     neighbours
         How many neighbours' motion is looked at, fewer where there are fewer.
 
@@ -126,4 +107,4 @@ def neighbours(
         The tracks; every sample is a point of that frame, and no point is used twice.
     """
     method = _Method(neighbours)
-    return follow(detections, reference, method, gate=gate, patience=patience, shortest=shortest)
+    return follow(given, method)

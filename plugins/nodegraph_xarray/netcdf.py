@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph import Files, Format, node
 from nodegraph_files.units import AUTO, UnitSetting
-from nodegraph_files.writers import Name, file_named
+from nodegraph_files.writers import File
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_xarray.hdf5 import check_size, read_hdf5
 from nodegraph_xarray.poses import NAMES, from_xarray, require_xarray, to_xarray
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 _CLASSIC = b"CDF"
 
 
-@node("write.nc")
-def write_nc(recording: Trajectories, *, name: Name = "recording") -> Files:
+@node("write.nc", shares=File(name="recording"))
+def write_nc(recording: Trajectories, *, file: File) -> Files:
     """Write a recording as netCDF, a dataset of poses of the package movement, bit for bit.
 
     The dataset is that of `nodegraph_xarray.to_xarray`; ``xarray.open_dataset`` opens it.
@@ -29,8 +29,6 @@ def write_nc(recording: Trajectories, *, name: Name = "recording") -> Files:
     ----------
     recording
         Any.
-    name
-        Of the file, without its suffix.
 
     Returns
     -------
@@ -43,7 +41,7 @@ def write_nc(recording: Trajectories, *, name: Name = "recording") -> Files:
         If xarray is not installed.
     """
     content = bytes(to_xarray(recording).to_netcdf(engine="scipy", format="NETCDF3_64BIT"))
-    return file_named(name, ".nc", content)
+    return file.of(".nc", content)
 
 
 def read_nc(

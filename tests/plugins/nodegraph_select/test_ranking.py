@@ -13,8 +13,8 @@ from nodegraph import Refusal
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.ranking import (
     Count,
+    Wanted,
     by_variance,
-    count_of,
     first_pairs,
     pairs_chosen,
     warn_spanned,
@@ -51,22 +51,22 @@ def test_variances_from_the_largest_down() -> None:
 
 
 def test_no_more_than_there_are() -> None:
-    assert count_of(SIX, 6, None) == Count(6, exact=False)
+    assert Wanted(SIX, k=6).count() == Count(6, exact=False)
     with pytest.raises(Refusal, match="k = 7 markers cannot be chosen of 6"):
-        count_of(SIX, 7, None)
+        Wanted(SIX, k=7).count()
 
 
 @pytest.mark.parametrize("k", [0, -1, 2.0, "3"])
 def test_no_number_of_markers(k: Any) -> None:
     with pytest.raises(ValueError, match=f"k must be a whole number from 1 on, got {k!r}"):
-        count_of(SIX, k, None)
+        Wanted(SIX, k=k).count()
 
 
 @given(st.permutations([0, 1, 2, 3]), st.integers(1, 6))
 def test_as_many_as_another_selection_has(order: list[int], k: int) -> None:
     """Exactly as many wherever a lone marker is left for the last place."""
     like = Selection(chosen=SIX.markers[:k])
-    count = count_of(SIX, None, like)
+    count = Wanted(SIX, like).count()
     chosen = first_pairs(SIX, PAIRS, np.array(order), count).chosen
     lone = {"c", "f"} - set(chosen)
     assert len(chosen) == k or (len(chosen) == k - 1 and not lone)
@@ -75,7 +75,7 @@ def test_as_many_as_another_selection_has(order: list[int], k: int) -> None:
 def test_a_number_or_another_selection_but_not_both() -> None:
     for k, like, what in ((None, None, "neither"), (3, Selection(chosen=("a",)), "both")):
         with pytest.raises(ValueError, match=f"k or a selection `like`, got {what}"):
-            count_of(SIX, k, like)
+            Wanted(SIX, like, k=k).count()
 
 
 def test_how_many_pairs_are_chosen() -> None:
