@@ -22,7 +22,13 @@ _INTERVAL = 0.1
 _SOON = 2.0
 """Seconds after which a line says how long the run will take, as soon as that is known."""
 _LONGEST = 40
-_COUNTS = ("run", State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
+_COUNTS = {
+    "run": "computed",
+    State.STORED: "already stored",
+    State.REFUSED: "refused",
+    State.FAILED: "failed",
+    State.SKIPPED: "skipped",
+}
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
@@ -198,11 +204,11 @@ class _Quiet(_Lines):
 
 
 def counts_text(detail: Mapping[str, Any]) -> str:
-    """Return the counts of a ``progress`` event: ``run 120 · failed 2 · left 33 · 0:12 to go``."""
-    parts = [f"{name} {detail[name]}" for name in _COUNTS if detail.get(name) or name == "run"]
-    parts += [f"left {detail['left']}"] if detail.get("left") else []
+    """Return the counts of a ``progress`` event: ``120 computed, 33 left, 0:12 to go``."""
+    parts = [f"{detail[name]:,} {word}" for name, word in _COUNTS.items() if detail.get(name)]
+    parts += [f"{detail['left']:,} left"] if detail.get("left") else []
     parts += [f"{_clock(detail['to_go'])} to go"] if detail.get("to_go") is not None else []
-    return " · ".join(parts)
+    return ", ".join(parts) or "nothing to do"
 
 
 def _clock(seconds: float) -> str:

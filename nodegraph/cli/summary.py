@@ -28,6 +28,7 @@ _MOST_LINES = 12
 _MOST_ROWS = 30
 _MOST_GROUPS = 5
 _GAP = 2
+_LONGEST_WARNING = 100
 _BEST, _TIED = "*", "~"
 _LEGEND = {_BEST: "best", _TIED: "not clearly apart from it"}
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
@@ -210,17 +211,19 @@ def _mark(grid: Grid, row: int, column: int) -> str:
 
 
 def _warnings(group: NoteGroup, *, full: bool) -> Iterator[str]:
-    """Yield the text of a kind of warning; of several that differ in details, the first or all."""
+    """Yield a line on a kind of warning, with its count; in full, one for all that differ."""
     start = f"warning: {group.where}"
-    if "\N{HORIZONTAL ELLIPSIS}" in group.reason and group.labels:
-        first, *rest = group.labels
-        more = f" (and {group.count - 1} like it)" if rest and not full else ""
-        yield f"{start} at {first}{more}"
-        yield from (f"{start} at {label}" for label in rest if full)
+    differ = "\N{HORIZONTAL ELLIPSIS}" in group.reason
+    if full and differ and group.labels:
+        yield from (f"{start} at {label}" for label in group.labels)
         return
     at = f" at {group.labels[0]}" if group.count == len(group.labels) == 1 else ""
     times = f" ({group.count} times)" if group.count > 1 else ""
-    yield f"{start}{at}: {group.reason}{times}"
+    line = f"{start}{at}: {group.reason}{times}"
+    if not full and len(line) > _LONGEST_WARNING:
+        room = _LONGEST_WARNING - len(times)
+        line = textwrap.shorten(f"{start}: {group.reason}", room, placeholder=" …") + times
+    yield line
 
 
 def _failure(group: NoteGroup) -> str:

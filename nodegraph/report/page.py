@@ -35,6 +35,9 @@ _OPEN = 2
 """Results that are not folded; beside one that answers at a glance, that one alone."""
 
 _MANY = 24
+_LONGEST_REASON = 120
+"""Characters of a warning's line; what is longer is folded."""
+
 _CODE = re.compile(r":[a-z:]+:`~?([^`]+)`|``([^`]+)``|`([^`]+)`")
 
 
@@ -111,6 +114,7 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
             stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,
             many=_MANY,
+            longest=_LONGEST_REASON,
             scripts=scripts,
             styles=styles,
         )

@@ -203,6 +203,8 @@ def _form(table: pd.DataFrame, name: str) -> _Form:
 
 def _labelled(value: object) -> str:
     """Return a label as the graph writes it."""
+    if isinstance(value, bool):
+        return str(value)
     return f"{value:.12g}" if isinstance(value, float) and math.isfinite(value) else shown(value)
 
 
@@ -219,7 +221,9 @@ def shown(value: object, decimals: int | None = None, *, fixed: bool = False) ->
     """
     if value is None or type(value).__name__ in ("NAType", "NaTType"):
         return ""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, (int, float)):
         return str(value)
     if math.isnan(value):
         return ""

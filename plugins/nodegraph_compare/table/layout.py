@@ -389,7 +389,7 @@ def _ahead(declared: Declared) -> str:
     frames = declared.get("lookahead", -1)
     if frames is None:
         return "whole take"
-    return "" if frames < 0 else f"{frames} frames"
+    return "" if frames < 0 else f"{frames} frame{'s' * (frames != 1)}"
 
 
 def _says_no_more(name: str, values: Sequence[float], means: Sequence[float]) -> bool:

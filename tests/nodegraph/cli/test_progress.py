@@ -62,13 +62,13 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
     assert out == ""
     assert lines[:2] == [
         "100 steps of 2 nodes",
-        "0:02  10 of 100 steps: run 10 · left 90 · 0:12 to go",
+        "0:02  10 of 100 steps: 10 computed, 90 left, 0:12 to go",
     ]
     assert lines[-4:] == [
         "failed: fill(k=98): no frame",
         "refused: fill(k=99): no frame",
-        "0:20  100 of 100 steps: run 98 · refused 1 · failed 1 · 0:12 to go",
-        "finished after 3.0 s: run 98 · refused 1 · failed 1",
+        "0:20  100 of 100 steps: 98 computed, 1 refused, 1 failed, 0:12 to go",
+        "finished after 3.0 s: 98 computed, 1 refused, 1 failed",
     ]
     assert len(lines) == 14
 
@@ -78,7 +78,7 @@ def test_a_line_soon_says_how_long_a_slow_run_takes(capsys: pytest.CaptureFixtur
     unknown = Event("progress", 2.0, detail={**run[3].detail, "to_go": None})
     show([run[0], unknown, *run[1:]])
     lines = capsys.readouterr().err.splitlines()
-    assert lines[1:] == ["0:02  11 of 300 steps: run 11 · left 289 · 0:12 to go"]
+    assert lines[1:] == ["0:02  11 of 300 steps: 11 computed, 289 left, 0:12 to go"]
 
 
 def test_unneeded_steps_are_not_in_the_total(
@@ -86,7 +86,7 @@ def test_unneeded_steps_are_not_in_the_total(
 ) -> None:
     run = events(["stored"] * 9 + ["done"], left=10)
     show([run[0], run[-2], run[-1]])
-    assert "10 of 20 steps: run 1 · stored 9" in capsys.readouterr().err
+    assert "10 of 20 steps: 1 computed, 9 already stored" in capsys.readouterr().err
 
 
 def test_all_planned_steps_are_in_the_total_while_results_are_looked_up(
@@ -94,14 +94,14 @@ def test_all_planned_steps_are_in_the_total_while_results_are_looked_up(
 ) -> None:
     run = events(["done"] + ["stored"] * 19, left=0)
     show([run[0], *run[3:6]])
-    assert "2 of 20 steps: run 1 · stored 1" in capsys.readouterr().err
+    assert "2 of 20 steps: 1 computed, 1 already stored" in capsys.readouterr().err
 
 
 def test_stored_results_alone_are_counted_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
     show(events(["stored"] * 20))
     assert capsys.readouterr().err.splitlines() == [
         "20 steps of 2 nodes",
-        "finished after 3.0 s: run 0 · stored 20",
+        "finished after 3.0 s: 20 already stored",
     ]
 
 
@@ -110,15 +110,15 @@ def test_skipped_steps_after_a_failure_are_counted_at_the_end(
 ) -> None:
     show(events(["failed"] + ["skipped"] * 19))
     assert capsys.readouterr().err.splitlines()[2:] == [
-        "0:00  2 of 20 steps: run 0 · failed 1 · skipped 1 · left 18 · 0:12 to go",
-        "finished after 3.0 s: run 0 · failed 1 · skipped 19",
+        "0:00  2 of 20 steps: 1 failed, 1 skipped, 18 left, 0:12 to go",
+        "finished after 3.0 s: 1 failed, 19 skipped",
     ]
 
 
 def test_a_run_without_steps(capsys: pytest.CaptureFixture[str]) -> None:
     show(events([]))
     lines = capsys.readouterr().err.splitlines()
-    assert lines == ["0 steps of 2 nodes", "finished after 3.0 s: run 0"]
+    assert lines == ["0 steps of 2 nodes", "finished after 3.0 s: nothing to do"]
 
 
 def test_a_bar_in_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,7 +127,9 @@ def test_a_bar_in_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     text = plain(terminal)
     assert "failed: fill(k=1): no frame\n" in text
     assert "refused: fill(k=3): no frame\n" in text
-    assert "run 1 · stored 1 · refused 1 · failed 1 · skipped 1 · left 33 · 0:12 to go" in text
+    assert (
+        "1 computed, 1 already stored, 1 refused, 1 failed, 1 skipped, 33 left, 0:12 to go" in text
+    )
     assert "5/38" in text
 
 
@@ -212,9 +214,9 @@ def test_the_current_node_is_updated_ten_times_a_second(
 
 def test_counts_as_text() -> None:
     counts = {"run": 120, "stored": 540, "refused": 0, "failed": 2, "skipped": 0}
-    text = "run 120 · stored 540 · failed 2 · left 33"
-    assert counts_text({**counts, "left": 33, "to_go": 12.0}) == f"{text} · 0:12 to go"
-    assert counts_text({**counts, "left": 33, "to_go": 3723.0}) == f"{text} · 1:02:03 to go"
+    text = "120 computed, 540 already stored, 2 failed, 33 left"
+    assert counts_text({**counts, "left": 33, "to_go": 12.0}) == f"{text}, 0:12 to go"
+    assert counts_text({**counts, "left": 33, "to_go": 3723.0}) == f"{text}, 1:02:03 to go"
     assert counts_text({**counts, "left": 33, "to_go": None}) == text
 
 

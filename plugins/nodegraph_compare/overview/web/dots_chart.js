@@ -8,6 +8,9 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
   const REACH = 9;
   const CELL = 4;
   const ROW_LABEL = 13;
+  const MANY = 50;
+  const FAR = 0.5; // of what the other values take
+  const FAR_SHARE = 0.002; // of all values
 
   // A fixed share of the row's height for each block, without pattern: 0 to 1.
   const jitter = (block) => {
@@ -72,24 +75,34 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       this.canvas.height = Math.round(this.height * this.ratio);
     }
 
+    // The values of the axis. A few that are far from all others stand at its edges, and are counted.
     range() {
       const { blocks, rows, values, count } = this;
-      let [least, most] = [Infinity, -Infinity];
-      for (const block of blocks) {
-        for (const method of rows) {
-          const value = values[block * count + method];
-          if (value < least) least = value;
-          if (value > most) most = value;
-        }
-      }
-      // a few values close to 0 would leave no room for the others on a log scale
+      const sorted = Float64Array.from(blocks.flatMap((block) => rows.map((method) => values[block * count + method])))
+        .filter(Number.isFinite).sort();
+      const [least, most] = [sorted[0], sorted.at(-1)];
       const typical = medianOf(blocks.map((block) => values[block * count + rows[0]]));
-      return [least > 0 ? Math.max(least, most / 1e5, typical / 300) : least, most];
+      const low = least > 0 ? Math.max(least, typical / 300) : least;
+      const of = least > 0 ? Math.log : (value) => value;
+      const usual = sorted[Math.floor((1 - FAR_SHARE) * (sorted.length - 1))];
+      const isFar = sorted.length >= MANY && of(most) - of(usual) > FAR * (of(usual) - of(low));
+      const high = isFar ? usual : most;
+      this.sorted = sorted;
+      return [least > 0 ? Math.max(low, high / 1e5) : low, high];
     }
 
     across(value) {
       const x = this.x.place(this.x.log && value < this.x.low ? this.x.low : value);
       return scales.between(x, this.left + 3, this.right - 3);
+    }
+
+    // What the axis leaves out, in words.
+    get leftOut() {
+      const { low, high } = this.x;
+      const count = (isThere) => this.sorted.filter(isThere).length;
+      const sides = [[count((value) => value < low), "below", low, "left"], [count((value) => value > high), "above", high, "right"]];
+      return sides.filter(([many]) => many).map(([many, side, end, edge]) =>
+        `${many} ${many === 1 ? "dot" : "dots"} ${side} ${this.view.error(end)} ${many === 1 ? "stands" : "stand"} at the ${edge} edge. `).join("");
     }
 
     down(row, block) {
@@ -381,6 +394,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
           strong(`${view.metric.name}${view.metric.unit ? `, ${view.metric.unit}` : ""}${dots.x.log ? ", log scale" : ""}. `),
           `Every dot is one of the ${blocksName}, in the row of each method. ${view.statistic === "rank" ? "" : `Bars and numbers are ${view.statistic}s. `}`,
           dots.blocks.some((block) => view.group.isSuspect(block)) ? `Hollow diamonds: suspect ${blocksName}, whose truth itself is in doubt. ` : "",
+          dots.leftOut,
           "Point at a dot to see it in every row, click to open it.",
         ],
       };

@@ -18,6 +18,26 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const labelWidth = (view, shown) =>
     Math.min(chart.widest(shown.map((method) => view.overview.methods[method])), 150);
 
+  // The heads of the groups that have room, by their places: with axis and units where all have it.
+  const headsOf = (view, groups, x, left) => {
+    const last = groups.length - 1;
+    const short = groups.map((group) => group.texts.at(-1) ?? "");
+    const whole = short.map((label, at) => (at === 0 && last > 0 ? view.groupText(groups[0]) : label));
+    const fits = last === 0 || whole.every((label) => chart.textWidth(label) + 8 < x(1) - x(0));
+    const label = (at) => (fits ? whole[at] : at === last ? short[at] : short[at].split("\u00a0")[0]);
+    const heads = new Map();
+    const taken = [];
+    for (const at of [groups.indexOf(view.group), last, ...groups.keys()]) {
+      if (at < 0 || heads.has(at)) continue;
+      const half = chart.textWidth(label(at)) / 2 + 4;
+      const middle = Math.max(x(at), left + half);
+      if (taken.some(([from, to]) => middle - half < to && middle + half > from)) continue;
+      taken.push([middle - half, middle + half]);
+      heads.set(at, [middle, TOP - 14, label(at)]);
+    }
+    return heads;
+  };
+
   // One panel between two edges of the picture; `many` panels name only methods that matter.
   const panelOf = (view, panel, shown, axis, { left, right, bottom, before, after, wide }) => {
     const groups = panel.groups.filter((group) => view.shown([group]).length);
@@ -29,12 +49,11 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       all.append(line(start, axis.place(value), end, axis.place(value), "grid"));
       all.append(text(start - (wide ? 0 : 6), axis.place(value) - (wide ? 3 : -4), label, { class: "tick", "text-anchor": wide ? "start" : "end", dx: wide ? 5 : 0 }));
     }
-    const heads = scales.thin(groups, Math.max(2, Math.floor((end - start) / 56) + 1), (group) => group === view.group || group === groups[0] || group === groups.at(-1));
+    const heads = headsOf(view, groups, x, left);
     groups.forEach((group, at) => {
-      all.append(line(x(at), TOP - 6, x(at), bottom, `axis${group === view.group ? " here" : ""}`));
-      if (!heads.has(group)) return;
-      const label = at === 0 && groups.length > 1 ? view.groupText(group) : group.texts.at(-1) ?? "";
-      all.append(text(x(at), TOP - 14, label, { class: `head${group === view.group ? " here" : ""}`, "text-anchor": "middle" }));
+      const here = group === view.group ? " here" : "";
+      all.append(line(x(at), TOP - 6, x(at), bottom, `axis${here}`));
+      if (heads.has(at)) all.append(text(...heads.get(at), { class: `head${here}`, "text-anchor": "middle" }));
     });
     const [first, last] = [groups[0], groups.at(-1)];
     const weight = (method) => view.weight(method, groups);

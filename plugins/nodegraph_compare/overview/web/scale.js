@@ -21,7 +21,7 @@ nodegraph.define("compare/scale", [], () => {
     const short = +value.toPrecision(digits);
     let text = String(short);
     if (size !== 0 && (size < 1e-3 || size >= 1e5)) text = short.toExponential().replace("e+", "e");
-    else if (step) text = value.toFixed(between(Math.ceil(-Math.log10(step) - 1e-9), 0, 6));
+    else if (step) text = value.toFixed(between(Math.ceil(-Math.log10(step) - 1e-9), 0, 12));
     return text.replaceAll("-", "\u2212");
   };
 

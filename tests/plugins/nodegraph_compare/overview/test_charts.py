@@ -660,6 +660,39 @@ def test_of_thousands_of_blocks_a_change_draws_each_chart_once(tab: Page, tmp_pa
         assert drawn.count(f"chart {chart}") == 2  # the picture and its caption
 
 
+def test_a_few_values_far_from_all_others_stand_at_the_edge_and_are_counted(
+    tab: Page, tmp_path: Path
+) -> None:
+    errors = some(200, 5)
+    errors[7, 3], errors[9, 2] = 1e5, 1e-9
+    load(tab, charts_of(tmp_path, data_of([some(200, 5), errors])), width=1280)
+    caption = text(tab, ".dots-chart figcaption")
+    assert re.search(r"\. 1 dot below \S+ g stands at the left edge\. ", caption)
+    assert re.search(r"\. 1 dot above \S+ g stands at the right edge\. ", caption)
+    load(tab, charts_of(tmp_path, data_of([some(200, 5)] * 2)), width=1280)
+    assert "edge" not in text(tab, ".dots-chart figcaption")
+
+
+HEADS = """(() => {
+  const boxes = [...document.querySelectorAll(".line-chart text.head")]
+    .map((text) => text.getBoundingClientRect());
+  const edge = document.querySelector(".line-chart svg").getBoundingClientRect().left;
+  return boxes.filter((a, at) => a.left < edge - 1 || boxes.slice(at + 1).some(
+    (b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom)).length;
+})()"""
+
+
+@pytest.mark.parametrize("groups", [3, 12])
+def test_heads_of_groups_do_not_overlap_on_a_phone(tab: Page, tmp_path: Path, groups: int) -> None:
+    data = data_of([*some(groups, 30, 4)])
+    for at, group in enumerate(data["groups"]):
+        group["texts"] = [f"{10 * at + 5}\N{NO-BREAK SPACE}frames"]
+    load(tab, charts_of(tmp_path, data), width=390)
+    assert tab.locator(".line-chart text.head").count() >= 2
+    assert tab.evaluate(HEADS) == 0
+    assert tab.evaluate("document.querySelector('.control-bar').offsetHeight") < 60
+
+
 def test_the_reference_is_the_baseline_until_a_reader_chooses_another(
     tab: Page, tmp_path: Path
 ) -> None:
