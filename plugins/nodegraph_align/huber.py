@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
+from nodegraph_align.faces import Faces
 from nodegraph_align.fitting import Fitting
 from nodegraph_align.poses import Aligned, Poses, warn
-from nodegraph_align.reference import Faces, reference_of
+from nodegraph_align.reference import reference_of
 
 _ROUNDS = 200
 _TOLERANCE = 1e-9

@@ -12,6 +12,7 @@ from pydantic import AfterValidator
 from pydantic_core import PydanticCustomError
 
 from nodegraph import Refusal, StateForm, node
+from nodegraph_align.faces import Faces
 from nodegraph_align.landmarks import FEWEST, Landmarks
 from nodegraph_align.poses import (
     MIRRORED,
@@ -23,7 +24,7 @@ from nodegraph_align.poses import (
     for_kernel,
     warn,
 )
-from nodegraph_align.reference import Faces, Reference, reference_of
+from nodegraph_align.reference import Reference, reference_of
 from nodegraph_mocap import HeadMotion, HeadPose, MarkerFrame, Trajectories
 
 if TYPE_CHECKING:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from nodegraph import Refusal, listed
-from nodegraph_align.landmarks import FEWEST, Landmarks, landmarks_of
-from nodegraph_align.poses import Scale
+from nodegraph_align.landmarks import FEWEST, landmarks_of
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -54,33 +53,6 @@ class Reference(NamedTuple):
     def size(self) -> float:
         """Root of the landmarks' mean squared distance from their mean (eq 2)."""
         return float(np.sqrt(np.mean(((self.shape - self.centre) ** 2).sum(axis=1))))
-
-
-@dataclass(frozen=True)
-class Faces:
-    """A recording and the face that it is aligned to.
-
-    Attributes
-    ----------
-    recording
-        Trajectories, with or without gaps.
-    reference
-        The face to align to: its first frame that has all landmarks, else its fullest frame with
-        the landmarks of that one. Left open: the recording's first frame that has all landmarks.
-    landmarks
-        Names of markers that the fit goes by. None: the stable markers of the recording's marker
-        set, or of the reference's if that names none. ``*`` alone: all markers that both have.
-    scale
-        none: the head keeps its size. rms: as large as the reference by the root mean square
-        distance from their mean of the landmarks, as they are weighted. least_squares: as fits
-        best.
-    """
-
-    recording: Trajectories
-    reference: Trajectories | None = None
-    _: KW_ONLY
-    landmarks: Landmarks | None = None
-    scale: Scale = "none"
 
 
 def reference_of(

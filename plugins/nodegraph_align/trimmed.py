@@ -9,10 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
+from nodegraph_align.faces import Faces
 from nodegraph_align.fitting import Fitting
 from nodegraph_align.landmarks import FEWEST
 from nodegraph_align.poses import Aligned, Poses, warn
-from nodegraph_align.reference import Faces, reference_of
+from nodegraph_align.reference import reference_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
