@@ -7,11 +7,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.formatting import name_at
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Gather, Graph, GraphNode, Method
+from nodegraph.graph.axis_text import axis_text
 from nodegraph.graphfile.spec import Reference, SkipSpec
 from nodegraph.node.declaration import Declared
 from nodegraph.node.ports import Absent, Label
@@ -52,6 +54,10 @@ class Gathered:
         The fields of the labels of those `sources`; see `Axis.fields`.
     synthetic : bool
         Whether all data behind the entries are made by a generator.
+    units : mapping of axis to str
+        Of labels that have one.
+    files : tuple of str
+        Names of the files that the data are read from.
     """
 
     axes: tuple[str, ...]
@@ -64,6 +70,8 @@ class Gathered:
     methods: Mapping[str, Mapping[Label, Declared]] = field(compare=False)
     fields: Mapping[str, Mapping[Label, Label]] = field(compare=False)
     synthetic: bool = field(compare=False)
+    units: Mapping[str, str] = field(compare=False)
+    files: tuple[str, ...] = field(compare=False)
 
     def skipped(self) -> tuple[Absent, ...]:
         """Return the combinations left out as a node sees them."""
@@ -188,7 +196,8 @@ class _Planner:
         self._skipped: dict[str, dict[Combination, str]] = {}
         self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}
         self._source_axes: dict[str, frozenset[str]] = {}
-        self._synthetic: dict[str, bool] = {}
+        self._read: dict[str, _Read] = {}
+        self._units: dict[str, str] = {}
         self._methods: dict[str, Mapping[Label, Declared]] = {}
 
     def add(self, node: GraphNode) -> None:
@@ -297,6 +306,8 @@ class _Planner:
             if name in sources and axis in self._graph.axes
             for field, of in self._graph.axes[axis].fields.items()
         }
+        read = [self._data_of(source.node) for source in feed.sources.values()]
+        units = {name: self._unit(axis) for name, axis in zip(names, axes, strict=True)}
         return Gathered(
             names,
             tuple(entries),
@@ -306,7 +317,9 @@ class _Planner:
             unused,
             methods,
             fields,
-            all(self._is_synthetic(source.node) for source in feed.sources.values()),
+            all(each.synthetic for each in read),
+            {name: unit for name, unit in units.items() if unit},
+            tuple(dict.fromkeys(file for each in read for file in each.files)),
         )
 
     def _declared(self, axis: str) -> Mapping[Label, Declared]:
@@ -324,17 +337,23 @@ class _Planner:
             return len({self._graph.sources(node) for node in nodes}) > 1
         return any(axis in self._axes_of_sources(node) for node in nodes)
 
-    def _is_synthetic(self, node: str) -> bool:
-        """Whether all nodes that a node has its data from make them."""
-        if node not in self._synthetic:  # needed for every combination of a node
-            indices = {
+    def _data_of(self, node: str) -> _Read:
+        """Return what the nodes say of themselves that a node has its data from."""
+        if node not in self._read:  # needed for every combination of a node
+            indices = dict.fromkeys(
                 index for name in self._graph.sources(node) for index in self._cells[name].values()
-            }
-            steps = [self._steps[index] for index in indices]
-            self._synthetic[node] = all(
-                step.method.node.is_synthetic(step.settings) for step in steps
             )
-        return self._synthetic[node]
+            steps = [self._steps[index] for index in indices]
+            self._read[node] = _Read(
+                all(step.method.node.is_synthetic(step.settings) for step in steps),
+                tuple(dict.fromkeys(name for step in steps for name in _file_names(step))),
+            )
+        return self._read[node]
+
+    def _unit(self, axis: str) -> str:
+        if axis not in self._units:  # needed for every combination of a node
+            self._units[axis] = axis_text(self._graph, axis).unit
+        return self._units[axis]
 
     def _axes_of_sources(self, node: str) -> frozenset[str]:
         if node not in self._source_axes:  # needed for every combination of a node
@@ -406,10 +425,26 @@ def _unused_axes(
     return tuple(map(tuple, unused))
 
 
+@dataclass(frozen=True)
+class _Read:
+    """The data behind a node: whether all are made by a generator, and the names of their files."""
+
+    synthetic: bool
+    files: tuple[str, ...]
+
+
+def _file_names(step: Step) -> Iterator[str]:
+    for setting in step.method.node.settings.values():
+        if setting.is_file and step.settings[setting.name] is not None:
+            yield PurePath(str(step.settings[setting.name])).name
+
+
 def _declared(method: Method) -> Declared:
     """Return the declarations of a method; where settings vary, those that hold for all."""
     node = method.node
     declared: Declared = {"adapted": node.declaration.adapted} if node.declaration.adapted else {}
+    if method.settings.axes:
+        declared["axes"] = method.settings.axes
     settings = list(method.settings.values.values())
     frames = [node.lookahead(values) for values in settings]
     known = [count for count in frames if isinstance(count, int)]

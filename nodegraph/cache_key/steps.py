@@ -63,7 +63,7 @@ def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, _R
 
 def _gathered(source: Gathered, results: Mapping[int, _Result]) -> Iterator[str]:
     facts = source.axes, source.known, source.sources, source.unused, source.methods, source.fields
-    yield repr((*facts, source.synthetic))
+    yield repr((*facts, source.synthetic, source.units, source.files))
     for labels, output in source.entries:
         result = results[output.step]
         if result.state is State.DONE:

@@ -310,6 +310,8 @@ class Schedule:
             source.methods,
             source.fields,
             source.synthetic,
+            source.units,
+            source.files,
         )
 
     def _lend(self, output: Output) -> object:

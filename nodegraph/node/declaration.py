@@ -32,12 +32,13 @@ class Declared(TypedDict, total=False):
     """The declarations of a method for given settings; those it does not make are left out.
 
     The text of what differs from the published method, the look-ahead in frames (None: the whole
-    take), and whether both ends of a gap are met.
+    take), whether both ends of a gap are met, and the axes that its settings have values of.
     """
 
     adapted: str
     lookahead: int | None
     ends: bool
+    axes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

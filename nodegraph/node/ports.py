@@ -124,6 +124,10 @@ class Across(Generic[T_co]):
         What the labels of an axis among `sources` have in common, such as ``recording.actor``.
     synthetic : bool
         Whether all data behind the values are made by a generator, not recorded.
+    units : mapping of axis to str
+        Of labels that have one: that of the settings that take them.
+    files : tuple of str
+        Names of the files that the data are read from; a sample's name for one that is shipped.
     """
 
     axes: tuple[str, ...]
@@ -135,6 +139,8 @@ class Across(Generic[T_co]):
     methods: Mapping[str, Mapping[Label, Declared]] = field(default_factory=dict)
     fields: Mapping[str, Mapping[Label, Label]] = field(default_factory=dict)
     synthetic: bool = False
+    units: Mapping[str, str] = field(default_factory=dict)
+    files: tuple[str, ...] = ()
 
     @staticmethod
     def of(

@@ -198,9 +198,6 @@ class Origin(Protocol):
     def uses(self, axis: str) -> Mapping[Label, str]:
         """Return the full names of the methods by label of an axis: ``fill.ridge``."""
 
-    def unit(self, axis: str) -> str:
-        """Return the unit of an axis's labels, that of the settings that take them; or nothing."""
-
     def meaning(self, axis: str) -> str:
         """Return the meaning of the settings that take an axis's values; empty if unknown."""
 

@@ -16,13 +16,13 @@ from nodegraph.execute.events import plain
 from nodegraph.execute.results import Values
 from nodegraph.filenames import file_stem, fold, portable_paths
 from nodegraph.formatting import labels_of, size_text
+from nodegraph.graph.axis_text import axis_text
 from nodegraph.graphfile.spec import ReportEntry
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.plugin.loading import error_text
-from nodegraph.report.axis_text import axis_text
 from nodegraph.report.methods import Methods
 from nodegraph.report.notes import step_notes, with_relevance
 from nodegraph.report.origin import RunOrigin, render_in_run

@@ -10,10 +10,10 @@ from functools import cached_property
 import networkx as nx
 
 from nodegraph.execute import Run
+from nodegraph.graph.axis_text import axis_text
 from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Step
 from nodegraph.plugin.hook_types import Detail, Rendered
-from nodegraph.report.axis_text import axis_text
 from nodegraph.state import State
 
 _MOST_VALUES = 32
@@ -68,10 +68,6 @@ class RunOrigin:
         if node is None or not node.has_alternatives:
             return {}
         return {label: method.node.name for label, method in node.methods.items()}
-
-    def unit(self, axis: str) -> str:
-        """Return the unit of an axis's labels; empty where they have none."""
-        return axis_text(self.run.plan.graph, axis).unit
 
     def meaning(self, axis: str) -> str:
         """Return the meaning of the settings that take an axis's values."""

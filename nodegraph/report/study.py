@@ -87,6 +87,12 @@ class Section:
     question: str = ""
 
     @property
+    def answer(self) -> tuple[str, ...]:
+        """The answer of the value, each sentence with the combination that it is about."""
+        place = f"{self.where}: " if self.where else ""
+        return tuple(f"{place}{sentence}" for sentence in self.rendered.answer)
+
+    @property
     def where(self) -> str:
         """The run and the combination, as far as there are several."""
         labels = ", ".join(part.replace("=", " ", 1) for part in self.labels.split(", "))
@@ -333,7 +339,7 @@ class Study:
 
         Without such a value, the first of all sentences.
         """
-        leads = [each.rendered.answer for each in self.sections if each.rendered.lead]
+        leads = [each.answer for each in self.sections if each.rendered.lead]
         answers = leads if any(leads) else [self.answer]
         places = [(line, at) for at, answer in enumerate(answers) for line in range(len(answer))]
         chosen = sorted((at, line) for line, at in sorted(places)[:most])

@@ -637,7 +637,8 @@ def _decode_dict(decoder: Decoder, *plain: object) -> dict[object, object]:
 
 
 def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
-    axes, entries, absent, known, sources, unused, methods, fields, synthetic = decoder.all(plain)
+    axes, entries, absent, known, sources, unused, methods, fields, *data = decoder.all(plain)
+    synthetic, units, files = data
     whole = (
         all(isinstance(axis, str) for axis in axes)
         and all(isinstance(labels, dict) for labels, _ in entries)
@@ -648,10 +649,12 @@ def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
         and isinstance(methods, dict)
         and isinstance(fields, dict)
         and isinstance(synthetic, bool)
+        and isinstance(units, dict)
+        and isinstance(files, tuple)
     )
     if not whole:
         raise Unreadable("corrupt Across value: wrong field types")
-    return Across(axes, entries, absent, known, sources, unused, methods, fields, synthetic)
+    return Across(axes, entries, absent, known, sources, unused, methods, fields, *data)
 
 
 def _decode_absent(decoder: Decoder, *plain: object) -> Absent:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
     from nodegraph_compare.question import Margin, Question
+    from nodegraph_compare.recordings import Recordings
     from nodegraph_compare.units import Kind, Shortage, Speech, Units
     from nodegraph_tables import BetterEnd
 
@@ -135,8 +136,8 @@ class Paired(Value):
         Of the floored Tukey rule, and of sign flips; NaN for too few units.
     effect : (K,) array of float64
         Hedges' g, positive where the method is worse.
-    wins : (K,) array of float64
-        Units in which the method is better.
+    wins, losses : (K,) arrays of float64
+        Units in which the method is better, and worse.
     margin : (K,) array of float64
         The smallest ratio, or difference, within which it is shown to be equal.
     doubtful : (K,) array of bool
@@ -154,6 +155,7 @@ class Paired(Value):
     flips: Numbers
     effect: Numbers
     wins: Numbers
+    losses: Numbers
     margin: Numbers
     doubtful: NDArray[np.bool_]
 
@@ -351,6 +353,30 @@ class Verdict(Value):
 
 
 @dataclass(frozen=True)
+class Variation(Value):
+    """A choice between two ways of every method, such as gaps whose ends are met or are not.
+
+    Attributes
+    ----------
+    axis : str
+        Of `Verdicts.within`.
+    label, other : label
+        The two ways; by `label` most methods are better.
+    methods : int
+        How many have numbers both ways.
+    better, worse : tuple of int
+        Those that are clearly better by `label` in every group, and clearly worse in some.
+    """
+
+    axis: str
+    label: Label
+    other: Label
+    methods: int
+    better: tuple[int, ...]
+    worse: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Metric(Value):
     """A column of numbers.
 
@@ -398,8 +424,11 @@ class Verdicts(Value):
         Methods that differ from what was published.
     ahead : tuple of int
         Methods that look at the whole take.
-    synthetic : bool
-        Whether all data are made by a generator.
+    recordings : Recordings
+        Behind the numbers.
+    axis_units : tuple of str
+        Of the labels of `within`; empty for those without.
+    variations : tuple of Variation
     groups : tuple of Verdict
     overall : Verdict or None
         Over all groups, where these can be taken together.
@@ -418,7 +447,9 @@ class Verdicts(Value):
     margin: Margin | None
     adapted: tuple[int, ...]
     ahead: tuple[int, ...]
-    synthetic: bool
+    recordings: Recordings
+    axis_units: tuple[str, ...]
+    variations: tuple[Variation, ...]
     groups: tuple[Verdict, ...]
     overall: Verdict | None
 

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import Across, Refusal, Truth, node
 from nodegraph_mocap import Figure, HeadMotion, Table, Trajectories
-from nodegraph_score.alignment_answer import FACE, HEAD, answer, lead_of, left_out
+from nodegraph_score.alignment_answer import FACE, HEAD, answer_of, left_out
 from nodegraph_score.components import (
     Components,
     Movement,
@@ -218,8 +218,7 @@ def _joined(parts: list[Table], notes: list[str], axes: tuple[str, ...]) -> Tabl
     table = concat(parts, ignore_index=True)
     info = TableInfo(
         title="What PCA finds",
-        answer=tuple(answer(parts, axes)),
-        lead=lead_of(parts, axes),
+        answer=answer_of(parts, axes),
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
     )

@@ -1,4 +1,4 @@
-"""The answer of an alignment's score: its sentences, and a card per recording."""
+"""The answer of an alignment's score: how much head motion is left, and a card per recording."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_tables.lead import Card, Lead, svg
+from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, say, svg
 
 if TYPE_CHECKING:
     from nodegraph_mocap import Table, Trajectories
@@ -19,35 +19,10 @@ _MOST_BARS = 8
 _TALL = 60.0
 
 
-def answer(parts: Sequence[Table], axes: tuple[str, ...]) -> list[str]:
-    """Return what the components are and what head motion makes of them, like with like."""
-    alike: dict[str, list[Table]] = {}
-    for part in parts:
-        alike.setdefault(", ".join(part["finds"]), []).append(part)
-    return [_sentence(finds, group, axes) for finds, group in alike.items()]
-
-
-def _sentence(finds: str, parts: Sequence[Table], axes: tuple[str, ...]) -> str:
-    names = ", ".join(filter(None, (named(part, axes) for part in parts)))
-    first, every = (
-        _percents([part[column].iloc[0] for part in parts]) for column in ("head motion", "in all")
-    )
-    return (
-        f"{names}{': ' if names else ''}PCA finds {finds}, in this order; head motion makes "
-        f"{first} of the first component and {every} of all variance."
-    )
-
-
 def named(part: Table, axes: tuple[str, ...]) -> str:
     """Return the labels of a recording's rows as one text."""
     first = part.iloc[0]
     return ", ".join(str(first[axis]) for axis in axes if first[axis] != "")
-
-
-def _percents(shares: Sequence[float]) -> str:
-    # Adding 0 takes the sign from a zero.
-    least, most = (round(100 * share) + 0 for share in (min(shares), max(shares)))
-    return f"{least} %" if least == most else f"{least} to {most} %"
 
 
 def left_out(recording: Trajectories, pca: Components, moved: Movement) -> Iterator[str]:
@@ -79,8 +54,8 @@ def _lacking(recording: Trajectories) -> str:
     return f"{summary} ({recording.markers[worst]} alone lacks {missing[worst]}): fill it first"
 
 
-def lead_of(parts: Sequence[Table], axes: tuple[str, ...]) -> Lead:
-    """Return the lead: how much of the variance head motion makes, in each recording.
+def answer_of(parts: Sequence[Table], axes: tuple[str, ...]) -> Answer:
+    """Return the answer: how much of the variance head motion makes, in each recording.
 
     Parameters
     ----------
@@ -94,30 +69,36 @@ def lead_of(parts: Sequence[Table], axes: tuple[str, ...]) -> Lead:
         "component; the rest is the face's. Bars: the share of all variance that each component "
         "has; filled, what head motion makes of it."
     )
-    return Lead(_headline(parts, axes), tuple(_card(part, axes) for part in parts), scope)
+    return Answer(_headline(parts, axes), (scope,), tuple(_card(part, axes) for part in parts))
 
 
-def _headline(parts: Sequence[Table], axes: tuple[str, ...]) -> tuple[str, ...]:
+def _headline(parts: Sequence[Table], axes: tuple[str, ...]) -> Text:
     most = max(parts, key=_in_first)
     rest = [part for part in parts if part is not most]
-    sentence = (
-        "The first principal component is ", f"{_percent(_in_first(most))} head motion",
-        f"{f' in {named(most, axes)}' if rest else ''}, as is ",
-        f"{_percent(_in_all(most))} of all variance",
-    )  # fmt: skip
+    in_first = say(f"{HERE} head motion", Word(_percent(_in_first(most)), "number"))
+    where = f" in {named(most, axes)}" if rest else ""
+    in_all = Word(_percent(_in_all(most)), "number")
+    sentence = say(
+        f"The first principal component is {HERE}{where}, as is {HERE} of all variance",
+        in_first,
+        in_all,
+    )
     if not rest:
-        return (*sentence, ".")
+        return say(f"{HERE}.", sentence)
     others = "the other" if len(rest) == 1 else f"the {len(rest)} others"
-    first, every = (_percent(max(map(share, rest))) for share in (_in_first, _in_all))
-    return (*sentence, f"; in {others} at most {first}, and {every}.")
+    first, every = (
+        Word(_percent(max(map(share, rest))), "number") for share in (_in_first, _in_all)
+    )
+    return say(f"{HERE}; in {others} at most {HERE}, and {HERE}.", sentence, first, every)
 
 
 def _card(part: Table, axes: tuple[str, ...]) -> Card:
     return Card(
         title=named(part, axes) or "recording",
-        headline=_percent(_in_first(part)),
-        aside=f"head motion; {_percent(_in_all(part))} of all variance",
+        headline=(_percent(_in_first(part)),),
+        aside=(f"head motion; {_percent(_in_all(part))} of all variance",),
         picture=_picture(part),
+        facts=(("Finds", (", ".join(part["finds"]),)),),
     )
 
 

@@ -100,7 +100,7 @@ def distance(
         notes=sentences,
         units=UNITS,
         better=BETTER,
-        poses=poses_of(reference.markers, reference.positions),
+        poses=poses_of(reference.markers, reference.positions, reference.rate),
     )
     return with_info(table, info)
 

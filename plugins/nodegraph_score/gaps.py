@@ -148,7 +148,7 @@ def gaps(
     some = np.flatnonzero(mask.any(axis=1))
     error, jumps = error[some], impulses(truth.positions[:, some]).T
     markers = [truth.markers[column] for column in some]
-    has, poses = np.isfinite(error[..., 0]), poses_of(truth.markers, truth.positions)
+    has, poses = np.isfinite(error[..., 0]), poses_of(truth.markers, truth.positions, truth.rate)
     table = _table(_find(mask[some]), error, has, jumps, markers, poses)
     return with_info(table, replace(info_of(table), take=take_of(truth)))
 

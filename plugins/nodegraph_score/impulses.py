@@ -117,7 +117,7 @@ def impulses(
         notes=sentences,
         units=UNITS,
         better=BETTER,
-        poses=poses_of(truth.markers, truth.positions),
+        poses=poses_of(truth.markers, truth.positions, truth.rate),
     )
     return with_info(table, info)
 

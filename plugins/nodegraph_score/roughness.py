@@ -76,7 +76,7 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
         notes=sentences,
         units=UNITS,
         better=BETTER,
-        poses=poses_of(recording.markers, recording.positions),
+        poses=poses_of(recording.markers, recording.positions, recording.rate),
     )
     return with_info(table, info)
 

@@ -97,7 +97,7 @@ def smoothness(
         notes=sentences,
         units=UNITS,
         better=BETTER,
-        poses=poses_of(truth.markers, truth.positions),
+        poses=poses_of(truth.markers, truth.positions, truth.rate),
     )
     return with_info(table, info)
 

@@ -12,7 +12,7 @@ import numpy as np
 from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import chunks
-from nodegraph_score.steps_answer import BETTER, WORSE, absences, lead_of, left_out, sentence, worse
+from nodegraph_score.steps_answer import BETTER, WORSE, absences, answer_of, left_out, worse
 from nodegraph_tables import TableInfo, with_info
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def steps(
     Returns
     -------
     Table
-        As above; its answer has a sentence per row.
+        As above; its answer has a card per row.
 
     Raises
     ------
@@ -116,8 +116,7 @@ def steps(
         warnings.warn(note, stacklevel=2)
     info = TableInfo(
         title="What each step did",
-        answer=tuple(sentence(row) for row in rows),
-        lead=lead_of(rows),
+        answer=answer_of(rows),
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
         sequences=("step",),

@@ -1,4 +1,4 @@
-"""The answer of the score of steps: its sentences, and a card per step with before and after."""
+"""The answer of the score of steps: which does most, and a card per step with before and after."""
 
 from __future__ import annotations
 
@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import listed
-from nodegraph_tables.lead import Card, Lead, Line, dot, line_of, svg
+from nodegraph_tables.answer import (
+    HERE,
+    Answer,
+    Card,
+    Line,
+    Text,
+    Word,
+    dot,
+    line_of,
+    listing,
+    say,
+    svg,
+)
 from nodegraph_tables.numbers import number_text
 
 if TYPE_CHECKING:
@@ -19,32 +31,6 @@ if TYPE_CHECKING:
 BETTER, WORSE = "better", "worse"
 Row = Mapping[str, Any]
 _Y = 12.0
-
-
-def sentence(row: Row) -> str:
-    """Return what a step did."""
-    step, verdict = row["step"], row["verdict"]
-    if verdict == "begins" and not row["added"]:
-        return f"{step} has no sample, and lacks {row['missing']}"
-    if verdict == "begins":
-        return (
-            f"{step} has {row['added']} samples with an error of {row['rmse']:.3g} mm (root mean "
-            f"square), {row['misplaced']} of them nearer to another marker's place, and lacks "
-            f"{row['missing']}"
-        )
-    changes = {
-        BETTER: f"makes it better: {_moved(row)}",
-        WORSE: f"makes it WORSE: {_moved(row)}",
-        "same": f"changes {row['changed']} samples and the error of none",
-        "nothing": "does nothing",
-    }
-    parts = [changes[verdict]] if verdict in changes else []
-    if row["added"]:
-        parts.append(f"adds {row['added']} samples with an error of {row['added rmse']:.3g} mm")
-    if row["removed"]:
-        parts.append(f"removes {row['removed']} samples")
-    whole = "nothing" if np.isnan(row["rmse"]) else f"{row['rmse']:.3g} mm over all that"
-    return f"{step} {', '.join(parts)}; {whole} is there, {row['missing']} missing"
 
 
 def worse(rows: Iterable[Mapping[str, object]]) -> Iterator[str]:
@@ -90,8 +76,8 @@ def _moved(row: Mapping[str, object]) -> str:
     )
 
 
-def lead_of(rows: Sequence[Row]) -> Lead:
-    """Return the lead: which step does most, whether any makes it worse, and each step.
+def answer_of(rows: Sequence[Row]) -> Answer:
+    """Return the answer: which step does most, whether any makes it worse, and each step.
 
     Parameters
     ----------
@@ -105,23 +91,25 @@ def lead_of(rows: Sequence[Row]) -> Lead:
         "truth, in mm; large, of all samples after the step; on the line, of those that it "
         "changed, hollow before and filled after, or of those that it added."
     )
-    return Lead(_headline(rows), tuple(_card(row, line) for row in rows), scope)
+    return Answer(_headline(rows), (scope,), tuple(_card(row, line) for row in rows))
 
 
-def _headline(rows: Sequence[Row]) -> tuple[str, ...]:
+def _headline(rows: Sequence[Row]) -> Text:
     better = [row for row in rows if row["verdict"] == BETTER]
     worse = [str(row["step"]) for row in rows if row["verdict"] == WORSE]
+    text: Text = ("No step brings the samples that it changes nearer to the truth.",)
     if better:
         most = max(better, key=_gain)
         change = f"{number_text(most['before'])} to {number_text(most['after'], 'mm')}"
-        over = f" over the {most['changed']:,} samples that it changes."
-        text: tuple[str, ...] = ("", str(most["step"]), " does most: ", change, over)
-    else:
-        text = ("No step brings the samples that it changes nearer to the truth.",)
-    verb = "makes" if len(worse) == 1 else "make"
+        count = Word(f"{most['changed']:,}", "number")
+        text = say(
+            f"{HERE} does most: {HERE} over the {HERE} samples that it changes.",
+            Word(str(most["step"])), Word(change, "number"), count,
+        )  # fmt: skip
     if worse:
-        return (*text[:-1], f"{text[-1]} ", " and ".join(worse), f" {verb} it worse.")
-    return (*text[:-1], f"{text[-1]} No step makes it worse.") if better else text
+        verb = "makes" if len(worse) == 1 else "make"
+        return say(f"{HERE} {HERE} {verb} it worse.", text, listing([Word(step) for step in worse]))
+    return (*text, " No step makes it worse.") if better else text
 
 
 def _gain(row: Row) -> float:
@@ -143,9 +131,9 @@ def _card(row: Row, line: Line) -> Card:
     start = [f"begins with {row['added']:,} samples"] if begins else facts or ["changes nothing"]
     return Card(
         title=str(row["step"]),
-        headline=number_text(row["rmse"], "mm"),
+        headline=(number_text(row["rmse"], "mm"),),
         picture=_picture(row, line),
-        facts=(("Step", "; ".join(start)), ("Then", f"{left}{misplaced}")),
+        facts=(("Step", ("; ".join(start),)), ("Then", (f"{left}{misplaced}",))),
         best=row["verdict"] == BETTER,
     )
 

@@ -92,7 +92,7 @@ def tracking(
         notes=notes,
         units=UNITS,
         better=BETTER,
-        poses=poses_of(truth.markers, truth.positions),
+        poses=poses_of(truth.markers, truth.positions, truth.rate),
     )
     return with_info(table, info)
 

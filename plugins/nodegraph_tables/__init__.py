@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from nodegraph import Kind, hookimpl, late
+from nodegraph_tables.answer import Answer, Card, Finding, Text, Word
 from nodegraph_tables.comparisons import (
     compare_drawings,
     compare_tables,
@@ -13,7 +14,6 @@ from nodegraph_tables.comparisons import (
 )
 from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
 from nodegraph_tables.info import BetterEnd, TableInfo, Take, info_of, with_info
-from nodegraph_tables.lead import Card, Lead
 from nodegraph_tables.poses import Poses, difference, poses_of
 from nodegraph_tables.storage import figure_files, lend_table
 from nodegraph_tables.style import figure_text
@@ -23,15 +23,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 __all__ = [
+    "Answer",
     "BetterEnd",
     "Card",
     "Figure",
-    "Lead",
+    "Finding",
     "Poses",
     "StoredFigure",
     "Table",
     "TableInfo",
     "Take",
+    "Text",
+    "Word",
     "difference",
     "differences",
     "figure_text",

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
+from nodegraph_tables.answer import plain
 from nodegraph_tables.cells import ALL
 from nodegraph_tables.info import info_of
 from nodegraph_tables.types import Table
 
-_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*\w)", re.I)
-_MEASURED = re.compile(r"(?<![\w.])[-+]?\d*\.\d+(?:e[-+]?\d+)?(?!\w)|(?<![\w.])\d+e[-+]?\d+", re.I)
-_ASIDE = re.compile(r"\([^()]*\)")
+if TYPE_CHECKING:
+    from nodegraph_tables.answer import Answer, Finding
+
 _GROUP_ENDS = "blocks"
 """The column after the labels of a row."""
 
@@ -19,16 +20,31 @@ _GROUP_ENDS = "blocks"
 def conclude_table(table: Table) -> Iterator[str]:
     """Yield the conclusions of a table, without measured numbers.
 
-    They are its answer without the numbers that are in brackets or not whole, and the rows that
-    are marked as best. The order of all others may change by rounding.
+    They are the sentence of its answer, which methods are best, tied and behind in each group, and
+    the rows that are marked as best. The order of all others may change by rounding.
     """
     info = info_of(table)
-    for sentence in info.answer:
-        yield without_measured(sentence)
+    if info.answer.sentence:
+        yield plain(
+            tuple(
+                "#" if not isinstance(part, str) and part.kind == "number" else part
+                for part in info.answer.sentence
+            )
+        )
+        yield from map(_concluded, info.answer.findings)
     for column, rows in info.best.items():
         if rows and column in table:
             best = sorted(_row(table, place) for place in rows)
             yield f"best {column}: {'; '.join(best)}"
+
+
+def _concluded(finding: Finding) -> str:
+    group = ", ".join(f"{axis} {label}" for axis, label in finding.group.items())
+    if not finding.verdict:
+        return f"{group or 'all'}: no verdict"
+    kinds = (("best", finding.best), ("tied", finding.tied), ("behind", finding.behind))
+    texts = (f"{kind}: {', '.join(sorted(names))}" for kind, names in kinds if names)
+    return f"{group or 'all'}: {'; '.join(texts)}"
 
 
 def table_numbers(table: Table) -> str:
@@ -42,7 +58,7 @@ def table_data(table: Table) -> dict[str, object]:
     rows = table.astype(object).where(table.notna(), None).to_numpy().tolist()
     return {
         "title": info.title,
-        "answer": list(info.answer),
+        "answer": _answer_data(info.answer),
         "columns": [str(column) for column in table.columns],
         "rows": rows,
         "units": dict(info.units),
@@ -54,13 +70,22 @@ def table_data(table: Table) -> dict[str, object]:
     }
 
 
-def without_measured(sentence: str) -> str:
-    """Return a sentence without its measured numbers; labels and whole numbers stay.
+def _answer_data(answer: Answer) -> dict[str, object]:
+    return {
+        "sentence": plain(answer.sentence),
+        "scope": plain(answer.scope),
+        "groups": [_finding_data(finding) for finding in answer.findings],
+    }
 
-    Numbers in brackets are details of what stands before them, and go whatever they are.
-    """
-    bare = _ASIDE.sub(lambda match: _NUMBER.sub("#", match[0]), sentence)
-    return _MEASURED.sub("#", bare)
+
+def _finding_data(finding: Finding) -> dict[str, object]:
+    numbers = ("mean", "low", "high", "p")
+    return {
+        "group": dict(finding.group),
+        "verdict": finding.verdict,
+        **{name: list(getattr(finding, name)) for name in ("best", "tied", "behind", "first")},
+        **{name: dict(getattr(finding, name)) for name in numbers},
+    }
 
 
 def _row(table: Table, place: int) -> str:

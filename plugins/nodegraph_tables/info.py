@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic.dataclasses import dataclass
 
 from nodegraph import Value
-from nodegraph_tables.lead import Lead
+from nodegraph_tables.answer import Answer
 from nodegraph_tables.poses import Poses
 
 if TYPE_CHECKING:
@@ -43,10 +43,8 @@ class TableInfo:
     ----------
     title : str
         The caption. Default: what the report calls the result.
-    answer : tuple of str
-        Sentences that answer the question of the study; the report begins with them.
-    lead : Lead, optional
-        The same at a glance, which takes their place on the first screen of a report.
+    answer : Answer
+        To the question of the study; the report begins with it. Empty where there is none.
     notes : tuple of str
         Remarks below the table.
     units : mapping of column to str
@@ -89,8 +87,7 @@ class TableInfo:
     """
 
     title: str = ""
-    answer: tuple[str, ...] = ()
-    lead: Lead | None = None
+    answer: Answer = Answer()
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     better: Mapping[str, BetterEnd] = field(default_factory=dict)

@@ -29,10 +29,16 @@ class Poses(Value):
     positions : bytes
         float32, (32 frames at most, 16 markers at most, 3), mm: spread evenly over the frames and
         over `markers`. NaN where missing.
+    frames : int
+        Of the recording.
+    rate : float
+        Hz.
     """
 
     markers: tuple[str, ...]
     positions: bytes
+    frames: int
+    rate: float
 
     def distances(self) -> NDArray[np.float64]:
         """Return (F, P) mm between the markers of each pair, which no motion of a head changes."""
@@ -42,7 +48,7 @@ class Poses(Value):
         return np.asarray(np.linalg.norm(places[:, first] - places[:, second], axis=2))
 
 
-def poses_of(markers: tuple[str, ...], positions: NDArray[np.float64]) -> Poses:
+def poses_of(markers: tuple[str, ...], positions: NDArray[np.float64], rate: float) -> Poses:
     """Return the poses of a recording.
 
     Parameters
@@ -51,11 +57,13 @@ def poses_of(markers: tuple[str, ...], positions: NDArray[np.float64]) -> Poses:
         M names.
     positions
         (T, M, 3) mm, NaN where missing.
+    rate
+        Hz.
     """
     order = np.argsort(np.array(markers, dtype=object), kind="stable")
     kept = order[_spread(len(markers), _MARKERS)]
     few = positions[_spread(len(positions), _FRAMES)[:, None], kept]
-    return Poses(tuple(sorted(markers)), few.astype(np.float32).tobytes())
+    return Poses(tuple(sorted(markers)), few.astype(np.float32).tobytes(), len(positions), rate)
 
 
 def difference(first: Poses, second: Poses) -> float:

@@ -7,11 +7,11 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from nodegraph import Rendered
+from nodegraph_tables.answer import answer_html, lead_style
 from nodegraph_tables.cells import Cell, Column, columns_of
 from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.latex import latex_of, without_constants
-from nodegraph_tables.lead import lead_html, lead_style
 from nodegraph_tables.style import SHARE
 from nodegraph_tables.types import Table
 
@@ -57,13 +57,14 @@ def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
     columns, constants = without_constants(columns_of(table))
     notes = [*constants, *info.notes]
     csv = _csv(table)
+    cards = bool(info.answer.cards)
     return Rendered(
         html=_html(caption, columns, info, notes, csv.decode()),
         text=_text(columns, notes),
         files={".csv": csv, ".tex": latex_of(table, caption).encode()},
-        answer=info.answer,
-        lead=lead_html(info.lead) if info.lead else "",
-        styles=(lead_style(),) if info.lead else (),
+        answer=info.answer.lines,
+        lead=answer_html(info.answer) if cards else "",
+        styles=(lead_style(),) if cards else (),
         grid=grid_of(table, caption),
         title=info.title,
         kind="table",

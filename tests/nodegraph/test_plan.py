@@ -252,12 +252,21 @@ def test_a_gathering_port_knows_what_the_methods_declare(graph_of: Callable[...,
     adapted = "from One 2001: all of it"
     assert gathered.methods == {
         "fill": {
-            "near": {"lookahead": 7, "ends": False},
+            "near": {"axes": ("reach",), "lookahead": 7, "ends": False},
             "far": {"adapted": adapted, "lookahead": None, "ends": True},
-            "bent": {"adapted": adapted, "lookahead": None, "ends": False},
+            "bent": {"adapted": adapted, "axes": ("bend",), "lookahead": None, "ends": False},
             "scale": {},
         }
     }
+
+
+def test_a_gathering_port_knows_the_units_of_labels(
+    graph_of: Callable[..., Graph],
+) -> None:
+    plan = make_plan(graph_of(TEXT))
+    (step,) = (plan.steps[at] for at in plan.cells["table"].values())
+    gathered = next(each for each in step.inputs.values() if isinstance(each, Gathered))
+    assert (gathered.units, gathered.files) == ({"length": "frames"}, ())
 
 
 def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> None:

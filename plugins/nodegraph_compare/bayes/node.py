@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -26,7 +27,7 @@ from nodegraph_compare.table.summary import by_ratio
 from nodegraph_compare.verdict import clusters_name, scope_of
 from nodegraph_compare.words import caution_text, scope_text
 from nodegraph_mocap import Figure, Table, figure_text
-from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables import Answer, TableInfo, with_info
 from nodegraph_tables.axes import plain
 from nodegraph_tables.style import BEST, BLACK, LINE, REST
 
@@ -155,7 +156,7 @@ def _table(
     within = f" within {', '.join(question.within)}" if question.within else ""
     info = TableInfo(
         title=f"Probabilities for {question.metric} by {name}{within}",
-        answer=tuple(f"{_answer(belief, comparison, margin)}." for belief in known[:MOST_GROUPS]),
+        answer=_answer(known, comparison, margin),
         notes=(
             f"{block_text(question)} {end_text(question)} The independent units are "
             f"{clusters_name(question)}, which weigh equally.",
@@ -169,7 +170,28 @@ def _table(
     return with_info(frame, info)
 
 
-def _answer(belief: Beliefs, comparison: Comparison, margin: Margin) -> str:
+def _answer(known: Sequence[Beliefs], comparison: Comparison, margin: Margin) -> Answer:
+    """Return how many methods are clearly better, equivalent or worse, and a line per group."""
+    question = comparison.question
+    counts = Counter(side or "undecided" for belief in known for side in belief.agreed)
+    total = counts.total()
+    texts = [f"{counts[side]} {side}" for side in (*SIDES, "undecided") if counts[side]]
+    several = f" in {len(known)} groups" if len(known) > 1 else ""
+    sentence = (
+        f"Of {total} comparison{'s' * (total > 1)}{several}, with a margin of {margin}: "
+        f"{', '.join(texts)}."
+    )
+    scopes = dict.fromkeys(
+        scope_text(scope_of(belief.summary.units, question, comparison.blocks)) for belief in known
+    )
+    return Answer(
+        (sentence,),
+        (f"Scope: {'; '.join(scopes)}.",),
+        more=tuple(f"{_line(belief, comparison, margin)}." for belief in known[:MOST_GROUPS]),
+    )
+
+
+def _line(belief: Beliefs, comparison: Comparison, margin: Margin) -> str:
     question, blocks = comparison.question, comparison.blocks
     group = belief.group
     sides: dict[str, list[str]] = {side: [] for side in (*SIDES, "undecided")}

@@ -1,201 +1,208 @@
-"""Sentences on curves: where their marks are, what noise alone does, what is left out."""
+"""The answer of curves at a glance: a card per curve, with its mark and what noise alone does."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from html import escape
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.blocks import unsuccessful
-from nodegraph_compare.inference import CONFIDENCE
-from nodegraph_compare.left_out import absences, start_text
 from nodegraph_compare.ties import at_most
-from nodegraph_tables.style import scale_of, unit_text
+from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, dot, say, svg
+from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
-    from nodegraph import Across
+    from numpy.typing import NDArray
+
     from nodegraph_compare.curve.curves import Curves
     from nodegraph_compare.curve.points import Points
-    from nodegraph_mocap import Table
+    from nodegraph_compare.curve.scale import Scale
+
+_HEIGHT = 92.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 8.0, 232.0, 7.0, 75.0
+_KINDS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee"}
 
 
-def answer(curves: Curves) -> list[str]:
-    """Return sentences: the marked or the lowest points, then the points that reach the noise."""
+class _Scales(NamedTuple):
+    """From numbers to pixels, the same on all cards."""
+
+    scale: Scale
+    left: float
+    right: float
+    low: float
+    high: float
+
+    def x(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        share = (value - self.left) / ((self.right - self.left) or 1.0)
+        return np.asarray(_LEFT + (_RIGHT - _LEFT) * share)
+
+    def y(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        share = (self.scale.along(value) - self.low) / ((self.high - self.low) or 1.0)
+        return np.asarray(_BOTTOM - (_BOTTOM - _TOP) * np.clip(share, 0.0, 1.0))
+
+
+def answer_of(curves: Curves) -> Answer:
+    """Return the answer: where each curve is marked, or lowest, and where noise is reached."""
     drawn = curves.drawn
     if not drawn:
-        return [f"No point has a number for {curves.axes.metric}; nothing can be said."]
-    sentences = _Sentences(curves)
-    under = [points for points in drawn if math.isfinite(curves.floor(points))]
-    lines = [] if curves.mark == "none" else sentences.marks()
-    lines += sentences.lowest() if curves.mark == "none" and not under else []
-    return [*lines, *(sentences.floor(points) for points in under)]
+        return Answer((f"No point has a number for {curves.axes.metric}.",))
+    scales = _scales(curves)
+    cards = tuple(_card(points, curves, scales) for points in drawn)
+    return Answer(_sentence(curves), (_scope(curves),), cards)
 
 
-def verdict(curves: Curves) -> str:
-    """Return the title of a figure of curves; an empty text unless minima are to be shared."""
-    shared, x = curves.marked.shared, curves.axes.x
-    if curves.mark != "shared":
-        return ""
-    if shared is None:
-        return f"no minimum shared within {curves.tolerance:g} {x}"
-    return f"minimum shared at {shared:g} {x}"
-
-
-def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
-    """Return what the columns of the table mean.
-
-    Parameters
-    ----------
-    curves
-    units
-        What distinguishes independent units.
-    """
-    axes = curves.axes
-    if axes.blocks:
-        text = (
-            f"{axes.metric}: mean over blocks, a block being one combination of "
-            f"{', '.join(axes.blocks)}; low, high: "
+def _sentence(curves: Curves) -> Text:
+    drawn, marked, axes = curves.drawn, curves.marked, curves.axes
+    knees = [
+        float(points.x[marked.places[points.label]])
+        for points in drawn
+        if marked.kinds.get(points.label) == "knee"
+    ]
+    minima = [
+        float(points.x[marked.places[points.label]])
+        for points in drawn
+        if marked.kinds.get(points.label) == "minimum"
+    ]
+    of_all = "" if len(drawn) == 1 else f" ({_of(len(knees), len(drawn), 'curve')})"
+    if marked.shared is not None:
+        place = Word(f"{marked.shared:g} {axes.x}")
+        start = say(
+            f"All {len(drawn)} curves have a minimum within {curves.tolerance:g} of {HERE}", place
         )
-        if units:
-            further = "" if units == axes.clusters else " of the same recording"
-            text += (
-                f"its {100 * CONFIDENCE:.0f} % interval for further {' and '.join(units)}{further}."
-            )
-        else:
-            text += "none, as all blocks are of one recording."
+    elif knees:
+        place = Word(f"{_between(knees)} {axes.x}")
+        start = say(
+            f"From {HERE} on, more of them help less{of_all}{HERE}", place, _above_noise(curves)
+        )
+    elif minima:
+        start = say(f"Lowest at {HERE}", Word(f"{_between(minima)} {axes.x}"))
     else:
-        text = f"{axes.metric}: of one row, or the mean where rows says that there are more."
-    sentences = [f"{text} Lower is better."]
-    if axes.lowest:
-        sentences.append(f"on curve: the lowest of the points at one value of {axes.x}.")
-    sentences.append("local minimum: lower than the points of the curve before and after it.")
-    if curves.floors is not None:
-        sentences.append("below floor: at or below what measurement noise alone does.")
+        values = [float(points.value[points.curve].min()) for points in drawn]
+        start = say(f"The lowest points have {HERE}", Word(_numbers(curves, values), "number"))
+        if curves.mark != "none":
+            start = say(
+                f"Neither a minimum nor a knee to mark; the lowest have {HERE}",
+                Word(_numbers(curves, values), "number"),
+            )
+    under = [points for points in drawn if math.isfinite(curves.floor(points))]
+    if not under:
+        return say(f"{HERE}.", start)
+    reached = [_reached(points, curves.floor(points)) for points in under]
+    known = [x for x in reached if x is not None]
+    if not known:
+        return say(f"{HERE}; no curve comes down to measurement noise.", start)
+    which = "" if len(known) == len(under) else f" by {_of(len(known), len(under), 'curve')}"
+    return say(f"{HERE}; noise is reached{which} at {HERE}.", start, Word(_between(known)))
+
+
+def _above_noise(curves: Curves) -> Text:
+    """Return the distance of the marked points above the measurement noise."""
+    places, floors = curves.marked.places, [curves.floor(points) for points in curves.drawn]
+    times = [
+        float(points.value[places[points.label]]) / floor
+        for points, floor in zip(curves.drawn, floors, strict=True)
+        if points.label in places and floor > 0.0
+    ]
+    if not times:
+        return ()
+    ends = " to ".join(dict.fromkeys(f"{end:.2g}" for end in (min(times), max(times))))
+    number = Word(ends, "number")
+    return say(f", where {curves.axes.metric} is {HERE} times that of measurement noise", number)
+
+
+def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
+    axes, marked, floor = curves.axes, curves.marked, curves.floor(points)
+    lowest = int(points.curve[np.argmin(points.value[points.curve])])
+    kind = marked.kinds.get(points.label, "")
+    place = marked.places.get(points.label, lowest)
+    reached = _reached(points, floor)
+    where = "not reached" if reached is None else f"reached at {reached:g}"
+    noise = (("Noise", (f"{number_text(floor, curves.unit)}, {where}",)),)
+    return Card(
+        title=f"{axes.compare} {points.label}" if axes.compare else axes.metric,
+        headline=(f"{points.x[place]:g} {axes.x}",),
+        value=(_KINDS.get(kind, "lowest point"),),
+        aside=(_numbers(curves, [float(points.value[place])]),),
+        picture=_picture(points, curves, place, scales),
+        facts=noise if math.isfinite(floor) else (),
+        best=bool(kind),
+    )
+
+
+def _picture(points: Points, curves: Curves, place: int, scales: _Scales) -> str:
+    axes, floor = curves.axes, curves.floor(points)
+    shade = ""
+    if math.isfinite(floor):
+        top = float(scales.y(np.array([floor]))[0])
+        shade = f'<rect x="0" width="240" y="{top:.1f}" height="{_BOTTOM - top:.1f}"/>'
+    others = (_path(other, scales, "rest") for other in curves.drawn if other is not points)
+    x, y = scales.x(points.x), scales.y(points.value)
+    curve = "".join(
+        dot(
+            round(float(x[at]), 1), round(float(y[at]), 1), "tied" if at == place else "best",
+            f"{points.x[at]:g} {axes.x}: {number_text(float(points.value[at]))}",
+            6.0 if at == place else 2.5,
+        )
+        for at in sorted(points.curve.tolist(), key=lambda at: at == place)
+    )  # fmt: skip
+    ends = (
+        f'<text x="{_LEFT:g}" y="{_HEIGHT - 3:g}">{scales.left:g}</text>'
+        f'<text class="end" x="{_RIGHT:g}" y="{_HEIGHT - 3:g}">'
+        f"{scales.right:g} {escape(axes.x)}</text>"
+    )
+    name = f"{axes.metric} over {axes.x} {points.label}"
+    return svg(name, _HEIGHT, (shade, *others, _path(points, scales, ""), curve, ends))
+
+
+def _path(points: Points, scales: _Scales, kind: str) -> str:
+    x, y = scales.x(points.x[points.curve]), scales.y(points.value[points.curve])
+    pairs = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    return f'<path class="{kind}" d="M{pairs}"/>'
+
+
+def _scales(curves: Curves) -> _Scales:
+    drawn, scale = curves.drawn, curves.scale
+    x = np.concatenate([points.x[points.curve] for points in drawn])
+    y = scale.along(np.concatenate([points.value[points.curve] for points in drawn]))
+    return _Scales(scale, float(x.min()), float(x.max()), float(y.min()), float(y.max()))
+
+
+def _scope(curves: Curves) -> str:
+    axes, drawn = curves.axes, curves.drawn
+    parts = [f"{axes.metric} over {axes.x}, lower is better"]
+    if curves.scale.logarithmic:
+        parts[0] += ", on a logarithmic scale"
+    if any(math.isfinite(curves.floor(points)) for points in drawn):
+        parts.append("shaded: what measurement noise alone does")
     if "knee" in curves.marked.kinds.values():
-        sentences.append(
-            "knee: the point of a curve farthest below the straight line through its first and "
-            "last point, on the scales of the figure; errors below the noise floor count as it."
-        )
-    return sentences
+        parts.append("knee: where a curve turns, so that more help less")
+    several = f"{len(drawn)} curves" if len(drawn) > 1 else "one curve"
+    if axes.blocks:
+        of = f"{several}, means over {' and '.join(axes.blocks)}"
+    else:
+        of = f"{several}; each point is one result, and another draw may differ"
+    return f"Scope: {of}. Curves: {'; '.join(parts)}."
 
 
-def losses(scores: Across[Table], curves: Curves, *, skipped: bool) -> list[str]:
-    """Return counts of what is left out.
-
-    Parameters
-    ----------
-    scores
-        The gathered tables.
-    curves
-    skipped
-        Whether to list what the graph leaves out on purpose.
-    """
-    axes = curves.axes
-    rows = "blocks" if axes.blocks else "rows"
-    sentences = [
-        f"{start_text(points.label)}{count} {what}"
-        for points in curves.points
-        for count, what in (
-            (points.without_x, f"rows left out, whose {axes.x} is not a finite number"),
-            (points.without_value, f"{rows} left out, whose {axes.metric} is not a finite number"),
-        )
-        if count
-    ]
-    sentences += [
-        f"{start_text(points.label)}{points.taken} {rows} as by the fallback"
-        for points in curves.points
-        if skipped and points.taken
-    ]
-    lacking = [str(points.label) for points in curves.points if len(points.curve) == 0]
-    sentences += [f"without a curve: {', '.join(lacking)}"] if any(lacking) else []
-    if curves.floors is not None:
-        bare = [str(points.label) for points in curves.points if math.isnan(curves.floor(points))]
-        sentences += [f"without a noise floor: {', '.join(bare)}"] if bare else []
-    absent = scores.absent if skipped else unsuccessful(scores)
-    return sentences + absences(absent, axes.compare)
+def _reached(points: Points, floor: float) -> float | None:
+    """Return the first x at which a curve is not above the noise floor."""
+    below = points.x[points.curve][at_most(points.value[points.curve], floor)]
+    return float(below[0]) if len(below) else None
 
 
-class _Sentences:
-    """Sentences on the curves of one figure."""
-
-    def __init__(self, curves: Curves) -> None:
-        self._curves, self._axes, self._marked = curves, curves.axes, curves.marked
-
-    def lowest(self) -> list[str]:
-        places = (
-            (points, points.curve[int(np.argmin(points.value[points.curve]))])
-            for points in self._curves.drawn
-        )
-        return [f"Lowest: {self._points(places)}."]
-
-    def marks(self) -> list[str]:
-        drawn, tolerance = self._curves.drawn, self._curves.tolerance
-        of = {
-            kind: [
-                (points, self._marked.places[points.label])
-                for points in drawn
-                if self._marked.kinds.get(points.label) == kind
-            ]
-            for kind in ("shared", "minimum", "knee")
-        }
-        sentences = []
-        if of["shared"]:
-            sentences.append(
-                f"All {len(drawn)} curves have a local minimum within {tolerance:g} of "
-                f"{self._axes.x} {self._marked.shared:g}, the fewest of which this holds: "
-                f"{self._points(of['shared'])}."
-            )
-        elif self._curves.mark == "shared":
-            sentences.append(
-                f"No local minimum is shared within {tolerance:g} {self._axes.x}:"
-                f" {self._minima(drawn)}."
-            )
-        if of["minimum"]:
-            sentences.append(f"Lowest local minimum: {self._points(of['minimum'])}.")
-        if of["knee"]:
-            sentences.append(f"Knees, marked instead: {self._points(of['knee'])}.")
-        bare = [_name(points) for points in drawn if points.label not in self._marked.places]
-        if bare:
-            sentences.append(f"Neither a minimum to mark nor a knee: {', '.join(bare)}.")
-        return sentences
-
-    def floor(self, points: Points) -> str:
-        level = self._curves.floor(points)
-        curve = points.curve
-        reached = points.x[curve][at_most(points.value[curve], level)]
-        start = f"{start_text(points.label)}noise alone gives {self._number(level)}; "
-        if not len(reached):
-            return f"{start}no point of the curve is as low."
-        return (
-            f"{start}{len(reached)} of {len(curve)} points of the curve are at or below it, "
-            f"first at {self._axes.x} {reached[0]:g}."
-        )
-
-    def _minima(self, drawn: Sequence[Points]) -> str:
-        clauses = []
-        for points in drawn:
-            minima = ", ".join(f"{x:g}" for x in points.x[self._marked.minima[points.label]])
-            clauses.append(f"{_name(points)} has " + (f"some at {minima}" if minima else "none"))
-        return "; ".join(clauses)
-
-    def _points(self, places: Iterable[tuple[Points, int]]) -> str:
-        return ", ".join(
-            f"{_name(points)} at {points.x[place]:g} ({self._number(points.value[place])}"
-            f"{self._reach(points, place)})".strip()
-            for points, place in places
-        )
-
-    def _reach(self, points: Points, place: int) -> str:
-        below = at_most(points.value[place], self._curves.floor(points))
-        return ", not above the noise floor" if below else ""
-
-    def _number(self, value: float) -> str:
-        unit = self._curves.unit
-        return f"{self._axes.metric} {scale_of(unit) * value:.3g} {unit_text(unit)}".rstrip()
+def _numbers(curves: Curves, values: Sequence[float]) -> str:
+    return f"{curves.axes.metric} {span_text([min(values), max(values)], curves.unit)}"
 
 
-def _name(points: Points) -> str:
-    return str(points.label) or "the curve"
+def _between(values: Sequence[float]) -> str:
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _of(count: int, total: int, what: str) -> str:
+    if count == total:
+        return "both curves" if total == 2 else f"all {total} {what}s"
+    return f"{count} of {total} {what}s"

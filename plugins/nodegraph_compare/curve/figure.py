@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from nodegraph_compare.curve.answer import verdict
+from nodegraph_compare.curve.notes import verdict
 from nodegraph_compare.pictures import reach
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain

@@ -12,10 +12,10 @@ from pydantic import Field
 from nodegraph import Across, ColumnOf, Label, listed, node
 from nodegraph_compare.actors import clusters_of
 from nodegraph_compare.comparison import fallback_label
-from nodegraph_compare.curve.answer import answer, losses, notes
+from nodegraph_compare.curve.answer import answer_of
 from nodegraph_compare.curve.curves import Curves
-from nodegraph_compare.curve.lead import lead_of
 from nodegraph_compare.curve.marks import Mark, marks
+from nodegraph_compare.curve.notes import losses, notes
 from nodegraph_compare.curve.points import Axes, compared_in, floors, points, unit_names
 from nodegraph_compare.curve.scale import scale_of
 from nodegraph_compare.question import (
@@ -290,8 +290,7 @@ def curve(
     valued = (axes.metric, "low", "high", "floor")
     info = TableInfo(
         title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
-        answer=tuple(answer(curves)),
-        lead=lead_of(curves),
+        answer=answer_of(curves),
         notes=(
             *notes(curves, unit_names(scores, axes)),
             *losses(scores, curves, skipped=True),

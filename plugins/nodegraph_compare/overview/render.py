@@ -6,20 +6,19 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from markupsafe import Markup, escape
+from markupsafe import escape
 
 from nodegraph import Rendered, json_script
-from nodegraph_compare.left_out import start_text
-from nodegraph_compare.overview.cards import answer_html, scope_line
+from nodegraph_compare.described import is_described
+from nodegraph_compare.overview.cards import answer_html
 from nodegraph_compare.overview.cost import typical_seconds
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.pack import excerpt_of, packed
-from nodegraph_compare.table.lead import is_described
-from nodegraph_compare.words import scope_sentences, sentences, varying, with_units
-from nodegraph_tables.lead import lead_of_parts, lead_style
+from nodegraph_compare.words import varying, with_units
+from nodegraph_tables.answer import lead_style
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from nodegraph import Origin
     from nodegraph_compare.overview.value import Overview
@@ -28,8 +27,8 @@ if TYPE_CHECKING:
 
 def render_overview(overview: Overview, title: str) -> Rendered:
     """Return the verdicts alone, as a notebook shows them."""
-    lead = _lead(overview.verdicts, title, {})
-    return Rendered(lead, styles=(lead_style(),), answer=_answer(overview.verdicts))
+    lead = answer_html(overview.answer, with_units(overview.verdicts), title, {})
+    return Rendered(lead, styles=(lead_style(),), answer=overview.answer.lines)
 
 
 def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Rendered:
@@ -46,19 +45,22 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     """
     name = f"overview-{origin.node}"
     verdicts = overview.verdicts
-    named = with_units(verdicts, origin)
     # of a metric without a better end, the table's own lead says more
     is_lead = not is_described(verdicts)
     meanings = {axis: origin.meaning(axis) for axis in verdicts.within}
-    lead = _lead(named, name, meanings) if is_lead else ""
-    answer = _answer(named) if is_lead else ()
+    named = with_units(verdicts)
+    lead = answer_html(overview.answer, named, name, meanings) if is_lead else ""
+    answer = overview.answer.lines if is_lead else ()
     styles = (lead_style(), *_web(".css"))
     if not verdicts.groups:
         return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)
     excerpt = excerpt_of(overview)
     details = details_of(overview, excerpt, origin)
     seconds = typical_seconds(origin.seconds(verdicts.compare))
-    data = {**packed(overview, named, excerpt, origin.node, seconds), **details.data}
+    data = {
+        **packed(overview, with_units(verdicts, times=False), excerpt, origin.node, seconds),
+        **details.data,
+    }
     layout = data["layout"]
     charts = {"controls": ""}
     if any(group.best for group in verdicts.groups) and len(verdicts.methods) > 1:
@@ -78,20 +80,6 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
         scripts=(*_web(".js"), *details.scripts),
         styles=(*styles, *details.styles),
     )
-
-
-def _lead(verdicts: Verdicts, name: str, meanings: Mapping[str, str]) -> str:
-    """Return the answer at a glance: its sentences, the verdicts of the groups, the scope."""
-    return lead_of_parts(answer_html(verdicts, name, meanings), scope=scope_line(verdicts))
-
-
-def _answer(verdicts: Verdicts) -> tuple[str, ...]:
-    """Return the sentences as text, as a terminal shows them."""
-    verdict = (
-        f"{start_text(label)}{Markup(html).striptags()}"
-        for label, html in sentences(verdicts).items()
-    )
-    return (*verdict, scope_sentences(verdicts).striptags())
 
 
 def _ranking_heading(verdicts: Verdicts) -> str:

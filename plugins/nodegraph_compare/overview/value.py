@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Metric, Verdicts
+    from nodegraph_tables import Answer
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -49,6 +50,8 @@ class Overview(Value):
     Attributes
     ----------
     verdicts : Verdicts
+    answer : Answer
+        Of the verdicts.
     metrics : tuple of Metric
         What is compared, then the metrics shown next to it, then up to three more numbers of the
         same blocks.
@@ -59,6 +62,7 @@ class Overview(Value):
     """
 
     verdicts: Verdicts
+    answer: Answer
     metrics: tuple[Metric, ...]
     columns: Mapping[str, tuple[Label, ...]]
     blocks: tuple[Blocks, ...]

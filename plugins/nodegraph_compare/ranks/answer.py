@@ -1,37 +1,42 @@
-"""Sentences on rankings."""
+"""The answer of ranks: which method ranks first in each group, and a card per group."""
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import listed
-from nodegraph_compare.inference import LEVEL
-from nodegraph_compare.left_out import (
-    MOST_GROUPS,
-    filled_group,
-    group_text,
-    narrowed_group,
-    numberless,
-    start_text,
-)
+from nodegraph_compare.left_out import filled_group, group_text, narrowed_group, numberless
 from nodegraph_compare.ranks.signed_rank import TEST_NAMES
 from nodegraph_compare.verdict import scope_of
 from nodegraph_compare.words import caution_text, scope_text
-from nodegraph_tables.numbers import chance_text
+from nodegraph_tables.answer import (
+    HERE,
+    Answer,
+    Card,
+    Line,
+    Text,
+    Word,
+    dot,
+    joined,
+    listing,
+    say,
+    svg,
+)
+from nodegraph_tables.numbers import chance_text, number_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from nodegraph_compare.comparison import Comparison
-    from nodegraph_compare.question import Question
     from nodegraph_compare.ranks.ranking import PairTest, Ranking
 
+_MOST_NAMES = 4
 
-def answers(rankings: Sequence[Ranking], comparison: Comparison, test: PairTest) -> list[str]:
-    """Return a sentence on each group, or one on all where there are many.
+
+def answer_of(rankings: Sequence[Ranking], comparison: Comparison, test: PairTest) -> Answer:
+    """Return which method ranks first in each group, and which are not apart from it.
 
     Parameters
     ----------
@@ -40,96 +45,122 @@ def answers(rankings: Sequence[Ranking], comparison: Comparison, test: PairTest)
     test
         Of the pairs.
     """
-    if len(rankings) > MOST_GROUPS:
-        return [_counted(rankings, comparison.question)]
-    sentences = []
-    for ranking in rankings:
-        sentence = answer(ranking, comparison, test)
-        absent = numberless(ranking.group)
-        sentences.append(f"{sentence}; {absent}." if absent else f"{sentence}.")
-    return sentences
-
-
-def answer(ranking: Ranking, comparison: Comparison, test: PairTest) -> str:
-    """Return which method ranks first, whether by chance, and which are not apart from it.
-
-    Parameters
-    ----------
-    ranking, comparison
-        Of a group, and what is compared.
-    test
-        Of the pairs.
-    """
-    question, name = comparison.question, comparison.blocks
-    start = start_text(group_text(ranking.group, question))
-    count, blocks = len(ranking.methods), int(ranking.group.complete.sum())
-    if not blocks:
-        return f"{start}no block has a number for every method; nothing can be ranked"
-    if count == 1:
-        return f"{start}only {ranking.methods[0]} has numbers; there is nothing to rank"
-    units = ranking.units
-    singular = name.removesuffix("s")
-    several = f"{blocks} {name}" if blocks > 1 else f"one {singular}"
-    several = narrowed_group(ranking.group, name) or several
-    scope = scope_of(units, question, name)
-    held = f" {scope_text(scope)}" if units.count else f" within {name}"
-    first: list[int] = np.flatnonzero(ranking.first).tolist()
-    taken = filled_group(ranking.group, comparison.fallback, name)
-    missing = f", {taken}" if taken else ""
-    verb = "has" if len(first) == 1 else "share"
-    sentence = (
-        f"{start}{ranking.first_names} {verb} the lowest mean rank "
-        f"({ranking.ranks[first[0]]:.2f} of {count} methods, {several}){held}{missing}"
+    question, blocks = comparison.question, comparison.blocks
+    ranked = [each for each in rankings if len(each.values) and len(each.methods) > 1]
+    cards = tuple(_card(each, comparison, test) for each in rankings)
+    if not ranked:
+        return Answer(("There is nothing to rank.",), cards=cards)
+    tested = [each for each in ranked if each.differ and not each.objections(blocks)]
+    scopes = dict.fromkeys(
+        scope_text(scope_of(each.units, question, blocks)) for each in ranked if each.units.count
     )
-    few = caution_text(scope)
-    if units.speech == "nothing":
-        return f"{sentence}; nothing can be said of chance: {few}"
-    if units.speech == "described":
-        return f"{sentence}; {few}"
-    if objection := ranking.objections(name):
-        return f"{sentence}; no verdict stands: {objection}{f'; {few}' if few else ''}"
-    tested = _two(ranking) if count == 2 else _many(ranking, first, test)
-    return f"{sentence}; {tested}{f'; {few}' if few else ''}"
+    held = f"Scope: {next(iter(scopes))}. " if len(scopes) == 1 else ""
+    end = "the lowest value" if question.better == "none" else "the best"
+    scope = f"{held}Mean ranks of {question.metric}: 1 is {end} in every unit."
+    return Answer(_sentence(ranked, tested, comparison), (scope,), cards)
 
 
-def _two(ranking: Ranking) -> str:
-    p = float(ranking.pairs.p[0])
-    apart = "apart" if p < LEVEL else "not clearly apart"
-    return f"the two are {apart} by Wilcoxon's signed-rank test ({chance_text(p)})"
-
-
-def _many(ranking: Ranking, first: list[int], test: PairTest) -> str:
-    overall, pairs = ranking.overall, ranking.pairs
-    numbers = f"F = {overall.f:.3g}, {chance_text(overall.p_f)}; Kendall's W = {overall.w:.2f}"
-    if not ranking.differ:
-        return f"Friedman's test does not tell the methods apart ({numbers})"
-    near = [
-        {int(a), int(b)}
-        for a, b, apart in zip(pairs.first, pairs.second, ranking.apart, strict=True)
-        if not apart
+def _sentence(ranked: Sequence[Ranking], tested: Sequence[Ranking], comparison: Comparison) -> Text:
+    question = comparison.question
+    if not tested:
+        return ("Ranks do not tell the methods apart.",)
+    firsts: dict[tuple[int, ...], list[Ranking]] = {}
+    for each in tested:
+        firsts.setdefault(tuple(np.flatnonzero(each.first).tolist()), []).append(each)
+    where = "" if len(tested) == len(ranked) else f" in {len(tested)} of {len(ranked)} groups"
+    if len(firsts) == 1:
+        (groups,) = firsts.values()
+        verb = "has" if len(next(iter(firsts))) == 1 else "share"
+        every = where or " throughout" * (len(ranked) > 1)
+        return say(f"{HERE} {verb} the lowest mean rank{every}.", _first(groups[0]))
+    clauses = [
+        say(
+            f"{HERE} ranks first for {HERE}",
+            _first(groups[0]),
+            listed([group_text(each.group, question) for each in groups], _MOST_NAMES),
+        )
+        for groups in firsts.values()
     ]
-    alike = {other for pair in near if pair & {*first} for other in pair - {*first}}
-    order = sorted(sorted(alike), key=lambda at: ranking.ranks[at])
-    close = [str(ranking.methods[place]) for place in order]
-    them = "it" if len(first) == 1 else "them"
-    rest = (
-        f"not apart from {them}: {listed(close)}" if close else f"all others are apart from {them}"
-    )
-    return f"the methods differ by Friedman's test ({numbers}); by {TEST_NAMES[test]} {rest}"
+    return say(f"It depends on {' and '.join(question.within)}: {HERE}.", joined("; ", clauses))
 
 
-def _counted(rankings: Sequence[Ranking], question: Question) -> str:
-    ranked = [ranking for ranking in rankings if len(ranking.values)]
-    firsts = (
-        ranking.methods[place] for ranking in ranked for place in np.flatnonzero(ranking.first)
+def _first(ranking: Ranking) -> Text:
+    names = [str(ranking.methods[place]) for place in np.flatnonzero(ranking.first)]
+    return listing([Word(name, "method") for name in names])
+
+
+def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
+    question, blocks = comparison.question, comparison.blocks
+    group = ranking.group
+    title = group_text(group, question) or question.metric
+    more = (
+        ("Blocks", narrowed_group(group, blocks)),
+        ("Filled", filled_group(group, comparison.fallback, blocks)),
+        ("Absent", numberless(group)),
     )
-    wins = Counter(str(name) for name in firsts).most_common()
-    counts = listed([f"{name} in {count}" for name, count in wins])
-    differ = sum(ranking.differ for ranking in ranked)
-    against = sum(bool(ranking.objections("")) for ranking in ranked)
-    unsteady = f"; in {against} another rule for missing blocks says otherwise" if against else ""
+    facts: list[tuple[str, Text]] = [(term, (text,)) for term, text in more if text]
+    if not len(ranking.values):
+        return Card(title, ("no block has a number for every method",), facts=tuple(facts))
+    if len(ranking.methods) < 2:
+        only = Word(str(ranking.methods[0]), "method")
+        return Card(title, say(f"only {HERE} has numbers", only), facts=tuple(facts))
+    first = ranking.first
+    number = Word(f"{ranking.ranks.min():.2f}", "number")
+    value = say(f"mean rank {HERE} of {len(ranking.methods)}", number)
+    objection = ranking.objections(blocks)
+    caution = caution_text(scope_of(ranking.units, question, blocks))
+    if ranking.units.judged:
+        facts.insert(0, ("Test", (_test(ranking, test),)))
+    if objection or not ranking.differ:
+        why = objection or caution or "Friedman's test does not tell the methods apart"
+        lowest = say(f"{HERE}, {HERE}", _first(ranking), value)
+        facts = [("Lowest", lowest), ("Why", (why,)), *facts]
+        return Card(title, ("no verdict",), (), (), _picture(ranking, {}), tuple(facts))
+    pairs = ranking.pairs
+    near = np.zeros(len(first), dtype=bool)
+    close = ~ranking.apart & (first[pairs.first] | first[pairs.second])
+    near[pairs.first[close]] = near[pairs.second[close]] = True
+    kinds = {place: "tied" for place in np.flatnonzero(near).tolist()}
+    kinds |= {place: "best" for place in np.flatnonzero(first).tolist()}
+    names = [
+        Word(str(ranking.methods[place]), "method")
+        for place in np.argsort(ranking.ranks, kind="stable").tolist()
+        if near[place] and not first[place]
+    ]
+    rest = len(names) - _MOST_NAMES
+    tied = joined(", ", names[:_MOST_NAMES])
+    tied = say(f"{HERE} and {rest} more", tied) if rest > 0 else tied
+    count = int(np.count_nonzero(~near & ~first))
+    facts = [
+        ("Tied", tied or ("none",)),
+        ("Apart", (f"{count} method{'s' * (count != 1)}",)),
+        *facts,
+    ]
+    facts += [("Caution", (caution,))] if caution else []
+    return Card(title, _first(ranking), value, (), _picture(ranking, kinds), tuple(facts), True)
+
+
+def _test(ranking: Ranking, test: PairTest) -> str:
+    overall = ranking.overall
+    if len(ranking.methods) == 2:
+        return f"Wilcoxon's signed ranks, {chance_text(float(ranking.pairs.p[0]))}"
     return (
-        f"Of {len(rankings)} groups ({', '.join(question.within)}), the lowest mean rank has "
-        f"{counts}; in {differ} of them Friedman's test tells the methods "
-        f"apart{unsteady}."
+        f"Friedman's, F = {overall.f:.3g}, {chance_text(overall.p_f)}, Kendall's W = "
+        f"{overall.w:.2f}; pairs by {TEST_NAMES[test]}"
     )
+
+
+def _picture(ranking: Ranking, kinds: Mapping[int, str]) -> str:
+    line = Line(1.0, float(len(ranking.methods)))
+    dots = [
+        dot(
+            line.at(float(rank)), 10.0, kinds.get(place, "rest"),
+            f"{name} {number_text(float(rank))}",
+        )
+        for place, (name, rank) in enumerate(zip(ranking.methods, ranking.ranks, strict=True))
+    ]  # fmt: skip
+    axis = (
+        '<line x1="4" x2="236" y1="22" y2="22"/><text x="4" y="36">rank 1</text>'
+        f'<text class="end" x="236" y="36">{len(ranking.methods)}</text>'
+    )
+    return svg(f"mean ranks of {len(ranking.methods)} methods", 40.0, (axis, *reversed(dots)))

@@ -68,7 +68,12 @@ def draw(question: Question, rankings: Sequence[Ranking], test: PairTest) -> Fig
 
 
 def _colours(ranking: Ranking) -> list[str]:
-    """Return the colour of each method: of the first, of those not apart from it, of the rest."""
+    """Return the colour of each method: of the first, of those not apart from it, of the rest.
+
+    Where nothing is told apart, nothing is marked.
+    """
+    if not ranking.differ or ranking.objections(""):
+        return [BLACK] * len(ranking.ranks)
     first, pairs = ranking.ranks == ranking.ranks.min(), ranking.pairs
     near = ~(pairs.p < LEVEL) & (first[pairs.first] | first[pairs.second])
     joined = {*pairs.first[near].tolist(), *pairs.second[near].tolist()}

@@ -11,8 +11,7 @@ from nodegraph_compare.comparison import prepare
 from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.left_out import block_text, end_text, left_out
 from nodegraph_compare.question import Asked, Question
-from nodegraph_compare.ranks.answer import answers
-from nodegraph_compare.ranks.lead import lead_of
+from nodegraph_compare.ranks.answer import answer_of
 from nodegraph_compare.ranks.ranking import PairTest, Ranking, rank_by_rules
 from nodegraph_compare.verdict import clusters_name
 from nodegraph_compare.words import rules_text
@@ -113,8 +112,7 @@ def ranks(scores: Across[Table], asked: Asked, *, test: PairTest = "nemenyi") ->
     first = "the lowest value" if question.better == "none" else "the best"
     info = TableInfo(
         title=f"Mean ranks of {question.metric}{question.by}",
-        answer=tuple(answers(rankings, comparison, test)),
-        lead=lead_of(rankings, question, comparison.blocks),
+        answer=answer_of(rankings, comparison, test),
         notes=(
             f"{block_text(question)} {end_text(question)} {rules}",
             f"Rank 1 is {first} in a unit, equal values share the mean of their ranks. Only "

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from nodegraph_compare.blocks import Group
+from nodegraph_compare.inference import LEVEL, contrasts
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.table.summary import Summary, summarise
 from nodegraph_compare.units import segments_of
-from nodegraph_compare.verdict import COMMON, WORST, Paired, Rule, Verdict, scope_of
+from nodegraph_compare.verdict import COMMON, WORST, Paired, Rule, Variation, Verdict, scope_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from nodegraph import Label
+    from nodegraph import Declared, Label
     from nodegraph_compare.comparison import Comparison
 
 AnyRule = Rule | Literal["main", "without suspects", "next minutes"]
@@ -234,6 +235,91 @@ def _combined(summaries: Sequence[Summary]) -> Summary | None:
         blocks=np.array([_distinct(lost, at) for at in range(len(methods))], dtype=np.intp),
         median=np.full(len(methods), np.nan),
     )
+
+
+def variations(
+    every: Sequence[ByRule], comparison: Comparison, declared: Mapping[Label, Declared]
+) -> tuple[Variation, ...]:
+    """Return what the choices between two ways of every method do.
+
+    Such a choice is an axis of two labels that the settings of methods take. A method is better one
+    way if it is so in every group, by every rule for missing blocks, in a paired test each: a claim
+    on all groups needs no adjustment.
+
+    Parameters
+    ----------
+    every
+        The statistics of each group, by each rule.
+    comparison, declared
+        What is compared, and what the methods declare.
+    """
+    result = []
+    for at, axis in enumerate(comparison.question.within):
+        labels = list(dict.fromkeys(rules["main"].group.labels[at] for rules in every))
+        if len(labels) != 2 or not any(axis in each.get("axes", ()) for each in declared.values()):
+            continue
+        pairs = _pairs_along(every, at)
+        sides = {
+            method: [_side(first, second, method) for first, second in pairs]
+            for method in comparison.methods
+        }
+        known = {
+            place: [side for side in sides[method] if side is not None]
+            for place, method in enumerate(comparison.methods)
+            if pairs and None not in sides[method]
+        }
+        higher = sum(all(side > 0 for side in each) for each in known.values())
+        lower = sum(all(side < 0 for side in each) for each in known.values())
+        # by the second label, unless more are better by the first
+        sign = -1 if higher > lower else 1
+        better = tuple(at for at, each in known.items() if all(sign * side < 0 for side in each))
+        worse = tuple(at for at, each in known.items() if any(sign * side > 0 for side in each))
+        label, other = labels[::-1] if sign > 0 else labels
+        if better:
+            result.append(Variation(axis, label, other, len(known), better, worse))
+    return tuple(result)
+
+
+def _pairs_along(every: Sequence[ByRule], at: int) -> list[tuple[ByRule, ByRule]]:
+    """Return the groups that differ in one label alone, the first label first."""
+    pairs: dict[tuple[Label, ...], list[ByRule]] = {}
+    for rules in every:
+        labels = rules["main"].group.labels
+        pairs.setdefault((*labels[:at], *labels[at + 1 :]), []).append(rules)
+    return [(pair[0], pair[1]) for pair in pairs.values() if len(pair) == 2]
+
+
+def _side(first: ByRule, second: ByRule, method: Label) -> int | None:
+    """Return -1 where a method is clearly better in the second of two groups, 1 where worse.
+
+    0 where neither is clear, and None where it has no number in one of them.
+    """
+    rules = [rule for rule in ("main", COMMON, WORST) if rule in first and rule in second]
+    sides = {_side_by(first[rule], second[rule], method) for rule in rules}
+    if None in sides:
+        return None
+    return sides.pop() if len(sides) == 1 else 0
+
+
+def _side_by(first: Summary, second: Summary, method: Label) -> int | None:
+    columns = []
+    for summary in (first, second):
+        usable = _usable(summary)
+        if method not in usable or not summary.judged:
+            return None
+        columns.append(summary.units.numbers(summary.ratio)[:, usable.index(method)])
+    if not np.array_equal(_unit_names(first), _unit_names(second)):
+        return None
+    y = sign_of(first.end) * np.stack(columns, axis=1)
+    if np.array_equal(y[:, 0], y[:, 1]):
+        return 0
+    result = contrasts(y, 0, first.units.parts, in_steps=False)
+    return int(np.sign(result.mean[1])) if result.p[1] <= LEVEL else 0
+
+
+def _unit_names(summary: Summary) -> NDArray[np.intp]:
+    units, group = summary.units, summary.group
+    return np.unique(group.cluster[group.complete]) if units.kind == "clusters" else units.strata
 
 
 def _distinct(summaries: Sequence[tuple[Summary, Sequence[int]]], at: int) -> int:

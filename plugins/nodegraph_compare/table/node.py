@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 
 from nodegraph import Across, ColumnOf, Label, node
+from nodegraph_compare.answer import answer_of
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.comparison import Comparison, prepare
+from nodegraph_compare.described import is_described
 from nodegraph_compare.left_out import left_out
 from nodegraph_compare.overview.build import BlocksOf, cluster_means, metrics_of
 from nodegraph_compare.overview.value import Overview
@@ -23,8 +25,9 @@ from nodegraph_compare.question import (
     check_numbers,
     suited_margin,
 )
+from nodegraph_compare.recordings import recordings_of
 from nodegraph_compare.suspects import suspects
-from nodegraph_compare.table.judge import by_rules, over_groups, verdict_of
+from nodegraph_compare.table.judge import by_rules, over_groups, variations, verdict_of
 from nodegraph_compare.table.layout import (
     Layout,
     blocks_text,
@@ -33,12 +36,11 @@ from nodegraph_compare.table.layout import (
     long_table,
     wide_table,
 )
-from nodegraph_compare.table.lead import lead_of
 from nodegraph_compare.table.notes import notes
 from nodegraph_compare.table.summary import by_ratio, summarise
 from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_compare.verdict import Verdicts, clusters_name
-from nodegraph_compare.words import lines, number_name
+from nodegraph_compare.words import number_name
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import info_of, with_info
 from nodegraph_tables.info import Part
@@ -240,7 +242,9 @@ def table(
         margin=margin,
         adapted=_places(comparison, declared, lambda each: "adapted" in each),
         ahead=_places(comparison, declared, lambda each: each.get("lookahead", 0) is None),
-        synthetic=question.synthetic,
+        recordings=recordings_of(scores),
+        axis_units=tuple(scores.units.get(axis, "") for axis in question.within),
+        variations=variations(every, comparison, declared),
         groups=tuple(
             verdict_of(
                 rules,
@@ -263,10 +267,12 @@ def table(
         if axis not in (*question.within, *question.compared)
     ]
     is_mean = any(len(group.rows) > len(group.methods) for group in gathered)
+    answer = answer_of(verdicts, is_mean=is_mean)
+    # the cards of a comparison with a better end are those of its overview
+    of_table = answer if is_described(verdicts) else answer.in_words
     info = replace(
         info,
-        answer=(*lines(verdicts), *averaged),
-        lead=lead_of(verdicts, is_mean=is_mean),
+        answer=replace(of_table, more=(*of_table.more, *averaged)),
         notes=(
             *notes(verdicts, question),
             *info.notes,
@@ -282,7 +288,11 @@ def table(
         with_info(means, info),
         draw(verdicts),
         Overview(
-            verdicts=verdicts, metrics=metrics, columns=blocks_of.columns, blocks=blocks_behind
+            verdicts=verdicts,
+            answer=answer,
+            metrics=metrics,
+            columns=blocks_of.columns,
+            blocks=blocks_behind,
         ),
     )
 

@@ -8,7 +8,6 @@ from nodegraph import listed
 from nodegraph_compare.inference import CONFIDENCE, LEVEL
 from nodegraph_compare.left_out import block_text, end_text, filled, start_text
 from nodegraph_compare.words import (
-    best_names,
     change_of,
     few_blocks_text,
     group_title,
@@ -119,7 +118,7 @@ def _usual(verdicts: Verdicts, group: Verdict) -> str:
     place, share = group.usual
     (name,) = plain_names(verdicts, [place])
     return (
-        f"{name} is better than {best_names(verdicts, group)} in most "
+        f"{name} is better than {listed(plain_names(verdicts, group.best))} in most "
         f"{verdicts.blocks} ({100 * share:.0f} %), so that few large errors decide the mean"
     )
 

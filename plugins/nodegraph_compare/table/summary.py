@@ -175,6 +175,7 @@ class Summary:
             flips=spread(flips),
             effect=spread(result.effect),
             wins=spread((result.d < 0.0).sum(axis=0).astype(np.float64)),
+            losses=spread((result.d > 0.0).sum(axis=0).astype(np.float64)),
             margin=spread(margin),
             doubtful=doubtful,
         )

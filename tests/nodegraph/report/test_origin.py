@@ -151,8 +151,8 @@ def test_methods_have_times_names_and_commands(origin: Origin) -> None:
 def test_labels_have_the_unit_and_the_meaning_of_the_setting_that_takes_them(
     origin: Origin,
 ) -> None:
-    assert (origin.unit("length"), origin.meaning("length")) == ("frames", "How much.")
-    assert (origin.unit("trial"), origin.meaning("trial")) == ("", "")
+    assert origin.meaning("length") == "How much."
+    assert origin.meaning("trial") == ""
     # labels that are names stand for values with a unit
-    assert (origin.unit("reach"), origin.meaning("reach")) == ("", "How far.")
-    assert (origin.unit("fill"), origin.meaning("fill")) == ("", "")
+    assert origin.meaning("reach") == "How far."
+    assert origin.meaning("fill") == ""

@@ -91,7 +91,7 @@ def _scores(takes: Mapping[str, Trajectories], fields: Fields) -> Across[Table]:
     for label, take in takes.items():
         for fill in ("linear", "cubic"):
             table = DataFrame({"gap": [0, 1], "rmse": [1.0, 2.0]})
-            poses = poses_of(take.markers, take.positions)
+            poses = poses_of(take.markers, take.positions, take.rate)
             info = TableInfo(poses=poses)
             entries.append(({"take": label, "fill": fill}, with_info(table, info)))
     return Across(("take", "fill"), tuple(entries), sources=("take",), fields=fields)

@@ -13,27 +13,26 @@ from nodegraph_compare.curve.marks import Mark
 from nodegraph_compare.curve.node import curve
 from nodegraph_compare.ranks.node import ranks
 from nodegraph_compare.table.node import table
-from nodegraph_tables import Lead, info_of
-from nodegraph_tables.lead import lead_html
+from nodegraph_tables import Answer, info_of
+from nodegraph_tables.answer import answer_html, plain
 
 KNEE = {10: 1.0, 20: 0.1, 30: 0.08, 40: 0.06}
 VALLEY = {10: 1.0, 20: 0.1, 30: 0.3, 40: 0.05}
 
 
-def lead(result: Any) -> Lead:
-    answer = info_of(result.table).lead
-    assert answer is not None
-    assert lead_html(answer)
+def lead(result: Any) -> Answer:
+    answer = info_of(result.table).answer
+    assert answer_html(answer)
     return answer
 
 
-def text(result: Lead) -> str:
-    return "".join(result.sentence)
+def text(result: Answer) -> str:
+    return plain(result.sentence)
 
 
 def over_markers(
     floor: float | None = None, mark: Mark = "shared", **values: dict[int, float]
-) -> Lead:
+) -> Answer:
     scores = {
         actor: pd.DataFrame({"markers": [*points], "mse": [*points.values()]})
         for actor, points in values.items()
@@ -50,11 +49,11 @@ def over_markers(
 
 def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
     answer = over_markers(0.07, ME=KNEE, JZ=KNEE)
-    assert [(card.title, card.headline, card.value) for card in answer.cards] == [
+    assert [(card.title, *card.headline, *card.value) for card in answer.cards] == [
         ("actor ME", "20 markers", "knee"), ("actor JZ", "20 markers", "knee"),
     ]  # fmt: skip
-    assert "0.100" in answer.cards[0].aside
-    assert answer.cards[0].facts == (("Noise", "0.070, reached at 40"),)
+    assert "0.100" in plain(answer.cards[0].aside)
+    assert answer.cards[0].facts == (("Noise", ("0.070, reached at 40",)),)
     assert "20 markers" in text(answer)
     assert "where mse is 1.4 times that of measurement noise" in text(answer)
     assert "noise is reached at 40" in text(answer)
@@ -64,18 +63,18 @@ def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
 def test_a_curve_above_the_noise_says_so() -> None:
     answer = over_markers(0.001, ME=KNEE, JZ=KNEE)
     assert "no curve comes down to measurement noise" in text(answer)
-    assert "not reached" in answer.cards[0].facts[0][1]
+    assert "not reached" in plain(answer.cards[0].facts[0][1])
 
 
 def test_a_shared_minimum_is_the_answer() -> None:
     answer = over_markers(ME=VALLEY, JZ=VALLEY)
     assert "All 2 curves" in text(answer)
-    assert {card.value for card in answer.cards} == {"shared minimum"}
+    assert {card.value for card in answer.cards} == {("shared minimum",)}
 
 
 def test_without_a_mark_the_lowest_point_stands_there() -> None:
     answer = over_markers(mark="none", ME=KNEE)
-    assert (answer.cards[0].headline, answer.cards[0].best) == ("40 markers", False)
+    assert (answer.cards[0].headline, answer.cards[0].best) == (("40 markers",), False)
     with pytest.warns(UserWarning, match="left out"):
         nothing = over_markers(ME={10: float("nan")})
     assert not nothing.cards
@@ -94,16 +93,17 @@ def gathered(shift: float) -> Across[pd.DataFrame]:
 def test_ranks_name_the_first_and_those_that_are_not_apart() -> None:
     answer = lead(ranks(gathered(0.5), clusters=("take",)))
     (card,) = answer.cards
-    assert (card.headline, card.best) == ("ridge", True)
-    assert card.facts[0] == ("Tied", "linear")
-    assert card.facts[1] == ("Apart", "1 methods")
+    assert (plain(card.headline), card.best) == ("ridge", True)
+    assert [(term, plain(text)) for term, text in card.facts[:2]] == [
+        ("Tied", "linear"), ("Apart", "1 method"),
+    ]  # fmt: skip
     assert text(answer) == "ridge has the lowest mean rank."
-    assert "8 takes" in answer.scope
+    assert "8 takes" in plain(answer.scope)
 
 
 def test_ranks_that_chance_explains_are_no_verdict() -> None:
     answer = lead(ranks(gathered(0.0), clusters=("take",)))
-    assert answer.cards[0].headline == "no verdict"
+    assert answer.cards[0].headline == ("no verdict",)
     assert "do not tell the methods apart" in text(answer)
 
 
@@ -111,10 +111,13 @@ def test_means_of_steps_stand_in_a_row() -> None:
     steps = {"original": 213.0, "shifted": 30.0, "scaled": 12.0, "turned": 1e-31}
     tables = {name: pd.DataFrame({"sum of squares": [value]}) for name, value in steps.items()}
     answer = lead(table(Across.of(tables, axis="align"), metric="sum of squares", better="none"))
-    assert [card.headline for card in answer.cards] == ["213", "30.0", "12.0", "0"]
+    assert [plain(card.headline) for card in answer.cards] == ["213", "30.0", "12.0", "0"]
     assert text(answer).startswith("Sum of squares falls")
     assert "falls from 213 (original) to 30.0 (shifted)" in text(answer)
 
 
-def test_a_comparison_with_a_better_end_leaves_the_answer_to_its_overview() -> None:
-    assert info_of(table(gathered(0.5), clusters=("take",)).table).lead is None
+def test_a_comparison_with_a_better_end_leaves_its_cards_to_its_overview() -> None:
+    result = table(gathered(0.5), clusters=("take",))
+    answer = info_of(result.table).answer
+    assert not answer.cards
+    assert answer.lines == result.overview.answer.lines

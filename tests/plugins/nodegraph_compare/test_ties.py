@@ -48,16 +48,17 @@ def test_a_table_of_methods_that_rounding_distinguishes_is_that_of_equal_ones(
         )
         assert_frame_equal(result, peer, check_exact=True)
         assert info_of(result) == info_of(peer)
-        assert len(info_of(result).answer) == 2
+        assert len(info_of(result).answer.lines) == 3
 
 
 @pytest.mark.parametrize("noise", [0.0, *NOISE])
 @pytest.mark.parametrize("names", ["abcd", "cbad"])
 def test_methods_that_rounding_distinguishes_share_what_is_best(noise: float, names: str) -> None:
     frame = table(study(noise, names=names), baseline="c").table
-    first = ", ".join(value for value in names if value in "ab")
-    assert info_of(frame).answer[0].startswith(f"{first} share the lowest mean rmse (")
-    assert info_of(frame).answer[0].endswith("every other is clearly behind.")
+    first = " and ".join(value for value in names if value in "ab")
+    sentence = info_of(frame).answer.lines[0]
+    assert sentence.startswith(f"{first} are best (")
+    assert "; every other is clearly behind." in sentence
     assert info_of(frame).best == {"mean": (0, 1)}
     first_two = frame.set_index("fill").loc[["a", "b"]].to_numpy()
     assert np.array_equal(first_two[0], first_two[1])
@@ -76,7 +77,7 @@ def test_methods_that_rounding_distinguishes_rank_alike(
     assert result.table["fill"].tolist() == peer.table["fill"].tolist()
     assert_frame_equal(result.pairs, peer.pairs, check_exact=True)
     assert_frame_equal(result.overall, peer.overall, check_exact=True)
-    assert info_of(result.table).answer == info_of(peer.table).answer
+    assert info_of(result.table).answer.lines == info_of(peer.table).answer.lines
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -84,8 +85,7 @@ def test_what_is_a_millionth_apart_counts(sign: int) -> None:
     result = ranks(study(sign * 1e-6))
     assert result.table["mean rank"].tolist() == [1.0, 2.0, 3.0, 4.0]
     first = "b" if sign < 0 else "a"
-    (sentence,) = info_of(table(study(sign * 1e-6)).table).answer
-    assert sentence.startswith(f"{first} has the lowest mean rmse")
+    assert info_of(table(study(sign * 1e-6)).table).answer.lines[0].startswith(f"{first} ")
 
 
 def sweep(*values: float) -> Across[Table]:
@@ -100,7 +100,7 @@ def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -
     frame = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
     assert frame["local minimum"].tolist() == [False] * 4 + [True, False]
     assert frame["below floor"].tolist() == [False] * 4 + [True, False]
-    assert "at or below it, first at markers 4." in info_of(frame).answer[-1]
+    assert ", reached at 4." in info_of(frame).answer.lines[-1]
     flat = curve(
         sweep(0.3, 0.2 * (1 + noise), 0.1), x="markers", metric="mse", mark="minimum"
     ).table

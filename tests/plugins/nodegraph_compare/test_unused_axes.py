@@ -62,7 +62,7 @@ def test_the_methods_that_an_axis_concerns_are_named(
     info = info_of(table(scores, compare=compare, blocks=("trial",)).table)
     assert all(name in " ".join(info.notes) for name in names)
     averaged = compare != "neighbours" and bool(names)
-    assert any("neighbours" in sentence for sentence in info.answer) == averaged
+    assert any("depend" in sentence for sentence in info.answer.more) == averaged
 
 
 @pytest.mark.parametrize(

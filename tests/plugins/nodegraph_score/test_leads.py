@@ -9,10 +9,10 @@ from pandas import DataFrame
 
 from nodegraph import Across
 from nodegraph_mocap import Trajectories
-from nodegraph_score.alignment_answer import lead_of
+from nodegraph_score.alignment_answer import answer_of
 from nodegraph_score.steps import steps
-from nodegraph_tables import Lead, info_of
-from nodegraph_tables.lead import lead_html
+from nodegraph_tables import Answer, info_of
+from nodegraph_tables.answer import answer_html, plain
 
 
 def recording(error: float, missing: int = 0) -> Trajectories:
@@ -23,13 +23,12 @@ def recording(error: float, missing: int = 0) -> Trajectories:
     return Trajectories(positions=positions, markers=("a", "b"), rate=60.0)
 
 
-def of_steps(**errors: float) -> Lead:
+def of_steps(**errors: float) -> Answer:
     stages = {name: recording(error, name == "captured") for name, error in errors.items()}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        answer = info_of(steps(Across.of(stages, axis="stage"), recording(0.0))).lead
-    assert answer is not None
-    assert lead_html(answer)
+        answer = info_of(steps(Across.of(stages, axis="stage"), recording(0.0))).answer
+    assert answer_html(answer)
     return answer
 
 
@@ -38,11 +37,11 @@ def test_a_step_has_a_card_with_before_and_after() -> None:
     assert [card.title for card in answer.cards] == ["captured", "fill", "despike", "smooth"]
     assert [card.best for card in answer.cards] == [False, False, True, True]
     despike = answer.cards[2]
-    assert dict(despike.facts)["Step"] == "changes 5 samples; 100 % come nearer"
+    assert dict(despike.facts)["Step"] == ("changes 5 samples; 100 % come nearer",)
     assert "before 4.00\N{NO-BREAK SPACE}mm" in despike.picture
     assert "after 1.00\N{NO-BREAK SPACE}mm" in despike.picture
-    assert "adds 1 at" in dict(answer.cards[1].facts)["Step"]
-    assert "".join(answer.sentence) == (
+    assert "adds 1 at" in plain(dict(answer.cards[1].facts)["Step"])
+    assert plain(answer.sentence) == (
         "despike does most: 4.00 to 1.00\N{NO-BREAK SPACE}mm over the 5 samples that it changes. "
         "No step makes it worse."
     )
@@ -50,8 +49,8 @@ def test_a_step_has_a_card_with_before_and_after() -> None:
 
 def test_a_step_that_makes_it_worse_is_named() -> None:
     answer = of_steps(captured=4.0, smooth=5.0)
-    assert "smooth makes it worse" in "".join(answer.sentence)
-    assert "No step brings" in answer.sentence[0]
+    assert "smooth makes it worse" in plain(answer.sentence)
+    assert "No step brings" in plain(answer.sentence)
     assert 'class="worse"' in answer.cards[1].picture
 
 
@@ -65,15 +64,15 @@ def part(name: str, head: float, in_all: float) -> DataFrame:
 
 
 def test_head_motion_is_reported_of_the_recording_with_most_of_it() -> None:
-    answer = lead_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
-    assert "".join(answer.sentence) == (
+    answer = answer_of([part("stable", 0.0, 0.004), part("captured", 0.8, 0.56)], ("align",))
+    assert plain(answer.sentence) == (
         "The first principal component is 80 % head motion in captured, as is 56 % of all "
         "variance; in the other at most 0 %, and 0 %."
     )
-    assert [card.headline for card in answer.cards] == ["0 %", "80 %"]
-    assert answer.cards[1].aside == "head motion; 56 % of all variance"
-    assert lead_html(answer).count("<rect") == 8
-    alone = lead_of([part("", 0.1, 0.2)], ())
-    assert "".join(alone.sentence) == (
+    assert [plain(card.headline) for card in answer.cards] == ["0 %", "80 %"]
+    assert plain(answer.cards[1].aside) == "head motion; 56 % of all variance"
+    assert answer_html(answer).count("<rect") == 8
+    alone = answer_of([part("", 0.1, 0.2)], ())
+    assert plain(alone.sentence) == (
         "The first principal component is 10 % head motion, as is 20 % of all variance."
     )

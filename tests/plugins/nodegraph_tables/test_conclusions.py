@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import pytest
 from pandas import DataFrame
 
+from nodegraph_tables import Answer, Finding, Word
+from nodegraph_tables.answer import HERE, say
 from nodegraph_tables.conclusions import (
     conclude_table,
     table_data,
     table_numbers,
-    without_measured,
 )
 from nodegraph_tables.info import TableInfo, with_info
 
@@ -31,35 +31,35 @@ def compared(info: TableInfo = TableInfo()) -> DataFrame:  # noqa: B008
     return with_info(table, info)
 
 
+def answered(number: str, best: tuple[str, ...] = ("linear",)) -> TableInfo:
+    """Return a table's answer with a measured number and a finding."""
+    finding = Finding({"length": 5}, "length 5", True, best, ("pca",), ("muscle",))
+    words = say(
+        f"{HERE} wins by {HERE} of 17 mm.", Word("linear", "method"), Word(number, "number")
+    )
+    return TableInfo(answer=Answer(words, findings=(finding,)), best={"mean": (0, 3)})
+
+
 def test_a_table_says_its_answer_and_its_best_rows() -> None:
-    info = TableInfo(answer=("linear wins by 0.25 mm (n = 40).",), best={"mean": (0, 3)})
-    assert list(conclude_table(compared(info))) == [
-        "linear wins by # mm (n = #).",
+    assert list(conclude_table(compared(answered("0.25")))) == [
+        "linear wins by # of 17 mm.",
+        "length 5: best: linear; tied: pca; behind: muscle",
         "best mean: length 15, fill muscle; length 5, fill linear",
     ]
 
 
 def test_drift_leaves_the_conclusions_and_a_turn_does_not() -> None:
-    table = compared(TableInfo(answer=("0.25 mm",), best={"mean": (0, 3)}))
-    drifted = compared(TableInfo(answer=("0.2500000001 mm",), best={"mean": (0, 3)}))
+    table, drifted = compared(answered("0.25")), compared(answered("0.2500000001"))
     drifted.loc[[0, 1], "mean"] = [0.5, 0.4999999]  # what is not the best may change places
     assert list(conclude_table(drifted)) == list(conclude_table(table))
-    turned = compared(TableInfo(answer=("0.25 mm",), best={"mean": (1, 3)}))
-    turned.loc[0, "mean"] = 0.75
+    turned = compared(answered("0.25", ("muscle",)))
     assert list(conclude_table(turned)) != list(conclude_table(table))
 
 
-@pytest.mark.parametrize(
-    ("sentence", "bare"),
-    [
-        ("at length 15, 0.25 mm", "at length 15, # mm"),
-        ("p < 1e-5 of 40 blocks (12 to 40)", "p < # of 40 blocks (# to #)"),
-        ("order_3 before v1.2 and -0.5", "order_3 before v1.2 and #"),
-        ("3 of 17 methods", "3 of 17 methods"),
-    ],
-)
-def test_measured_numbers_go_and_labels_stay(sentence: str, bare: str) -> None:
-    assert without_measured(sentence) == bare
+def test_no_verdict_concludes_nothing() -> None:
+    finding = Finding({}, "", False, (), (), ())
+    info = TableInfo(answer=Answer(("Nothing.",), findings=(finding,)))
+    assert list(conclude_table(compared(info))) == ["Nothing.", "all: no verdict"]
 
 
 def test_the_numbers_are_csv_of_ten_digits() -> None:

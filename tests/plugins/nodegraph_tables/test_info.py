@@ -15,11 +15,11 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph.node.decorator import node
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
-from nodegraph_tables import TableInfo, info_of, with_info
+from nodegraph_tables import Answer, TableInfo, info_of, with_info
 
 INFO = TableInfo(
     title="Errors",
-    answer=("a is best.",),
+    answer=Answer(("a is best.",)),
     notes=("one", "two"),
     units={"rmse": "mm"},
     better={"rmse": "lower"},

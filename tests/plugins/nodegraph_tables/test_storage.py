@@ -16,7 +16,7 @@ import nodegraph_tables
 from nodegraph.equality import same
 from nodegraph.store import Packer, Unreadable
 from nodegraph_mocap.specimens import specimens
-from nodegraph_tables import StoredFigure
+from nodegraph_tables import Answer, StoredFigure
 from nodegraph_tables.figures import render_figure, render_stored_figure
 from nodegraph_tables.info import TableInfo, Take, info_of, with_info
 from nodegraph_tables.stored_table import put_together, take_apart
@@ -57,7 +57,11 @@ def test_a_digest_does_not_depend_on_how_pandas_holds_texts(packer: Packer) -> N
 
 def test_what_a_table_says_comes_back_with_it(packer: Packer) -> None:
     info = TableInfo(
-        answer=("x",), units={"a": "mm"}, best={"a": (0,)}, cells={"a": {"low": "b"}}, labels=()
+        answer=Answer(("x",)),
+        units={"a": "mm"},
+        best={"a": (0,)},
+        cells={"a": {"low": "b"}},
+        labels=(),
     )
     table = with_info(pd.DataFrame({"a": [1.5], "b": [1.0]}), info)
     back = there_and_back(table, packer)

@@ -25,7 +25,8 @@ def table() -> nodegraph_tables.Table:
     from pandas import DataFrame
 
     rows = DataFrame({"name": ["a", "b"], "size": [1.5, 2.0]})
-    info = nodegraph_tables.TableInfo(answer=("a is smaller.",), units={"size": "m"})
+    answer = nodegraph_tables.Answer(("a is smaller.",))
+    info = nodegraph_tables.TableInfo(answer=answer, units={"size": "m"})
     return nodegraph_tables.with_info(rows, info)
 
 @node("toy.figure")

@@ -40,16 +40,18 @@ def test_the_probabilities_are_those_of_the_model() -> None:
         assert known == pytest.approx(posterior(d, v, np.log(1.1)))
         new = [row[f"new actor {name}"] for name in ("better", "equivalent", "worse")]
         assert new == pytest.approx(posterior(d, v, np.log(1.1), new=True))
-    (sentence,) = info_of(result.table).answer
-    assert "over 8 actors is equivalent: b (" in sentence
-    assert "; worse: c (worse: 1.00)." in sentence
+    sentence, scope, line = info_of(result.table).answer.lines
+    assert sentence == "Of 2 comparisons, with a margin of 1.1: 1 equivalent, 1 worse."
+    assert scope == "Scope: over 8 actors."
+    assert "over 8 actors is equivalent: b (" in line
+    assert "; worse: c (worse: 1.00)." in line
     assert len(result.figure.axes) == 1
 
 
 def test_fewer_than_five_clusters_are_refused() -> None:
     with pytest.raises(Refusal, match="needs two methods in 5 actors; there are 4"):
         bayes(study(4))
-    assert info_of(bayes(study(5)).table).answer[0].endswith("provisional, as of 5 actors.")
+    assert info_of(bayes(study(5)).table).answer.lines[-1].endswith("provisional, as of 5 actors.")
 
 
 def test_methods_that_are_the_same_are_equivalent_for_certain() -> None:

@@ -126,9 +126,9 @@ def test_a_shared_minimum_is_named_and_marked_on_every_curve() -> None:
     assert best(result)[["actor", "k", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 30, 35, "shared"], ["MB", 32, 37, "shared"], ["JZ", 30, 35, "shared"],
     ]  # fmt: skip
-    sentence = info_of(result.table).answer[0]
-    assert sentence.startswith("All 3 curves have a local minimum within 2 of markers 35, ")
-    assert "MB at 37 (mse 0.1 1)" in sentence
+    sentence, _, *cards = info_of(result.table).answer.lines
+    assert sentence == "All 3 curves have a minimum within 2 of 35 markers."
+    assert cards[1].startswith("actor MB: 37 markers, shared minimum, mse 0.100")
     assert result.figure.get_suptitle() == "minimum shared at 35 markers"
     apart = drawn(swept(ME=VALLEY, MB=near, JZ=VALLEY), mark="shared", tolerance=1)
     assert set(best(apart)["marked"]) == {"knee"}
@@ -139,9 +139,11 @@ def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_stated() -> Non
     assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 25, "knee"], ["JZ", 25, "knee"],
     ]  # fmt: skip
-    none, knees = info_of(result.table).answer
-    assert none == ("No local minimum is shared within 2 markers: ME has some at 35; JZ has none.")
-    assert knees.startswith("Knees, marked instead: ME at 25 (mse 0.2 1), JZ at 25 (mse 0.2 1).")
+    sentence, _, *cards = info_of(result.table).answer.lines
+    assert sentence == "From 25 markers on, more of them help less (both curves)."
+    assert [card.partition(", mse")[0] for card in cards] == [
+        "actor ME: 25 markers, knee", "actor JZ: 25 markers, knee",
+    ]  # fmt: skip
     assert any(note.startswith("knee: ") for note in info_of(result.table).notes)
     assert result.figure.get_suptitle() == "no minimum shared within 2 markers"
 
@@ -159,13 +161,13 @@ def test_shares_are_in_percent() -> None:
     scores = swept(ME=VALLEY, JZ=VALLEY)
     entries = tuple((labels, with_info(table, info)) for labels, table in scores)
     result = drawn(replace(scores, entries=entries), mark="minimum")
-    assert "(mse 10 %)" in info_of(result.table).answer[0]
+    assert "mse 10.0\N{NO-BREAK SPACE}%" in info_of(result.table).answer.lines[-1]
     assert result.figure.axes[0].yaxis.get_major_formatter()(0.07) == "7"
 
 
 def test_a_straight_curve_has_nothing_to_mark() -> None:
     result = drawn(swept(ME={1: 3.0, 2: 2.0, 3: 1.0}), mark="shared")
-    assert info_of(result.table).answer[-1] == "Neither a minimum to mark nor a knee: ME."
+    assert info_of(result.table).answer.lines[0].startswith("Neither a minimum nor a knee to mark")
     assert not len(best(result))
     assert list(best(result).columns) == list(result.table.columns)
 
@@ -177,14 +179,9 @@ def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_report
     me = frame[frame["actor"] == "ME"]
     assert me.loc[me["below floor"], "markers"].tolist() == [25, 35, 55]
     assert not frame.loc[frame["actor"] == "JZ", "below floor"].any()
-    answer = list(info_of(frame).answer)
-    assert answer[1].startswith(
-        "Knees, marked instead: ME at 25 (mse 0.2 1, not above the noise floor), JZ at 35 (mse 0"
-    )
-    assert answer[2:] == [
-        "ME: noise alone gives mse 0.25 1; 3 of 6 points of the curve are at or below it, first "
-        "at markers 25.",
-        "JZ: noise alone gives mse 0.01 1; no point of the curve is as low.",
+    assert [card.rpartition("; ")[2] for card in info_of(frame).answer.lines[2:]] == [
+        "noise: 0.250\N{NO-BREAK SPACE}1, reached at 25.",
+        "noise: 0.010\N{NO-BREAK SPACE}1, not reached.",
     ]
 
 
@@ -218,7 +215,7 @@ def test_what_has_no_number_is_left_out_and_counted() -> None:
     with pytest.warns(UserWarning, match="ME: 2 rows left out.*MB: 6 rows.*without a curve: MB"):
         result = drawn(scores, mark="shared")
     assert result.table.loc[result.table["mse"].isna(), "on curve"].tolist() == [False] * 8
-    assert "All 1 curves have" in info_of(result.table).answer[0]
+    assert info_of(result.table).answer.lines[0].startswith("All 1 curves have a minimum")
     assert best(result)["actor"].tolist() == ["ME"]
     assert "MB (no value)" in [axis.get_title("left") for axis in result.figure.axes]
 
@@ -244,9 +241,7 @@ def test_a_block_that_lacks_a_number_is_left_out() -> None:
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_where_nothing_has_a_number_nothing_is_said() -> None:
     result = drawn(swept(ME=dict.fromkeys(VALLEY, NAN)), floor(ME=[NAN]), mark="shared")
-    assert list(info_of(result.table).answer) == [
-        "No point has a number for mse; nothing can be said."
-    ]
+    assert list(info_of(result.table).answer.lines) == ["No point has a number for mse."]
     assert not len(best(result))
     empty = drawn(Across.of({"ME": point(1, 1).iloc[:0]}, axis="actor"), mark="shared")
     assert not len(empty.table)

@@ -57,9 +57,6 @@ class Bakery:
     def uses(self, axis: str) -> Mapping[Label, str]:
         return {}
 
-    def unit(self, axis: str) -> str:
-        return "K" if axis == "heat" else ""
-
     def meaning(self, axis: str) -> str:
         return "Of the <oven>." if axis == "heat" else ""
 
@@ -106,7 +103,9 @@ def scores() -> Across[Table]:
         info = TableInfo(units={"waste": "g"}, better={"waste": "lower", "mess": "lower"})
         labels: dict[str, Label] = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
         entries.append((labels, with_info(frame, info)))
-    return Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+    return Across(
+        ("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",), units={"heat": "K"}
+    )
 
 
 def overview() -> Overview:

@@ -14,11 +14,13 @@ from scipy.stats import gmean
 
 from nodegraph import Across, Detail, Kind, Label
 from nodegraph_compare import nodegraph_kinds
+from nodegraph_compare.answer import answer_of
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
+from nodegraph_tables.answer import html_of
 
 NAN = np.nan
 
@@ -46,7 +48,14 @@ def kitchens(
                 waste = base * factor * hotter * random.uniform(0.97, 1.03, 6)
                 labels: dict[str, Label] = {"kitchen": kitchen, "heat": heat, "recipe": recipe}
                 entries.append((labels, cakes(waste, mess=waste / 2, cleaned=np.ones(6))))
-    return Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
+    return gathered(("kitchen", "heat", "recipe"), entries)
+
+
+def gathered(
+    axes: tuple[str, ...], entries: Sequence[tuple[dict[str, Label], Table]]
+) -> Across[Table]:
+    """Gather tables whose axis `heat` is in kelvin."""
+    return Across(axes, tuple(entries), sources=("kitchen",), units={"heat": "K"})
 
 
 def compared(scores: Across[Table], **settings: Any) -> Compared:
@@ -67,9 +76,6 @@ class Bakery:
 
     def uses(self, axis: str) -> Mapping[Label, str]:
         return {"plain": "bake.plain"}
-
-    def unit(self, axis: str) -> str:
-        return "K" if axis == "heat" else ""
 
     def meaning(self, axis: str) -> str:
         return "Gas, or <coal>." if axis == "oven" else ""
@@ -131,7 +137,7 @@ def test_verdicts_are_those_of_the_table_and_its_answer(study: Compared) -> None
         for name, column in (("value", "ratio"), ("low", "ratio low"), ("p", "p")):
             np.testing.assert_array_equal(getattr(group.to_best, name), rows[column])
         best = str(verdicts.methods[group.best[0]])
-        assert best in info_of(frame).answer[verdicts.groups.index(group)]
+        assert best in info_of(frame).answer.lines[2 + verdicts.groups.index(group)]
         assert (group.scope.kind, group.scope.count) == ("clusters", 8)
 
 
@@ -154,12 +160,12 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     lead = rendered(study.overview).lead
     text = text_of(lead)
     assert "<script" not in lead
-    assert text.startswith("It depends on heat: plain for 180 K; rich or airy for 220 K. ")
+    assert text.startswith("It depends on heat: plain for 180 K (")
     assert lead.count("<article") == 2
     assert lead.count('class="best"') == 2
     assert lead.count('class="tied"') == 1
-    assert "Scope: 8 kitchens" in text
-    assert "ringed: tied , paired differences cannot tell it from the best" in text
+    assert "8 kitchens: holds for further kitchens." in text
+    assert "ringed: tied, paired differences cannot tell it from the best" in text
 
 
 def test_the_best_of_most_conditions_stands_after_the_exceptions() -> None:
@@ -168,9 +174,10 @@ def test_the_best_of_most_conditions_stands_after_the_exceptions() -> None:
         for oven, factor in (("gas", 1.0), ("coal", 9.0))
         for labels, frame in kitchens({"plain": factor, "rich": 1.4})
     )
-    scores = Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+    scores = gathered(("kitchen", "oven", "heat", "recipe"), entries)
     text = text_of(rendered(compared(scores, within=("oven", "heat")).overview).lead)
-    assert "It depends on oven and heat: plain for oven gas, heat 180 K; rich otherwise." in text
+    assert "It depends on oven and heat: plain for oven gas, heat 180 K (" in text
+    assert "; rich otherwise (" in text
 
 
 def test_every_method_is_compared_to_a_baseline_over_all_groups() -> None:
@@ -180,7 +187,7 @@ def test_every_method_is_compared_to_a_baseline_over_all_groups() -> None:
         for oven, plain in (("gas", 1.0), ("coal", 9.0))
         for labels, frame in kitchens({**RECIPES, "plain": plain})
     )
-    scores = Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+    scores = gathered(("kitchen", "oven", "heat", "recipe"), entries)
     settings: Any = {"within": ("oven", "heat"), "baseline": "rich"}
     text = text_of(rendered(compared(scores, **settings).overview).lead).replace("\u00a0", " ")
     rest = "airy is nowhere clearly apart; burnt is worse throughout."
@@ -223,15 +230,16 @@ def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
         for oven in ("gas", "coal", "wood")
         for labels, frame in kitchens({"plain": 1.0, "rich": 1.4}, 5)
     )
-    scores = Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+    scores = gathered(("kitchen", "oven", "heat", "recipe"), entries)
     section = rendered(compared(scores, within=("oven", "heat")).overview)
-    assert [line.partition(":")[0] for line in section.answer] == [
-        "oven gas",
-        "oven coal",
-        "oven wood",
-        "Scope",
-    ]
-    assert section.lead.count('type="radio"') == section.lead.count("It depends on heat: ") == 3
+    sentence, scope, *cards = section.answer
+    assert sentence.startswith("It depends on oven and heat: ")
+    assert scope.startswith("5 kitchens: holds for further kitchens.")
+    assert [card.partition(":")[0] for card in cards[:2]] == [
+        "oven gas, heat 180\N{NO-BREAK SPACE}K", "oven gas, heat 220\N{NO-BREAK SPACE}K",
+    ]  # fmt: skip
+    assert section.lead.count('type="radio"') == 3
+    assert section.lead.count("It depends on oven and heat: ") == 1
     assert 'title="Gas, or &lt;coal&gt;."' in section.lead
     assert section.lead.count(" checked") == 1
     assert text_of(section.lead).count("Provisional, as of 5 kitchens.") == 1
@@ -290,15 +298,10 @@ def test_few_units_and_disagreeing_rules_have_no_verdict() -> None:
     assert "One method for all" not in text
 
 
-class Timer(Bakery):
-    def unit(self, axis: str) -> str:
-        return "minutes"
-
-
 def test_numbers_are_named_with_what_they_are_numbers_of() -> None:
     recipes: Any = {2: 1.0, 3: 9.0}
-    overview = compared(kitchens(recipes, heats=(1, 5)), within=("heat",)).overview
-    text = text_of(rendered(overview, Timer()).lead)
+    scores = replace(kitchens(recipes, heats=(1, 5)), units={"heat": "minutes"})
+    text = text_of(rendered(compared(scores, within=("heat",)).overview).lead)
     assert "recipe 2 is best throughout" in text
     assert "heat 1 minute " in text
     assert "heat 5 minutes " in text
@@ -310,8 +313,8 @@ def test_what_leads_some_groups_only_is_not_called_best_throughout() -> None:
     verdicts = overview.verdicts
     first, *rest = verdicts.groups
     few = replace(first, scope=replace(first.scope, count=0))
-    partly = replace(overview, verdicts=replace(verdicts, groups=(few, *rest)))
-    text = text_of(rendered(partly).lead)
+    some = replace(verdicts, groups=(few, *rest), overall=None)
+    text = text_of(html_of(answer_of(some, is_mean=True).sentence))
     assert f"plain is best in {len(rest)} of {len(rest) + 1} groups" in text
     assert "throughout" not in text
 
@@ -342,7 +345,7 @@ def test_other_ends_of_a_metric(better: BetterEnd) -> None:
         assert overview.verdicts.groups[0].best == ()
         assert text == ""  # the table has a lead of its own
     else:
-        assert text.startswith("c is best; every other is clearly behind.")
+        assert text.startswith("c is best (235 %); every other is clearly behind.")
         assert "c 235 % 95 %: " in text
 
 
@@ -350,7 +353,7 @@ def test_methods_of_equal_numbers_leave_nobody_behind() -> None:
     scores = {name: cakes(np.arange(1.0, 9.0)) for name in ("plain", "rich")}
     overview = compared(Across.of(scores, axis="recipe"), clusters=("cake",)).overview
     text = text_of(rendered(overview).lead)
-    assert text.startswith("plain and rich have the same mean waste.")
+    assert text.startswith("plain and rich have the same mean waste (")
     assert "behind" not in text
 
 
@@ -419,7 +422,7 @@ def test_steps_that_follow_one_another_are_compared_to_the_one_before() -> None:
     assert text.startswith(
         "rest lowers waste by 50 % (cool), with no clear change (hot); bake raises it by 5"
     )
-    assert "best" not in text.partition("Scope")[0]
+    assert "best" not in text.partition("kitchens")[0]
     assert "Percentages: to the step before" in text
 
 

@@ -17,6 +17,7 @@ from nodegraph_compare.ranks.node import ranks as ranks_of
 from nodegraph_compare.table.node import table
 from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
+from nodegraph_tables.answer import plain
 from nodegraph_tables.style import BEST, BLACK, REST
 
 NAN = np.nan
@@ -88,13 +89,14 @@ def test_every_pair_has_a_row() -> None:
 
 
 def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
-    (sentence,) = info_of(ranks(study(apart=0.8)).table).answer
+    sentence, scope, card = info_of(ranks(study(apart=0.8)).table).answer.lines
+    assert sentence == "lin has the lowest mean rank."
+    assert scope.startswith("Scope: over 30 combinations of trial and gap. Mean ranks of rmse")
     assert re.match(
-        r"lin has the lowest mean rank \(1\.\d\d of 4 methods, 60 gaps\) over 30 combinations of "
-        r"trial and gap; the methods differ by Friedman's test \(F = [\d.]+, p < 0\.0001; "
-        r"Kendall's W = 0\.\d\d\); by Nemenyi's test "
-        r"(all others are apart from it|not apart from it: [a-z, ]+)\.$",
-        sentence,
+        r"rmse: lin, mean rank 1\.\d\d of 4; tied: [a-z, ]+; apart: \d methods?; "
+        r"test: Friedman's, F = [\d.]+, p < 0\.0001, Kendall's W = 0\.\d\d; "
+        r"pairs by Nemenyi's test\.$",
+        card,
     )
 
 
@@ -102,8 +104,8 @@ def test_the_answer_says_who_leaves_few_blocks_to_all() -> None:
     whole = {name: scored(*(place + at for at in range(8))) for place, name in enumerate("abc")}
     shy = scored(*[float("nan")] * 3, *range(5))
     with pytest.warns(UserWarning, match="3 of 8 blocks left out"):
-        (sentence,) = info_of(ranks(Across.of({**whole, "shy": shy}, axis="f")).table).answer
-    assert "of 4 methods, 5 of 8 gaps, the rest left out: shy lacks 3) over 5 gaps" in sentence
+        card = info_of(ranks(Across.of({**whole, "shy": shy}, axis="f")).table).answer.lines[-1]
+    assert "blocks: 5 of 8 gaps, the rest left out: shy lacks 3" in card
 
 
 def test_no_claim_where_friedman_makes_none() -> None:
@@ -111,24 +113,20 @@ def test_no_claim_where_friedman_makes_none() -> None:
         name: scored(*np.random.default_rng(place).normal(size=8))
         for place, name in enumerate("abcd")
     }
-    (sentence,) = info_of(ranks(Across.of(same, axis="fill")).table).answer
-    assert "Friedman's test does not tell the methods apart" in sentence
-    assert "not apart from it" not in sentence
+    sentence, _, card = info_of(ranks(Across.of(same, axis="fill")).table).answer.lines
+    assert sentence == "Ranks do not tell the methods apart."
+    assert "no verdict; lowest: " in card
+    assert "why: Friedman's test does not tell the methods apart" in card
 
 
 def test_methods_of_one_mean_rank_share_it() -> None:
     worse = {name: scored(*range(place, place + 8)) for place, name in enumerate("cdef", start=3)}
     tied = {"a": scored(*range(8)), "b": scored(*range(8)), **worse}
-    (sentence,) = info_of(ranks(Across.of(tied, axis="fill")).table).answer
-    assert sentence.startswith(
-        "a, b share the lowest mean rank (1.50 of 6 methods, 8 gaps) over 8 gaps; "
-    )
-    assert sentence.endswith("by Nemenyi's test not apart from them: c, d.")
+    sentence, _, card = info_of(ranks(Across.of(tied, axis="fill")).table).answer.lines
+    assert sentence == "a and b share the lowest mean rank."
+    assert card.startswith("rmse: a and b, mean rank 1.50 of 6; tied: c, d; apart: 2 methods")
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
-    assert list(info_of(ranks(two).table).answer) == [
-        "a, b share the lowest mean rank (1.50 of 2 methods, 8 gaps) over 8 gaps; the two are not "
-        "clearly apart by Wilcoxon's signed-rank test (p = 1.0000)."
-    ]
+    assert "Wilcoxon's signed ranks, p = 1.0000" in info_of(ranks(two).table).answer.lines[-1]
 
 
 def test_of_many_groups_each_of_equal_methods_counts() -> None:
@@ -137,24 +135,26 @@ def test_of_many_groups_each_of_equal_methods_counts() -> None:
         for name, value in {"a": 0.3, "b": 0.1 + 0.2, "c": 0.5}.items()
     }
     scores = Across.of(tables, axis="fill")
-    (sentence,) = info_of(ranks(scores, within=("take",)).table).answer
-    assert sentence.startswith("Of 20 groups (take), the lowest mean rank has a in 20, b in 20; ")
-    (sentence,) = info_of(table(scores, within=("take",)).table).answer
-    assert sentence.startswith("Of 20 groups (take), a has the lowest mean rmse in 20, b in 20; ")
+    cards = info_of(ranks(scores, within=("take",)).table).answer.cards
+    assert {plain(dict(card.facts)["Lowest"]) for card in cards} == {"a and b, mean rank 1.50 of 3"}
+    sentence = info_of(table(scores, within=("take",)).table).answer.lines[0]
+    assert "Lowest mean rmse in all 20 groups: a and b (0.300)." in sentence
 
 
 def test_two_methods_one_method_one_block() -> None:
     two = Across.of({"a": scored(1, 2, 3, 4, 5, 6, 7), "b": scored(2, 3, 4, 5, 6, 7, 9)}, axis="f")
-    (sentence,) = info_of(ranks(two).table).answer
-    assert sentence.endswith(
-        "the two are apart by Wilcoxon's signed-rank test (p = 0.0156); provisional, as of 7 gaps."
-    )
+    card = info_of(ranks(two).table).answer.lines[-1]
+    assert "test: Wilcoxon's signed ranks, p = 0.0156" in card
+    assert card.endswith("caution: provisional, as of 7 gaps.")
     axis = ranks(Across.of({"a": scored(1, 2)}, axis="f"))
-    assert list(info_of(axis.table).answer) == ["only a has numbers; there is nothing to rank."]
+    assert list(info_of(axis.table).answer.lines) == [
+        "There is nothing to rank.",
+        "rmse: only a has numbers.",
+    ]
     assert axis.table["mean rank"].tolist() == [1.0]
     assert len(axis.pairs) == 0
     single = Across.of({name: scored(place) for place, name in enumerate("abc")}, axis="f")
-    assert "nothing can be said of chance" in info_of(ranks_of(single).table).answer[0]
+    assert "why: one repetition where 3" in info_of(ranks_of(single).table).answer.lines[-1]
 
 
 def test_a_method_without_any_number_is_in_the_answer() -> None:
@@ -165,8 +165,7 @@ def test_a_method_without_any_number_is_in_the_answer() -> None:
     )
     with pytest.warns(UserWarning, match="without any number"):
         result = ranks(scores)
-    (sentence,) = info_of(result.table).answer
-    assert sentence.endswith("; without any number, not compared: c.")
+    assert "without any number, not compared: c" in info_of(result.table).answer.lines[-1]
 
 
 def test_higher_is_better_where_the_score_declares_it() -> None:
@@ -225,8 +224,7 @@ def test_thousands_of_combinations_are_summed_up() -> None:
         Across.of(rows, axis="fill"), within=("gap",), blocks=("take",), clusters=("take",)
     )
     assert len(result.overall) == 50
-    (sentence,) = info_of(result.table).answer
-    assert sentence.startswith("Of 50 groups (gap), the lowest mean rank has ")
+    assert len(info_of(result.table).answer.cards) == 50
     assert len(result.figure.axes) == 12
     assert "38 more groups are not drawn" in result.figure.get_supxlabel()
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from nodegraph.graph import Graph, Method
+from nodegraph.graph.model import Graph, Method
 from nodegraph.node.decorator import Setting
 from nodegraph.node.description import meanings
 

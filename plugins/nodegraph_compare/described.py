@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.words import both, group_title, scope_text
-from nodegraph_tables.lead import MOST_CARDS, Card, Lead
+from nodegraph_compare.words import group_title
+from nodegraph_tables.answer import HERE, MOST_CARDS, Answer, Card, Text, Word, listing, say
 from nodegraph_tables.numbers import number_text, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
@@ -20,13 +20,14 @@ _MOST_GROUPS = 4
 
 
 def is_described(verdicts: Verdicts) -> bool:
-    """Whether a comparison has the lead of this module: of few labels without a better end."""
+    """Whether a comparison has the answer of this module: of few labels without a better end."""
     few = 1 < len(verdicts.methods) <= MOST_CARDS and 0 < len(verdicts.groups) <= _MOST_GROUPS
-    return verdicts.metric.better == "none" and few
+    several = any(len(group.known) > 1 for group in verdicts.groups)
+    return verdicts.metric.better == "none" and few and several
 
 
-def lead_of(verdicts: Verdicts, *, is_mean: bool) -> Lead | None:
-    """Return the lead of a few groups of a few labels; None for other comparisons.
+def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
+    """Return the answer of a few groups of a few labels.
 
     Parameters
     ----------
@@ -35,23 +36,19 @@ def lead_of(verdicts: Verdicts, *, is_mean: bool) -> Lead | None:
     is_mean
         Whether a label has more than one row.
     """
-    if not is_described(verdicts):
-        return None
     groups, unit = verdicts.groups, verdicts.metric.unit
     labels = [str(label) for label in verdicts.methods]
-    scope = groups[0].scope
-    held = f"Scope: {scope_text(scope)}." if scope.count > 1 else ""
     name = verdicts.metric.name
     metric = f"Mean {name}" if is_mean else name.capitalize()
     if len(groups) == 1:
-        return _of_one(verdicts, groups[0], metric, held)
+        return _of_one(verdicts, groups[0], metric)
     spans = [[float(group.mean[place]) for group in groups] for place in range(len(labels))]
     every = range(len(verdicts.within))
     cards = tuple(
         Card(
-            label, _span(values, unit),
+            label, (_span(values, unit),),
             facts=tuple(
-                (group_title(verdicts, group, every), _span([value], unit))
+                (group_title(verdicts, group, every), (_span([value], unit),))
                 for group, value in zip(groups, values, strict=True)
             ),
         )
@@ -60,22 +57,19 @@ def lead_of(verdicts: Verdicts, *, is_mean: bool) -> Lead | None:
     most = max(range(len(labels)), key=lambda place: np.nansum(spans[place]))
     rest = [value for place, values in enumerate(spans) if place != most for value in values]
     others = f"the {len(labels) - 1} others" if len(labels) > 2 else "the other"
-    return Lead(
-        (
-            f"{metric} in {len(groups)} groups ({', '.join(verdicts.within)}) is ",
-            cards[most].headline,
-            f" for {labels[most]}, and {_span(rest, unit)} for {others}.",
-        ),
-        cards,
-        held,
-    )  # fmt: skip
+    sentence = say(
+        f"{metric} in {len(groups)} groups ({', '.join(verdicts.within)}) is {HERE} for {HERE}, "
+        f"and {HERE} for {others}.",
+        Word(_span(spans[most], unit), "number"),
+        Word(labels[most], "method"),
+        Word(_span(rest, unit), "number"),
+    )
+    return Answer(sentence, cards=cards)
 
 
-def _of_one(verdicts: Verdicts, group: Verdict, metric: str, held: str) -> Lead | None:
-    """Return the lead of a single group, with the intervals of its means."""
+def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
+    """Return the answer of a single group, with the intervals of its means."""
     known, unit = group.known, verdicts.metric.unit
-    if len(known) < 2:
-        return None
     labels = [str(verdicts.methods[place]) for place in known]
     values = [float(group.mean[place]) for place in known]
     # what is left of a number by rounding is none
@@ -84,18 +78,20 @@ def _of_one(verdicts: Verdicts, group: Verdict, metric: str, held: str) -> Lead 
     is_share = unit == "share"
     texts = [_span([each], unit) if is_share else number_text(each) for each in values]
     cards = tuple(
-        Card(label, _span([value], unit), _interval(group, place, unit if is_share else ""))
+        Card(label, (_span([value], unit),), _interval(group, place, unit if is_share else ""))
         for label, value, place in zip(labels, values, known, strict=True)
     )
     in_unit = f" in {unit_text(unit)}" if unit and not is_share else ""
     steps = np.sign(np.diff(values))
     verb = " falls from " if (steps < 0).all() else " rises from " if (steps > 0).all() else ": "
-    rest = [f"{text} ({label})" for text, label in zip(texts[1:], labels[1:], strict=True)]
+    numbers = [Word(text, "number") for text in texts]
+    items = [
+        say(f"{HERE} ({HERE})", number, Word(label, "method"))
+        for number, label in zip(numbers, labels, strict=True)
+    ]
     to = ", " if verb == ": " else " to "
-    return Lead(
-        (f"{metric}{in_unit}{verb}", texts[0], f" ({labels[0]}){to}{both(rest)}."),
-        cards,
-        held,
+    return Answer(
+        say(f"{metric}{in_unit}{verb}{HERE}{to}{HERE}.", items[0], listing(items[1:])), cards=cards
     )
 
 
@@ -104,6 +100,6 @@ def _span(values: Sequence[float], unit: str) -> str:
     return shares_text(ends) if unit == "share" else span_text(ends, unit)
 
 
-def _interval(group: Verdict, place: int, unit: str) -> str:
+def _interval(group: Verdict, place: int, unit: str) -> Text:
     low, high = float(group.low[place]), float(group.high[place])
-    return f"95 %: {_span([low, high], unit)}" if low < high else ""
+    return (f"95 %: {_span([low, high], unit)}",) if low < high else ()

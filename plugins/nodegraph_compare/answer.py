@@ -1,0 +1,553 @@
+"""The answer of a comparison: who is best, what that holds for, and what was found in each group.
+
+It is made once, of verdicts; whatever shows an answer draws it from this.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from nodegraph_compare.cards import cards_of, line_on_all
+from nodegraph_compare.described import described, is_described
+from nodegraph_compare.question import EXTREME
+from nodegraph_compare.words import (
+    UNCLEAR,
+    beside_text,
+    caution_text,
+    change_text,
+    changes,
+    group_title,
+    method_words,
+    number_name,
+    plain_names,
+    reason_text,
+    scope_text,
+    tie_text,
+    units_text,
+    varying,
+    with_units,
+)
+from nodegraph_tables.answer import (
+    HERE,
+    MOST_CARDS,
+    Answer,
+    Finding,
+    Text,
+    Word,
+    few,
+    joined,
+    listing,
+    say,
+)
+from nodegraph_tables.numbers import span_text
+from nodegraph_tables.style import unit_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from nodegraph_compare.verdict import Variation, Verdict, Verdicts
+
+ALL_BEHIND = "every other is clearly behind"
+
+_MOST_NAMES = 3
+_MOST_CLAUSES = 6
+_MOST_TIED = 2
+_MOST_LABELS = 5
+
+
+def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
+    """Return the answer of verdicts.
+
+    Parameters
+    ----------
+    verdicts
+        On all groups.
+    is_mean
+        Whether a method has more than one row in a group.
+    """
+    named = with_units(verdicts)
+    findings = tuple(
+        _finding(verdicts, group, shown)
+        for group, shown in zip(verdicts.groups, named.groups, strict=True)
+    )
+    if is_described(named):
+        answer = described(named, is_mean=is_mean)
+        return Answer(answer.sentence, scope_words(named), answer.cards, findings=findings)
+    cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
+    overall = verdicts.overall
+    more = () if overall is None else (line_on_all(named, overall),)
+    return Answer(_sentence(named), scope_words(named), cards, more, findings)
+
+
+def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
+    marks = group.marks
+
+    def named(places: Sequence[int]) -> tuple[str, ...]:
+        return tuple(plain_names(verdicts, places))
+
+    def numbers(values: NDArray[np.float64]) -> dict[str, float]:
+        known = [place for place in group.known if np.isfinite(values[place])]
+        return {str(verdicts.methods[place]): float(values[place]) for place in known}
+
+    paired = group.paired
+    first = group.best or tuple(group.known[:1])
+    return Finding(
+        group=dict(zip(verdicts.within, group.labels, strict=True)),
+        title=group_title(verdicts, shown, range(len(verdicts.within))),
+        verdict=group.told,
+        best=named(group.best) if group.told else (),
+        tied=named(group.tied) if marks else (),
+        behind=named(group.behind),
+        first=named(group.best),
+        mean=numbers(group.mean),
+        low=numbers(group.low),
+        high=numbers(group.high),
+        p={} if paired is None else numbers(paired.p),
+        number=_number(verdicts, [group], first[0]).text if first else "",
+    )
+
+
+# the sentence
+
+
+def _sentence(verdicts: Verdicts) -> Text:
+    known = [group for group in verdicts.groups if group.known]
+    metric = verdicts.metric
+    if not known:
+        return ("No block has a number for every method: nothing can be said.",)
+    if all(len(group.known) == 1 for group in known):
+        return _values(verdicts, known)
+    if metric.better == "none":
+        return (f"Neither end of {metric.name} is the better one: what follows describes it.",)
+    stands = [group for group in known if group.stands]
+    if verdicts.is_sequence and stands:
+        return _steps(verdicts, stands)
+    told = [group for group in known if group.told]
+    first = _decided(verdicts, known, told) if told else _undecided(verdicts, known)
+    more = [_absent(verdicts, known)]
+    if told:
+        more = [*(_varied(verdicts, each) for each in verdicts.variations), *more]
+        more = [_besides(verdicts, told), *more]
+    return joined(" ", [first, *_against(verdicts, known), *more])
+
+
+def _undecided(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
+    """Return why there is no verdict, and which methods come first all the same."""
+    reasons = list(dict.fromkeys(_reason(verdicts, group) for group in known))
+    others = len(reasons) - 1
+    more = f" (and {others} more reason{'s' * (others > 1)})" if others else ""
+    what = f"what each {verdicts.compare} does" if verdicts.is_sequence else "which is best"
+    first = f"The data cannot tell {what}: {reasons[0]}{more}."
+    if verdicts.is_sequence:
+        return (first,)
+    return say(f"{HERE} {HERE}.", first, _firsts(verdicts, known))
+
+
+def _reason(verdicts: Verdicts, group: Verdict) -> str:
+    return "no difference is clear" if group.stands else reason_text(verdicts, group)
+
+
+def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
+    """Return which methods have the best mean in groups, without a verdict."""
+    end = EXTREME[verdicts.metric.better].capitalize()
+    metric = verdicts.metric.name
+    by_leader = _by_leader(groups)
+    if len(by_leader) > 1:
+        clauses = [
+            say(
+                f"{HERE} for {HERE} ({HERE})", listing(method_words(verdicts, leaders)),
+                _where(verdicts, of), _number(verdicts, of, leaders[0]),
+            )
+            for leaders, of in by_leader.items()
+        ]  # fmt: skip
+        return say(f"{end} mean {metric}: {HERE}", _shortened(clauses, "; "))
+    (leaders,) = by_leader
+    number = _number(verdicts, groups, leaders[0])
+    where = f" in all {len(groups)} groups" if len(groups) > 1 else ""
+    return say(
+        f"{end} mean {metric}{where}: {HERE} ({HERE})",
+        listing(method_words(verdicts, leaders)),
+        number,
+    )
+
+
+def _by_leader(groups: Sequence[Verdict]) -> dict[tuple[int, ...], list[Verdict]]:
+    result: dict[tuple[int, ...], list[Verdict]] = {}
+    for group in groups:
+        result.setdefault(group.best, []).append(group)
+    return result
+
+
+def _number(verdicts: Verdicts, groups: Sequence[Verdict], place: int) -> Word:
+    """Return the mean of a method, or the span of its means in several groups."""
+    means = [float(group.mean[place]) for group in groups]
+    return Word(span_text(sorted({min(means), max(means)}), verdicts.metric.unit), "number")
+
+
+def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdict]) -> Text:
+    """Return which method is best where, and where that is not clear."""
+    leaders = set.intersection(*(set(group.best) for group in told))
+    texts = [_throughout(verdicts, told, sorted(leaders)) if leaders else _depends(verdicts, told)]
+    if not leaders:
+        texts.append(_compromise(verdicts, told))
+    rest = [group for group in known if group not in told]
+    if rest:
+        reasons = dict.fromkeys(_reason(verdicts, group) for group in rest)
+        where = _where(verdicts, rest) if len(rest) <= _MOST_CLAUSES else f"{len(rest)} groups"
+        firsts = _firsts(verdicts, rest)
+        texts.append(say(f"Not clear for {where} ({'; '.join(reasons)}): {HERE}.", _lower(firsts)))
+    return joined(" ", texts)
+
+
+def _lower(text: Text) -> Text:
+    first, *rest = text
+    return (first[:1].lower() + first[1:], *rest) if isinstance(first, str) else text
+
+
+def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[int]) -> Text:
+    names = listing(method_words(verdicts, leaders))
+    several = len(leaders) > 1
+    where, count = "", len(verdicts.groups)
+    if len(told) < count:
+        where = f" in {len(told)} of {count} groups"
+    elif count > 1:
+        where = " throughout"
+    metric, number = verdicts.metric, _number(verdicts, told, leaders[0])
+    if all(len(group.known) == len(leaders) for group in told):
+        return say(f"{HERE} have the same mean {metric.name}{where} ({HERE}).", names, number)
+    if not any(group.tied for group in told):
+        verb = "are" if several else "is"
+        return say(f"{HERE} {verb} best{where} ({HERE}); {ALL_BEHIND}.", names, number)
+    verb = "share" if several else "has"
+    start = f"{HERE} {verb} the {EXTREME[metric.better]} mean {metric.name}{where} ({HERE})"
+    if len(told) == 1:
+        ties = _ties(verdicts, told[0])
+        behind = len(told[0].behind)
+        rest = f"; {'the other' if behind == 1 else f'the other {behind}'} clearly behind"
+        return say(f"{start}; {HERE}{rest * bool(behind)}.", names, number, ties)
+    tied = set.intersection(*(set(group.tied) for group in told))
+    if tied:
+        order = sorted(tied, key=lambda place: abs(told[0].to_best_of(place)))
+        against = few(method_words(verdicts, order), _MOST_NAMES)
+        return say(f"{start}, nowhere certain against {HERE}.", names, number, against)
+    open_groups = [group for group in told if group.tied]
+    if len(open_groups) > _MOST_CLAUSES:
+        places = f"in {len(open_groups)} of {count} groups"
+        return say(f"{start}, not certain {places}.", names, number)
+    against = listing(method_words(verdicts, sorted({*open_groups[0].tied})))
+    if any(group.tied != open_groups[0].tied for group in open_groups):
+        against = ("others",)
+    places = f"for {_where(verdicts, open_groups)}"
+    return say(f"{start}, not certain against {HERE} {places}.", names, number, against)
+
+
+def _ties(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return the methods that are not certain to be worse, the nearest first."""
+    order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
+    texts = [tie_text(verdicts, group, place) for place in order[:_MOST_NAMES]]
+    more = len(order) - len(texts)
+    rest = say(f"{HERE} more", Word(str(more), "number")) if more > 0 else ()
+    return say(f"not certain: {HERE}", joined("; ", [*texts, rest] if rest else texts))
+
+
+def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
+    """Return which method is the best where, the groups with the same best together."""
+    by_leader: dict[int, list[Verdict]] = {}
+    for group in told:
+        by_leader.setdefault(group.best[0], []).append(group)
+    axes = listed_names(verdicts)
+    if len(by_leader) > _MOST_CLAUSES:
+        counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
+        names = [
+            say(f"{HERE} in {len(groups)}", method_words(verdicts, [place])[0])
+            for place, groups in counts
+        ]
+        return say(
+            f"It depends on {axes}: of {len(told)} groups, {HERE} have another best.",
+            few(names, _MOST_NAMES),
+        )
+    most = max(by_leader, key=lambda place: len(by_leader[place]))
+    several = len(varying(verdicts)) > 1 and len(by_leader[most]) > 1
+    otherwise = several and len(by_leader) > 1 and len(told) == len(verdicts.groups)
+    order = [place for place in by_leader if not (otherwise and place == most)]
+    clauses = [
+        _clause(verdicts, place, by_leader[place], f"for {_where(verdicts, by_leader[place])}")
+        for place in order
+    ]
+    if otherwise:
+        clauses.append(_clause(verdicts, most, by_leader[most], "otherwise"))
+    return say(f"It depends on {axes}: {HERE}.", joined("; ", clauses))
+
+
+def listed_names(verdicts: Verdicts) -> str:
+    """Return the axes along which groups differ."""
+    *rest, last = [verdicts.within[axis] for axis in varying(verdicts)]
+    return f"{', '.join(rest)} and {last}" if rest else last
+
+
+def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: str) -> Text:
+    """Return the best of groups, with the methods not clearly apart from it in any of them."""
+    tied = set.intersection(*({*group.tied, *group.best} for group in groups)) - {leader}
+    number = _number(verdicts, groups, leader)
+    (name,) = method_words(verdicts, [leader])
+    if len(tied) > _MOST_TIED:
+        return say(f"{HERE} {where} ({HERE}, tied with {len(tied)} others)", name, number)
+    if not tied and any(group.tied for group in groups):
+        return say(f"{HERE} {where} ({HERE}, with ties)", name, number)
+    order = sorted(tied, key=lambda place: np.nanmax([abs(g.to_best_of(place)) for g in groups]))
+    names: list[Word | str] = [name, *plain_names(verdicts, order)]
+    return say(f"{HERE} {where} ({HERE})", listing(names, "or"), number)
+
+
+def _where(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
+    """Return the labels of groups, by as few of them as tell them from all others."""
+    axes = varying(verdicts)
+    if not axes:
+        return "all"
+    if len(axes) == 1:
+        return _both([str(group.labels[axes[0]]) for group in groups])
+    left = {group.labels for group in groups}
+    texts: dict[str, list[str]] = {}
+    for axis in reversed(axes):
+        for label in dict.fromkeys(group.labels[axis] for group in groups):
+            same = {group.labels for group in verdicts.groups if group.labels[axis] == label}
+            if same <= {group.labels for group in groups} and same & left:
+                texts.setdefault(verdicts.within[axis], []).append(str(label))
+                left -= same
+    for group in groups:
+        if group.labels in left:
+            first = group_title(verdicts, group, axes[:-1])
+            name = ", ".join(filter(None, [first, verdicts.within[axes[-1]]]))
+            texts.setdefault(name, []).append(str(group.labels[axes[-1]]))
+    named = [f"{name} {_both(labels)}" for name, labels in texts.items()]
+    return " and for ".join(filter(None, [", ".join(named[:-1]), *named[-1:]]))
+
+
+def _both(texts: Sequence[str]) -> str:
+    rest = len(texts) - _MOST_LABELS
+    if rest > 1:
+        texts = [*texts[:_MOST_LABELS], f"{rest} more"]
+    return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
+
+
+def _shortened(clauses: Sequence[Text], separator: str) -> Text:
+    rest = len(clauses) - _MOST_CLAUSES
+    more = f"{rest} more are in the table" if rest > 0 else ""
+    return joined(separator, [*clauses[:_MOST_CLAUSES], more])
+
+
+def _compromise(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
+    """Return the method that is never far behind, and its largest distance."""
+    if not verdicts.ratio or len(told) < 2:
+        return ()
+    ratios = []
+    for group in told:
+        known = np.full(group.mean.shape, np.nan) if group.to_best is None else group.to_best.value
+        ratios.append(np.where(np.isin(np.arange(len(known)), group.best), 1.0, known))
+    every = np.stack(ratios)
+    times = 1.0 / every if verdicts.metric.better == "higher" else every
+    worst = np.where(np.isfinite(times).all(axis=0), times.max(axis=0), np.inf)
+    place = int(np.argmin(worst))
+    if not np.isfinite(worst[place]):
+        return ()
+    (name,) = method_words(verdicts, [place])
+    behind = max(float(worst[place]) - 1, 0.0)
+    if behind >= 1:
+        times_text = Word(f"{worst[place]:.1f} times", "number")
+        return say(
+            f"One method for all: {HERE}, never more than {HERE} the best.", name, times_text
+        )
+    # rounded up: `never more than`
+    share = Word(f"{math.ceil(100 * behind)} %", "number")
+    return say(f"One method for all: {HERE}, never more than {HERE} behind the best.", name, share)
+
+
+def _varied(verdicts: Verdicts, variation: Variation) -> Text:
+    """Return for how many methods one of two ways is better."""
+    places = [axis for axis in varying(verdicts) if verdicts.within[axis] != variation.axis]
+    every = f" at every {_both([verdicts.within[axis] for axis in places])}" if places else ""
+    worse = method_words(verdicts, variation.worse)
+    start = (
+        f"{variation.axis.capitalize()} {variation.label}: better than {variation.other} for "
+        f"{len(variation.better)} of {variation.methods} {verdicts.compare}s{every}; worse for "
+    )
+    return say(f"{start}{HERE}.", few(worse, _MOST_NAMES) if worse else "none")
+
+
+def _absent(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
+    """Return which methods have no number in some group, which are neither good nor behind."""
+    absent = sorted({place for group in known for place in group.not_compared})
+    if not absent:
+        return ()
+    where = "" if all({*absent} <= {*group.not_compared} for group in known) else " everywhere"
+    names = few(method_words(verdicts, absent), _MOST_NAMES)
+    return say(f"Not compared{where}, without any number: {HERE}.", names)
+
+
+def _steps(verdicts: Verdicts, stands: Sequence[Verdict]) -> Text:
+    """Return the effect of each step on the mean, with the groups in which it has it."""
+    clauses: list[Text] = []
+    for step in sorted({step for group in stands for step in changes(group)}):
+        does: dict[str, list[Text]] = {}
+        for group in stands:
+            if step in (differences := changes(group)):
+                before, verb = differences[step]
+                clear = verb != UNCLEAR
+                size = Word(change_text(verdicts, group, before, step), "number")
+                by = say(f"by {HERE}", size) if clear else ()
+                where = _where(verdicts, [group])
+                does.setdefault(verb, []).append(
+                    joined(" ", [by, f"({where})" if len(verdicts.groups) > 1 else ""])
+                )
+        (name,) = method_words(verdicts, [step])
+        metric = "it" if clauses else verdicts.metric.name
+        parts = [
+            joined(" ", [verb, metric if verb != UNCLEAR else "", listing(sizes)])
+            for verb, sizes in sorted(does.items())
+        ]
+        clauses.append(say(f"{HERE} {HERE}", name, joined(", ", parts)))
+    return say(f"{HERE}.", joined("; ", clauses))
+
+
+def _besides(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
+    """Return what else the best methods do."""
+    texts = []
+    for metric in verdicts.beside:
+        means = [float(group.beside[metric.name][group.best[0]]) for group in told]
+        span = Word(beside_text([min(means), max(means)], metric), "number")
+        texts.append(say(f"{metric.name} {HERE}", span))
+    return say(f"Of the best: {HERE}.", listing(texts)) if texts else ()
+
+
+def _values(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
+    """Return the mean of the only method, or the range of its means."""
+    place = known[0].known[0]
+    means = [float(np.nanmin(group.mean)) for group in known]
+    ends = Word(span_text(sorted({min(means), max(means)}), verdicts.metric.unit), "number")
+    if not str(verdicts.methods[place]):
+        return say(f"The mean {verdicts.metric.name} is {HERE}.", ends)
+    (name,) = method_words(verdicts, [place])
+    return say(
+        f"The mean {verdicts.metric.name} of {HERE} is {HERE}. There is nothing to compare it to.",
+        name, ends,
+    )  # fmt: skip
+
+
+def _against(verdicts: Verdicts, known: Sequence[Verdict]) -> list[Text]:
+    """Return where methods are better than the baseline, and where they are not.
+
+    There is a sentence for each combination of the labels of all axes but the last.
+    """
+    if verdicts.baseline is None:
+        return []
+    against = verdicts.methods.index(verdicts.baseline)
+    judged = [group for group in known if group.judged and np.isfinite(group.mean[against])]
+    axes = varying(verdicts)
+    parts: dict[str, list[Verdict]] = {}
+    for group in judged:
+        parts.setdefault(group_title(verdicts, group, axes[:-1]), []).append(group)
+    (baseline,) = method_words(verdicts, [against])
+    texts = []
+    for part, groups in parts.items():
+        same: dict[str, list[int]] = {}
+        for place in range(len(verdicts.methods)):
+            where = [group for group in groups if np.isfinite(group.mean[place])]
+            if place != against and where:
+                same.setdefault(_beside_baseline(verdicts, place, where), []).append(place)
+        clauses = [
+            say(
+                f"{HERE} {'are' if len(places) > 1 else 'is'} {clause}",
+                listing(method_words(verdicts, places)),
+            )
+            for clause, places in same.items()
+        ]
+        start = f"Against {HERE}{f', {part}' if part else ''}: {HERE}."
+        texts.append(say(start, baseline, _shortened(clauses, "; ")))
+    rest = len(texts) - _MOST_CLAUSES
+    more: list[Text] = [(f"{rest} more are in the table.",)] if rest > 0 else []
+    return [*texts[:_MOST_CLAUSES], *more]
+
+
+def _beside_baseline(verdicts: Verdicts, place: int, groups: Sequence[Verdict]) -> str:
+    """Return in which groups a method is better than the baseline, worse, or neither."""
+    worse: Literal["lower", "higher"] = "lower" if verdicts.metric.better == "higher" else "higher"
+    better: Literal["lower", "higher"] = "higher" if worse == "lower" else "lower"
+    where: dict[str, list[Verdict]] = {"better": [], "worse": [], "": []}
+    for group in groups:
+        is_better = place in group.beyond_baseline(better)
+        word = "better" if is_better else "worse" * (place in group.beyond_baseline(worse))
+        where[word].append(group)
+    words = [word for word, of in where.items() if of]
+    if len(words) == 1:
+        alike = f"{words[0]} throughout" if words[0] else "nowhere clearly apart"
+        return alike if len(groups) > 1 else words[0] or "not clearly apart"
+    axis = varying(verdicts)[-1]
+    name = verdicts.within[axis]
+    return ", ".join(
+        f"{word or 'not clearly apart'} at {name} "
+        f"{_both([str(group.labels[axis]) for group in where[word]])}"
+        for word in words
+    )
+
+
+# what it holds for
+
+
+def scope_words(verdicts: Verdicts) -> Text:
+    """Return what the verdicts hold for, in bold, and what the numbers are."""
+    groups, metric = verdicts.groups, verdicts.metric
+    cautions = Counter(caution_text(group.scope) for group in groups if group.stands)
+    of_some = [
+        f"{text[:1].upper()}{text[1:]}"
+        f"{'' if count == len(groups) else f' (in {count} of {len(groups)} groups)'}."
+        for text, count in cautions.items()
+        if text
+    ]
+    several = sum(group.stands for group in groups)
+    shared = (
+        f"Each of these {several} verdicts errs in up to 5 % of studies: a claim that rests on "
+        f"any one of them multiplies its p by {several}."
+        if several > 1
+        else ""
+    )
+    end = "neither end is better" if metric.better == "none" else f"{metric.better} is better"
+    unit = unit_text(metric.unit)
+    held = _held(verdicts) if groups else ""
+    return joined(
+        " ",
+        [
+            Word(held[:1].upper() + held[1:]) if held else "",
+            *of_some,
+            f"{number_name(verdicts, unit)}, {end}.",
+            shared,
+        ],
+    )
+
+
+def _held(verdicts: Verdicts) -> str:
+    """Return what the data are, and what the verdicts hold for beyond them."""
+    scope, recordings = verdicts.groups[0].scope, verdicts.recordings
+    judged = any(group.stands for group in verdicts.groups)
+    sizes = recordings.sizes
+    if scope.kind == "clusters":
+        described = "the" if verdicts.metric.better == "none" else "only the"
+        what = "holds" if judged else f"{described} intervals hold"
+        whom = f"for further {verdicts.units}"
+        if recordings.synthetic:
+            whom = f"for further {verdicts.units.removeprefix('synthetic ')} of this generator"
+            whom += "; untested on people"
+        return f"{units_text(scope)}{f' ({sizes})' if sizes else ''}: {what} {whom}."
+    count = "one" if scope.clusters == 1 else str(scope.clusters)
+    kind = "synthetic recording" if recordings.synthetic else "recording"
+    of = f"{count} {kind}{'s' * (scope.clusters != 1)}"
+    described = ", ".join(filter(None, [of, recordings.names, sizes]))
+    further = scope_text(scope).replace("this recording", "it")
+    if not judged:
+        return f"{described}: nothing is said {further}."
+    return f"{described}: holds {further}, not for others."

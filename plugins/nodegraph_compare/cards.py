@@ -1,0 +1,281 @@
+"""A card per group of a comparison: its verdict, its picture, and what it rests on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph_compare.left_out import narrowed
+from nodegraph_compare.question import EXTREME
+from nodegraph_compare.words import (
+    UNCLEAR,
+    beside_text,
+    change_of,
+    change_text,
+    changes,
+    count_text,
+    group_title,
+    method_words,
+    plain_names,
+    reason_text,
+    scope_text,
+    segments_text,
+    signed,
+    tie_text,
+    units_text,
+)
+from nodegraph_tables.answer import (
+    HERE,
+    Card,
+    Line,
+    Text,
+    Word,
+    dot,
+    few,
+    joined,
+    listing,
+    say,
+    svg,
+)
+from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from nodegraph_compare.verdict import Verdict, Verdicts
+
+_MOST_NAMES = 3
+_MOST_SPOKEN = 20
+_ORDER = ("rest", "before", "tied", "worse", "best")
+
+Fact = tuple[str, Text]
+
+
+def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
+    """Return a card for each group; none where no mean is known."""
+    line = line_of(verdicts)
+    if line is None:
+        return ()
+    return tuple(_card(verdicts, group, line) for group in verdicts.groups)
+
+
+def line_on_all(verdicts: Verdicts, overall: Verdict) -> str:
+    """Return the verdict over all groups in words."""
+    title = f"all {len(verdicts.groups)} groups"
+    facts = tuple(_rows(verdicts, overall))
+    return replace(_winner(verdicts, overall), title=title, facts=facts).line
+
+
+def line_of(verdicts: Verdicts) -> Line | None:
+    """Return the line that all cards share; None where no mean is known."""
+    means = np.concatenate([group.mean for group in verdicts.groups] or [np.empty(0)])
+    means = means[np.isfinite(means)]
+    if not len(means):
+        return None
+    low, high = float(means.min()), float(means.max())
+    # shares of 0 have no logarithm; with them the line is an ordinary one
+    return Line(low, high, log=low > 0 and verdicts.metric.better != "none")
+
+
+def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
+    title = group_title(verdicts, group)
+    picture = _strip(verdicts, group, line) if len(group.known) > 1 else ""
+    facts = (*_rows(verdicts, group), *_beside(verdicts, group), *_grounds(verdicts, group))
+    return replace(_winner(verdicts, group), title=title, picture=picture, facts=facts)
+
+
+def _winner(verdicts: Verdicts, group: Verdict) -> Card:
+    """Return the head of a card: the best with its mean, or why there is none."""
+    known = group.known
+    if not known:
+        return Card("", ("no numbers",), aside=("no block has a number for every method",))
+    if len(known) == 1:
+        return Card("", listing(method_words(verdicts, known)), *_value(verdicts, group, known[0]))
+    if verdicts.is_sequence:
+        unit = verdicts.metric.unit
+        first, last = (number_text(float(group.mean[known[at]]), unit) for at in (0, -1))
+        begin, end = method_words(verdicts, [known[0], known[-1]])
+        aside = say(f"{HERE}, from {first} {HERE}", end, begin)
+        return Card("", (Word(last, "number"),), aside=aside)
+    if verdicts.metric.better == "none":
+        ends = [int(np.nanargmin(group.mean)), int(np.nanargmax(group.mean))]
+        span = span_text([group.mean[end] for end in ends], verdicts.metric.unit)
+        aside = say(f"{span}, from {HERE} to {HERE}", *method_words(verdicts, ends))
+        return Card("", ("no better end",), aside=aside)
+    best = listing(method_words(verdicts, group.best))
+    value, interval = _value(verdicts, group, group.best[0])
+    if group.told:
+        return Card("", best, value, interval, best=True)
+    why = "none clearly best" if group.stands else "no verdict"
+    if group.stands:
+        lowest = say(f"{EXTREME[verdicts.metric.better]}: {HERE} {HERE}", best, value)
+        return Card("", (why,), aside=lowest)
+    return Card("", (why,), aside=(reason_text(verdicts, group),))
+
+
+def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
+    """Return the mean of a method, and its interval."""
+    unit = verdicts.metric.unit
+    low, high = float(group.low[place]), float(group.high[place])
+    between = span_text([low, high], "share" if unit == "share" else "")
+    # one without width in the digits shown says nothing
+    shown = np.isfinite(low) and " to " in between
+    interval: Text = (Word(f"95 %: {between}", "number"),) if shown else ()
+    return (Word(number_text(float(group.mean[place]), unit), "number"),), interval
+
+
+def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
+    """Return the dots of one group: the best filled, those not clearly apart from it as rings."""
+    metric = verdicts.metric
+    known = group.known
+    kinds = dict.fromkeys(known, "rest") | _kinds(verdicts, group)
+    # the best is drawn last, above what it covers
+    order = sorted(known, key=lambda place: _ORDER.index(kinds[place]))
+    dots = [
+        dot(
+            line.at(mean := float(group.mean[place])), 10.0, kinds[place],
+            f"{verdicts.methods[place]} {number_text(mean, metric.unit)}",
+            4.0 if kinds[place] == "rest" else 5.0, str(verdicts.methods[place]),
+        )
+        for place in order
+    ]  # fmt: skip
+    names = ", ".join(
+        f"{verdicts.methods[place]} {number_text(float(group.mean[place]))}"
+        for place in sorted(known, key=lambda place: group.mean[place])[:_MOST_SPOKEN]
+    )
+    name = f"mean {metric.name} of {len(known)} methods: {names}"
+    return svg(name, 40.0, (line.drawn(22.0, metric.unit), *dots))
+
+
+def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, str]:
+    """Return what the dots of a group are, apart from the rest."""
+    if not group.stands:
+        return {}
+    if not verdicts.is_sequence:
+        return dict(group.marks)
+    better = "raises" if verdicts.metric.better == "higher" else "lowers"
+    steps = changes(group)
+    return {min(each for each, _ in steps.values()): "before"} | {
+        step: "best" if verb == better else "worse"
+        for step, (_, verb) in steps.items()
+        if verb != UNCLEAR
+    }
+
+
+def _rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
+    """Yield the methods that are not certain to be worse than the best, and those behind."""
+    if len(group.known) < 2 or verdicts.metric.better == "none":
+        return
+    if not group.stands:
+        best = listing(method_words(verdicts, group.best))
+        end = EXTREME[verdicts.metric.better].capitalize()
+        yield end, joined(" ", [best, joined(", ", _value(verdicts, group, group.best[0]))])
+    elif verdicts.is_sequence:
+        yield from _step_rows(verdicts, group)
+    elif group.told:
+        order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
+        if order:
+            yield "Tied", few([tie_text(verdicts, group, place) for place in order], _MOST_NAMES)
+        if group.behind:
+            yield "Behind", _behind(verdicts, group)
+        if not order:
+            yield "Tied", ("none",)
+
+
+def _step_rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
+    """Yield the effect of each step on the mean."""
+    for step, (before, verb) in changes(group).items():
+        mean = span_text([group.mean[step]], verdicts.metric.unit)
+        by = change_text(verdicts, group, before, step)
+        sign = MINUS if group.mean[step] < group.mean[before] else "+"
+        clear = ", not clearly" * (verb == UNCLEAR)
+        yield str(verdicts.methods[step]), (Word(f"{mean}, {sign}{by}", "number"), clear)
+
+
+def _behind(verdicts: Verdicts, group: Verdict) -> Text:
+    nearest = min(group.behind, key=lambda place: abs(group.to_best_of(place)))
+    (name,) = method_words(verdicts, [nearest])
+    difference, mean = group.to_best_of(nearest), float(group.mean[group.best[0]])
+    share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
+    more = len(group.behind) - 1
+    rest = f" and {more} more" if more else ""
+    by = Word(f"{signed(difference, verdicts.metric.unit, mean)}{share}", "number")
+    return say(f"{HERE} {HERE}{rest}", name, by)
+
+
+def _beside(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
+    """Yield what else is asked of the best: its mean of other columns, and those of the rest."""
+    for metric in verdicts.beside if group.stands else ():
+        means = group.beside[metric.name]
+        others = np.delete(means, group.best[0])
+        others = others[np.isfinite(others)]
+        text = beside_text([means[group.best[0]]], metric)
+        if len(others):
+            text += f" (others {beside_text([others.min(), others.max()], metric)})"
+        yield metric.name, (Word(text, "number"),)
+
+
+def _grounds(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
+    """Yield what a verdict rests on: blocks that are left out or doubted, further claims."""
+    if left := _left(verdicts, group):
+        yield "Used", (left,)
+    if group.judged and verdicts.margin is not None and group.paired is not None:
+        yield "Equal", (_equal(verdicts, group),)
+    if group.next_minutes is not None:
+        yield "Next minutes", (_next_minutes(verdicts, group.next_minutes),)
+    if group.without_suspects is not None:
+        yield "Suspect", _suspect(verdicts, group, group.without_suspects)
+    if group.not_compared and group.known:
+        yield "Absent", few(method_words(verdicts, group.not_compared), _MOST_NAMES)
+
+
+def _left(verdicts: Verdicts, group: Verdict) -> str:
+    usable = [place for place in group.ranked if group.lacking[place] < group.of_blocks]
+    lacking = [(verdicts.methods[p], int(group.lacking[p])) for p in sorted(usable)]
+    used = int(group.blocks.max(initial=0)) if usable else group.of_blocks
+    return narrowed(lacking, used, group.of_blocks, verdicts.blocks)
+
+
+def _equal(verdicts: Verdicts, group: Verdict) -> str:
+    """Return which methods are practically equal to what they are compared to."""
+    paired = group.paired
+    assert paired is not None
+    names = plain_names(verdicts, group.equal)
+    (to,) = plain_names(verdicts, [paired.reference])
+    if names:
+        return f"to {to} within {verdicts.margin}: {', '.join(names)}"
+    place = int(np.nanargmin(paired.margin))
+    (nearest,) = plain_names(verdicts, [place])
+    shown = f"{nearest} within {paired.margin[place]:.3g}"
+    return f"none is shown to be equal to {to} within {verdicts.margin} (nearest: {shown})"
+
+
+def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:
+    """Return what the segments of a recording say, beside its repetitions."""
+    if group.scope.shortage is not None:
+        return f"nothing can be said: {segments_text(group.scope, group.scope.shortage)}"
+    close, behind = plain_names(verdicts, group.tied), len(group.behind)
+    tied = f"not certain: {', '.join(close[:_MOST_NAMES])}" if close else ""
+    apart = f"{behind} clearly behind" if behind else ""
+    said = "; ".join(filter(None, [tied, apart])) or "nothing is apart"
+    return f"{said} {scope_text(group.scope)} ({units_text(group.scope)})"
+
+
+def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
+    several = count_text(len(group.suspects), verdicts.blocks)
+    text = (
+        f"\N{WHITE DIAMOND} {len(group.suspects):,} of "
+        f"{count_text(group.of_blocks, verdicts.blocks)}"
+    )
+    count = Word(text, "suspect")
+    if not other.best:
+        return say(f"{HERE}; nothing can be said without {several}", count)
+    mean = Word(span_text([other.mean[other.best[0]]], verdicts.metric.unit), "number")
+    names = listing(method_words(verdicts, other.best))
+    verb = "lead" if len(other.best) > 1 else "leads"
+    instead = "" if set(other.best) == set(group.best) else " instead"
+    change = change_of(verdicts, group, other)
+    more = f"; {change}" if change and not instead else ""
+    return say(f"{HERE}; without them {HERE} {verb}{instead}, {HERE}{more}", count, names, mean)

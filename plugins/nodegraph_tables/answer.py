@@ -1,0 +1,389 @@
+"""The answer of a table: words, a card for each part of it, and what it holds for.
+
+It is one value, from which a page and a terminal draw what they show.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib.resources import files
+from typing import Literal
+
+from markupsafe import Markup, escape
+
+from nodegraph import Label, Value
+from nodegraph_tables.numbers import LARGEST, MINUS, SMALLEST, number_text
+from nodegraph_tables.style import scale_of, unit_text
+
+MOST_CARDS = 8
+"""Cards that a reader sees at once."""
+
+_ONE_ROW = 4
+
+_WIDE = 240.0
+"""Width of the picture on a card, in pixels."""
+
+_TICKS = 5
+_LETTER = 6.0
+"""Across, in pixels."""
+
+
+@dataclass(frozen=True)
+class Word(Value):
+    """A part of a text that is more than its letters.
+
+    Attributes
+    ----------
+    text : str
+    kind : {"strong", "suspect", "method", "number"}
+        What stands out, what is doubted, what is compared, and what was measured, which is no
+        conclusion.
+    method : str
+        The label of a method, where the text says more.
+    """
+
+    text: str
+    kind: Literal["strong", "suspect", "method", "number"] = "strong"
+    method: str = ""
+
+
+Text = tuple[str | Word, ...]
+
+
+HERE = "\N{OBJECT REPLACEMENT CHARACTER}"
+"""Stands in a sentence where a part of it comes; see `say`."""
+
+
+def say(sentence: str, *parts: str | Word | Text) -> Text:
+    """Return a sentence with its parts, in their order, in the places of `HERE`."""
+    pieces = sentence.split(HERE, len(parts))
+    return joined("", itertools.chain.from_iterable(zip(pieces, (*parts, ""), strict=False)))
+
+
+def joined(separator: str, texts: Iterable[str | Word | Text]) -> Text:
+    """Return texts, those that are not empty, one after the other."""
+    result: list[str | Word] = []
+    for text in texts:
+        parts = [part for part in (text if isinstance(text, tuple) else (text,)) if part]
+        if parts and result and separator:
+            result.append(separator)
+        result += parts
+    merged: list[str | Word] = []
+    for part in result:
+        if isinstance(part, str) and merged and isinstance(merged[-1], str):
+            merged[-1] += part
+        else:
+            merged.append(part)
+    return tuple(merged)
+
+
+def listing(texts: Sequence[str | Word | Text], word: str = "and") -> Text:
+    """Return texts as a list: ``a, b and c``."""
+    return joined(f" {word} ", [joined(", ", texts[:-1]), *texts[-1:]])
+
+
+def few(texts: Sequence[str | Word | Text], most: int) -> Text:
+    """Return the first of several: ``a, b, c and 4 more``."""
+    more = len(texts) - most
+    return joined("", [joined(", ", texts[:most]), f" and {more} more" if more > 0 else ""])
+
+
+def plain(text: Text) -> str:
+    """Return the letters of a text."""
+    return "".join(part if isinstance(part, str) else part.text for part in text)
+
+
+def html_of(text: Text) -> Markup:
+    """Return a text as HTML."""
+    return Markup("").join(map(_part_html, text))
+
+
+def _part_html(part: str | Word) -> Markup:
+    if isinstance(part, str):
+        return escape(part)
+    if part.kind == "number":
+        return escape(part.text)
+    attribute = {
+        "method": f' data-method="{escape(part.method or part.text)}"',
+        "suspect": ' class="suspect"',
+    }.get(part.kind, "")
+    return Markup(f"<strong{attribute}>{escape(part.text)}</strong>")
+
+
+@dataclass(frozen=True)
+class Card(Value):
+    """A part of an answer.
+
+    Attributes
+    ----------
+    title : str
+        What it is about, such as an actor or a step.
+    headline : text
+        The answer in a word or a number.
+    value, aside : text
+        What stands below it, large and small.
+    picture : str
+        An SVG element: see `svg`. It is taken as it is.
+    facts : tuple of (term, text)
+    best : bool
+        Whether the headline is in the colour of the best.
+    """
+
+    title: str
+    headline: Text
+    value: Text = ()
+    aside: Text = ()
+    picture: str = ""
+    facts: tuple[tuple[str, Text], ...] = ()
+    best: bool = False
+
+    @property
+    def line(self) -> str:
+        """The card in words."""
+        head = joined(", ", [self.headline, self.value, self.aside])
+        facts = [
+            say(f"{HERE}: {HERE}", term[:1].lower() + term[1:], text) for term, text in self.facts
+        ]
+        start = f"{self.title}: " if self.title else ""
+        return f"{start}{plain(joined('; ', [head, *facts]))}."
+
+
+@dataclass(frozen=True)
+class Finding(Value):
+    """What a comparison found in one of its groups.
+
+    Attributes
+    ----------
+    group : mapping of axis to label
+    title : str
+        The labels as a reader sees them; empty where there is one group.
+    verdict : bool
+        Whether there is one.
+    best, tied, behind : tuple of str
+        Methods, as the verdict has them; none without one.
+    first : tuple of str
+        The methods with the best mean, which no verdict need have found best.
+    mean, low, high, p : mapping of str to float
+        Of each method: the number that decides, its interval, and the p of its difference.
+    number : text
+        The mean of the first, with its unit.
+    """
+
+    group: Mapping[str, Label]
+    title: str
+    verdict: bool
+    best: tuple[str, ...]
+    tied: tuple[str, ...]
+    behind: tuple[str, ...]
+    first: tuple[str, ...] = ()
+    mean: Mapping[str, float] = field(default_factory=dict)
+    low: Mapping[str, float] = field(default_factory=dict)
+    high: Mapping[str, float] = field(default_factory=dict)
+    p: Mapping[str, float] = field(default_factory=dict)
+    number: str = ""
+
+
+@dataclass(frozen=True)
+class Answer(Value):
+    """The answer of a table to the question of the study.
+
+    Attributes
+    ----------
+    sentence : text
+        The answer in a sentence or two.
+    scope : text
+        What it holds for, and what the numbers are.
+    cards : tuple of Card
+        The parts of it; a page shows eight at most.
+    more : tuple of str
+        Further sentences.
+    findings : tuple of Finding
+        What it says, as data, where methods are compared.
+    """
+
+    sentence: Text = ()
+    scope: Text = ()
+    cards: tuple[Card, ...] = ()
+    more: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The answer in words: its sentence, what it holds for, then each part."""
+        first = (plain(text) for text in (self.sentence, self.scope) if text)
+        return (*first, *(card.line for card in self.cards), *self.more)
+
+    @property
+    def in_words(self) -> Answer:
+        """The same without cards, their words among the further sentences."""
+        return replace(self, cards=(), more=(*(card.line for card in self.cards), *self.more))
+
+
+def answer_html(answer: Answer) -> Markup:
+    """Return an answer as HTML; `lead_style` is its style sheet."""
+    more = len(answer.cards) - MOST_CARDS
+    rest = f" {more} more are in the table." if more > 0 else ""
+    cards = cards_html(answer.cards[:MOST_CARDS])
+    return lead_of_parts(answer.sentence, cards, (*answer.scope, rest))
+
+
+def lead_of_parts(sentence: Text, cards: str, scope: Text) -> Markup:
+    """Return the HTML of an answer whose cards are HTML already."""
+    last = f'<p class="lead-scope">{html_of(scope)}</p>' if plain(scope) else ""
+    first = f'<p class="lead-sentence">{html_of(sentence)}</p>'
+    return Markup(f'<div class="lead">{first}{cards}{last}</div>')
+
+
+def cards_html(cards: Sequence[Card]) -> str:
+    """Return cards side by side; nothing where there are none."""
+    columns = len(cards) if len(cards) <= _ONE_ROW else math.ceil(len(cards) / 2)
+    inside = "".join(map(_card, cards))
+    return f'<div class="lead-cards" style="--columns: {columns}">{inside}</div>' if cards else ""
+
+
+@cache
+def lead_style() -> str:
+    """Return the style sheet of leads."""
+    return files("nodegraph_tables").joinpath("lead.css").read_text(encoding="utf-8")
+
+
+def _card(card: Card) -> str:
+    kind = "lead-winner" if card.best else "lead-winner lead-plain"
+    value = f"<b>{html_of(card.value)}</b> " if card.value else ""
+    value += f"<small>{html_of(card.aside)}</small>" if card.aside else ""
+    facts = "".join(f"<dt>{escape(term)}</dt><dd>{html_of(text)}</dd>" for term, text in card.facts)
+    return (
+        '<article class="lead-card">'
+        + (f'<h3 aria-level="2">{escape(card.title)}</h3>' if card.title else "")
+        + f'<p class="{kind}">{html_of(card.headline)}</p>'
+        + (f'<p class="lead-value">{value}</p>' if value else "")
+        + card.picture
+        + (f"<dl>{facts}</dl>" if facts else "")
+        + "</article>"
+    )
+
+
+def svg(name: str, height: float, parts: Iterable[str]) -> str:
+    """Return the picture of a card, 240 pixels wide; classes of parts are those of `lead.css`.
+
+    Parameters
+    ----------
+    name
+        Description for a reader who does not see it.
+    height
+        In pixels.
+    parts
+        SVG elements.
+    """
+    return (
+        f'<svg class="lead-picture" viewBox="0 0 {_WIDE:g} {height:g}" role="img" '
+        f'aria-label="{escape(name)}">{"".join(parts)}</svg>'
+    )
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of numbers across a card.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends.
+    log : bool
+        Whether equal distances are equal ratios.
+    """
+
+    low: float
+    high: float
+    log: bool = False
+
+    def at(self, value: float) -> float:
+        """Return where a value lies, in pixels from the left."""
+        low, high, place = (
+            math.log(each) if self.log else each for each in (self.low, self.high, value)
+        )
+        share = (place - low) / (high - low) if high > low else 0.5
+        return round(10.0 + (_WIDE - 20.0) * min(max(share, 0.0), 1.0), 1)
+
+    def drawn(self, y: float, unit: str = "") -> str:
+        """Return the line with its ticks, whose numbers stand below it."""
+        ticks = self.ticks()
+        marks = []
+        for tick in ticks:
+            x = self.at(tick)
+            text = _tick_text(tick, unit, with_unit=tick == ticks[-1])
+            half = _LETTER * len(text) / 2
+            anchor = "start" if x < half else "end" if x > _WIDE - half else "middle"
+            marks.append(
+                f'<line x1="{x:g}" x2="{x:g}" y1="{y:g}" y2="{y + 4:g}"/>'
+                f'<text class="{anchor}" x="{x:g}" y="{y + 16:g}">{escape(text)}</text>'
+            )
+        return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(marks)}'
+
+    def ticks(self) -> list[float]:
+        """Return at most a handful of round values on the line, far enough from each other."""
+        if not self.high > self.low:
+            return [self.low]
+        for steps in ((1, 2, 5), (1, 3), (1,)):
+            values = self._rounds(steps) if self.log else self._steps()
+            if len(values) <= _TICKS:
+                break
+        values = values[:: math.ceil(len(values) / _TICKS) or 1]
+        if len(values) < 2:
+            values = [self.low, self.high]
+        kept: list[float] = []
+        for value in values:
+            room = _LETTER * len(_tick_text(value, "")) + 6
+            if not kept or self.at(value) - self.at(kept[-1]) >= room:
+                kept.append(value)
+        return kept
+
+    def _rounds(self, steps: Sequence[int]) -> list[float]:
+        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        values = (step * 10.0**decade for decade in decades for step in steps)
+        return [value for value in values if self.low <= value <= self.high]
+
+    def _steps(self) -> list[float]:
+        rough = (self.high - self.low) / (_TICKS - 1)
+        decade = 10.0 ** math.floor(math.log10(rough))
+        step = next(decade * each for each in (1, 2, 5, 10) if decade * each >= rough)
+        first, last = math.ceil(self.low / step), math.floor(self.high / step)
+        return [step * place for place in range(first, last + 1)]
+
+
+def _tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
+    shown = scale_of(unit) * value
+    is_plain = not shown or SMALLEST <= abs(shown) < LARGEST
+    text = f"{shown:.3g}".replace("-", MINUS) if is_plain else number_text(shown)
+    return f"{text} {unit_text(unit)}".rstrip() if with_unit else text
+
+
+def line_of(values: Sequence[float]) -> Line:
+    """Return the line on which all values lie: logarithmic where they span a decade."""
+    known = [value for value in values if math.isfinite(value)] or [0.0]
+    low, high = min(known), max(known)
+    return Line(low, high, log=low > 0.0 and high > 10.0 * low)
+
+
+def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0, method: str = "") -> str:
+    """Return a dot with a name to hover.
+
+    Parameters
+    ----------
+    x, y, radius
+        In pixels.
+    kind
+        ``best``, ``tied``, ``before``, ``worse`` or ``rest``.
+    name
+    method
+        Whose dot it is: a report marks it where this one is selected.
+    """
+    of = f' data-method="{escape(method)}"' if method else ""
+    return (
+        f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}"{of}>'
+        f"<title>{escape(name)}</title></circle>"
+    )
