@@ -32,7 +32,7 @@ class Run(execute.Run):
     Attributes
     ----------
     events : tuple of Event
-        What happened, in order.
+        Everything that happened, in order.
     """
 
     events: tuple[Event, ...] = ()

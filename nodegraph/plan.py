@@ -44,12 +44,12 @@ class Gathered:
     known : tuple of labels per axis
         Every label that the graph has there, whether or not it is among the entries.
     sources : tuple of str
-        Those of the axes along which the data themselves differ; see `Graph.source_axes`.
+        The axes along which the data themselves differ; see `Graph.source_axes`.
     unused : tuple of (tuple of str)
         For each entry, the axes at all of whose labels it is the same output; empty where every
         entry differs along all axes.
     methods : mapping of axis to mapping of label to Declared
-        What the alternatives of an axis declare.
+        Declarations of the alternatives of an axis.
     fields : mapping of ``axis.field`` to mapping of label to label
         The fields of the labels of those `sources`; see `Axis.fields`.
     synthetic : bool
@@ -105,7 +105,7 @@ class Step(NamedTuple):  # a frozen dataclass takes four times as long to create
     labels : mapping of axis to label
         The first combination that needs the step; others may share it.
     settings : mapping
-        What the function is called with.
+        The settings with which the function is called.
     shown : mapping
         The settings in the form in which they were written.
     inputs : mapping of port to Output or Gathered

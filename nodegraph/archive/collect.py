@@ -33,7 +33,7 @@ def contents_of(
     Parameters
     ----------
     folder
-        Of the run.
+        The folder of the run.
     registry
         Knows the files that plugins ship.
     lock

@@ -39,7 +39,7 @@ class Contents:
     command : str
         Runs the graph again in the unpacked archive.
     missing : list of str
-        What is not in the archive, and why.
+        Files that are not in the archive, and why.
     relocation : Relocation
         Removes paths of this machine.
     """

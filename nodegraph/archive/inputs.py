@@ -24,7 +24,7 @@ class ReadFile:
     written : str
         The path in the settings of the run.
     digest : str
-        That of the content during the run: the SHA-256 and the suffix of a file; the SHA-256 of
+        Digest of the content during the run: the SHA-256 and the suffix of a file; the SHA-256 of
         those of all files for a folder.
     name : str
         In the archive; the written path for ``scheme:name``.
@@ -68,7 +68,7 @@ def files_read(
     Parameters
     ----------
     steps
-        Those of the run.
+        The steps of the run.
     folders
         Where relative paths may start, the folder of the graph first.
     reserved

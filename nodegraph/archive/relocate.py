@@ -185,7 +185,7 @@ def relocate_settings(settings: RunSettings, graph: str, names: Mapping[str, str
     Parameters
     ----------
     settings
-        Those of the run.
+        The settings of the run.
     graph
         The name of the graph in the archive.
     names

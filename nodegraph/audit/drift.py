@@ -100,7 +100,7 @@ def drift(
     ports
         Names of the outputs.
     hooks
-        Of plugins, which describe differences.
+        The hooks of plugins, which describe differences.
     floor
         Smaller numbers are compared as if they were of this size.
     """

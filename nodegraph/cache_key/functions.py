@@ -39,12 +39,12 @@ class Reached:
     Attributes
     ----------
     digest : str
-        Of all of it.
+        Digest of all of it.
     units : mapping of str to digest
         Every module whose code counts; functions without a file, and those that were made with
         values, as ``module:function``; formats of files as ``format:name``.
     versions : mapping of distribution to version
-        Of all other code; ``python`` stands for its standard library too.
+        Versions of all other code; ``python`` stands for its standard library too.
     unstable : str
         Why an equal digest would not mean equal code; empty when it does.
     """
@@ -66,7 +66,7 @@ class Code:
         Top-level modules whose code counts wherever they lie, those of all plugins. So does that
         of modules that were not installed. Of every other module the version counts.
     remembered
-        What `remembered` returned in an earlier process.
+        The result of `remembered` in an earlier process.
     formats
         Returns the formats of the plugins in use: a function that calls `nodegraph.formats` reaches
         the code of all of them.

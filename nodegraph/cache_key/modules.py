@@ -48,11 +48,11 @@ class Reach:
     Attributes
     ----------
     digests : dict of module to digest
-        Of the modules whose code counts.
+        Digests of the modules whose code counts.
     files : dict of module to path
-        Of all that decides which modules these are.
+        The files that decide which modules these are.
     versions : dict of distribution to version
-        Of all others.
+        Versions of the distributions of all others.
     troubles : list of str
         Why digests do not tell which code is run.
     """
@@ -80,7 +80,7 @@ class Modules:
         install. So does the code of modules that were not installed. Of every other module the
         version counts.
     memo
-        Of sources, and of what is installed in folders.
+        Remembers sources, and the modules that folders hold.
     """
 
     def __init__(self, followed: Iterable[str], memo: FileMemo) -> None:

@@ -46,7 +46,7 @@ def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, _R
     own
         Digest of the step itself, see `StepDigest`; empty if there is none.
     inputs
-        What feeds each port.
+        The source of each port.
     results
         How each step ended that feeds it, or is expected to end.
     """
@@ -88,7 +88,7 @@ class StepDigest:
     code : Reached
         The node's code.
     files : mapping of setting to digest
-        Of the content of each file that a setting names.
+        Digest of the content of each file that a setting names.
     reason : str
         Why there is no digest.
     """

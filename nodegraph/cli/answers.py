@@ -22,7 +22,7 @@ class Result:
         Names in the graph.
     labels : mapping of axis to label
     data : mapping
-        What a plugin says of a value of this type. Of a table: ``columns``, ``rows`` (a list per
+        What a plugin says of the value; of a table: ``columns``, ``rows`` (a list per
         row, null for a number that is missing), ``units`` and ``better`` by column, ``best`` and
         ``tied`` (rows by column), and ``cells``: the columns that hold the interval and the p of
         another.
@@ -227,7 +227,7 @@ class ShowAnswer:
     ----------
     nodes : list of ListedNode
     inputs, outputs : list of ShownPort
-        Of the one that was named, as all that follows.
+        The ports of the node that was named, as is all that follows.
     settings : list of ShownSetting
     declares : list of str
     documentation : str
@@ -288,16 +288,16 @@ class Origin:
     ----------
     node : str
     labels : list of (mapping of axis to label)
-        Of each combination.
+        The labels of each combination.
     changes : list of str
-        Of method, settings, files, sources and code.
+        Changes of method, settings, files, sources and code.
     versions : list of str
         Changes of distributions that its code reaches, of Python, and of the platform.
     distance : float
         Root mean square difference relative to the usual size, of the combination that differs
         most; 0 if unknown.
     text : str
-        What differs in addition, or instead.
+        Further differences.
     values : list of str
         How the values of the first combination differ, if both are stored.
     """
@@ -363,13 +363,13 @@ class VerifyAnswer:
     farthest : float
         The largest distance of those within the tolerance, relative to their usual size.
     changes : list of str
-        Of the study as a whole.
+        Changes of the study as a whole.
     only_locked, only_now : list of str
         Combinations that only the lock has, or only this run.
     origins : list of Origin
     follow : mapping of node to int
     conclusions, tables : list of str
-        Those that changed.
+        Conclusions and tables that changed.
     """
 
     lock: str
@@ -434,7 +434,7 @@ class StoredResult:
     node, step, state : str
     bytes : int
     seconds : float
-        That it took.
+        Duration of the computation.
     used : float
         When it was used last, in seconds since 1970.
     """
@@ -455,7 +455,7 @@ class CacheAnswer:
     ----------
     folder : str
     results, files, bytes : int
-        What there is now, or is left.
+        Amounts that there are now, or that are left.
     removed_results, removed_bytes : int
     listed : list of StoredResult
         With ``list``: those that were used last.

@@ -48,7 +48,7 @@ def print_summary(
     Parameters
     ----------
     study
-        What its report shows.
+        The content of its report.
     run
     folder
         Where it is written.

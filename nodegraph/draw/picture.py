@@ -20,7 +20,7 @@ class Socket:
         Unique on its side of the box.
     type : str
     gathers : str
-        What a gathering port receives.
+        The labels that a gathering port receives.
     shown : str
         Shown in place of the name.
     """
@@ -77,7 +77,8 @@ class Arrow:
     fixed : str
         Axes that the arrow fixes: ``trial=0, length=45``.
     gathered : str
-        What a gathering port receives over the arrow: ``17 fill x 3 length``, or ``guenter, lin``.
+        The labels that a gathering port receives over the arrow: ``17 fill x 3 length``, or
+        ``guenter, lin``.
     """
 
     source: str

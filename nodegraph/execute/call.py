@@ -81,9 +81,9 @@ class Outcome:
     trace : str
         Traceback of a failure.
     warnings : tuple of str
-        What the node warned of.
+        Warnings of the node.
     seconds : float
-        That it took to compute, now or when it was stored.
+        Duration of the computation, now or when it was stored.
     cause : State or None
         For a skipped step, how the step ended without which it cannot run.
     stored : bool
@@ -95,7 +95,8 @@ class Outcome:
     key : str
         Under which the result is stored, or would be; empty if it cannot be.
     undeclared_reads : tuple of str
-        What the node has read that is not in its key: names of files, ``$VARIABLE``.
+        Files and variables that the node read and that are not in its key: names of files,
+        ``$VARIABLE``.
     """
 
     state: State
@@ -188,7 +189,7 @@ def failure(node: Node, error: BaseException, what: str = "") -> Outcome:
     node
     error
     what
-        What failed, if it was not the call of the node.
+        The action that failed, if it was not the call of the node.
     """
     reason, place = _reason(error), _place(node, error)
     if what:

@@ -131,9 +131,9 @@ class EventLog:
         left
             Returns how many steps are still to be settled.
         steps
-            Those that are to be computed.
+            The steps to be computed.
         seconds
-            What `typical_seconds` returned in earlier runs.
+            The result of `typical_seconds` in earlier runs.
         """
         self._left = left
         self._remaining = RemainingTime(steps if self.listeners else (), seconds)

@@ -98,7 +98,7 @@ class _Inputs:
     Attributes
     ----------
     warnings : dict of str to list of Step
-        What reading files warned of.
+        Warnings given when files were read.
     """
 
     def __init__(self, plan: Plan, stored: StoredSteps, unmet: _Unmet) -> None:

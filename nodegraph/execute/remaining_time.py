@@ -20,9 +20,9 @@ class RemainingTime:
     Parameters
     ----------
     steps
-        Those that are to be computed.
+        The steps to be computed.
     seconds
-        What a step took in earlier runs, as `typical` returns it.
+        Duration of a step in earlier runs, as `typical` returns it.
     """
 
     def __init__(self, steps: Iterable[Step], seconds: Mapping[str, float]) -> None:

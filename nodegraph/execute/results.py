@@ -34,7 +34,7 @@ class NotStored(NodegraphError):
     Attributes
     ----------
     steps : tuple of int
-        Those that have to be computed, by their index in the plan.
+        The steps that have to be computed, by their index in the plan.
     """
 
     def __init__(self, steps: Iterable[Step]) -> None:
@@ -67,7 +67,7 @@ class Run:
     packer : Packer
         How values are lent to readers.
     settings : RunSettings
-        What it was started with.
+        The settings with which it was started.
     is_opened : bool
         Whether it was opened from its folder: it computes values again only by `compute`, as code
         and files may have changed since.

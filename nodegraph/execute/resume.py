@@ -59,7 +59,7 @@ class StoredSteps:
     ----------
     store : Store
     known : mapping of step index to Outcome
-        Of the steps that were stored at first, then of those that are skipped because of these.
+        Outcomes of the steps that were stored at first, then of those skipped because of these.
     not_stored : Counter of str
         Why results could not be stored, and how many.
     """

@@ -51,7 +51,7 @@ def execute(
     listeners
         Each is called with every `Event`, in this thread.
     settings
-        What the run is started with; by default its graph alone.
+        The settings with which the run is started; by default its graph alone.
 
     Raises
     ------

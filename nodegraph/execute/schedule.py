@@ -58,7 +58,7 @@ class Schedule:
     packer : Packer
     outcomes : mapping of step index to Outcome
     values : mapping of step index to values
-        Of the steps to keep, and of those that are still to be read.
+        Values of the steps to keep, and of those that are still to be read.
     """
 
     def __init__(

@@ -24,7 +24,7 @@ class SharedState:
     name : str
         With a verb: ``changes os.environ``.
     instead : str
-        What a node should do.
+        Advice to the node's author.
     read : callable
         Returns the state.
     restore : callable

@@ -33,7 +33,7 @@ def node_axes(
     methods
         All of them, so that the graph keeps its axes when a command leaves out some.
     nodes
-        Those that feed it.
+        The nodes that feed it.
     order
         All axes of the graph, in the order in which a node has them.
     problems

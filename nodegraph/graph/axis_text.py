@@ -17,9 +17,10 @@ class AxisText(NamedTuple):
     Attributes
     ----------
     unit : str
-        Of its labels; empty where they are names, or settings with several units take them.
+        The unit of its labels; empty where they are names, or settings with several units take
+        them.
     meaning : str
-        What most of the settings that take its values say of themselves.
+        The documentation of most of the settings that take its values.
     """
 
     unit: str = ""

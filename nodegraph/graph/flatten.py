@@ -58,9 +58,9 @@ class FlatGraph:
     ports : mapping of name to Port
         Its inputs that are ports.
     stand_ins : mapping of node to (mapping of label to Registered)
-        What stands for its ports, and for the graphs that its nodes use.
+        Nodes that stand for its ports, and for the graphs that its nodes use.
     inputs : tuple of GraphInput
-        What feeds the graphs that it uses.
+        Inputs that feed the graphs that it uses.
     settings : tuple of Written
         The settings of the graphs that it uses.
     is_complete : bool
@@ -254,7 +254,7 @@ class _Inlined:
     spec : GraphSpec
         The graph, flat.
     feeds : mapping of port to Reference or Gathering
-        What feeds its ports.
+        The sources of its ports.
     settings : mapping of input to Written
         The values of its other inputs, where they are set.
     """

@@ -90,7 +90,7 @@ def resolve_methods(
     spec
     registry
     graphs
-        What stands for a graph file, by the label of the method that uses it.
+        Nodes that stand for graph files, by the label of the method that uses each.
     problems
     """
     if len(spec.methods) == 1 and not graphs:

@@ -75,7 +75,7 @@ class Axis:
     labels : tuple of label
         In order.
     values : mapping of label to value
-        What ``$axis`` stands for; empty for the axis of a node's alternatives.
+        The value that ``$axis`` stands for; empty for the axis of a node's alternatives.
     removed : frozenset of label
         Labels of the file that the choices leave out.
     """

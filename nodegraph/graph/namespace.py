@@ -21,7 +21,7 @@ class Namespace:
     inputs : dict of name to value
         Without the ports of a graph used as a node, and inputs that are axes by choice.
     axes : dict of name to Axis
-        Those of the file, inputs that are axes by choice, then those of nodes with alternatives.
+        The axes of the file, inputs that are axes by choice, then those of nodes with alternatives.
     used : set of str
         Names that something refers to.
     invalid : set of Variable

@@ -42,7 +42,7 @@ class Subgraph:
     spec : GraphSpec
         Flat, with the nodes that lead to its outputs alone: what replaces a node.
     stand_ins : mapping of node to (mapping of label to Registered)
-        What stands in it for the graphs that its own nodes use.
+        Nodes that stand in it for the graphs that its own nodes use.
     inputs : mapping of name to Port
         Its inputs that are ports. A port takes the truth, or gathers, if all its readers do.
     outputs : mapping of name to Port
@@ -74,7 +74,7 @@ def subgraph_of(
     ports
         Its inputs that are ports.
     stand_ins
-        What stands in it for the graphs that its nodes use.
+        Nodes that stand in it for the graphs that its nodes use.
     problems
         Receives what prevents its use.
     """

@@ -71,7 +71,7 @@ class Outlet:
         Whose frames it takes.
     sink
     address
-        Of the sink, if it was made from one.
+        The address of the sink, if it was made from one.
     """
 
     def __init__(self, name: str, output: Output, sink: Sink, address: str = "") -> None:

@@ -114,7 +114,7 @@ class Counts:
     refused : Causes
         Frames that a node refused, with the node and its reason.
     warnings : Causes
-        What nodes warned of.
+        Warnings of nodes.
     written, unsent : Counter of str
         Frames that each sink took, and those that it could not.
     running : mapping of step to Latest

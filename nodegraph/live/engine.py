@@ -47,9 +47,9 @@ class Engine:
     ----------
     plan
     header
-        Of the stream: the source's value without frames.
+        The header of the stream: the source's value without frames.
     values
-        Of the outputs that are computed once.
+        Values of the outputs that are computed once.
     taps
         Who takes the frames of which output.
     refused
@@ -58,7 +58,7 @@ class Engine:
     Attributes
     ----------
     headers : mapping of Output to value
-        Of each streamed output.
+        The header of each streamed output.
     """
 
     def __init__(

@@ -79,7 +79,7 @@ def fold(form: WindowForm | StateForm, *streams: object, **rest: object) -> Any:
     Parameters
     ----------
     form
-        That of the node.
+        The live form of the node.
     *streams
         The values at the ports that take frames, in their order; None for an open one.
     **rest

@@ -31,9 +31,10 @@ class _Head(BaseModel):
     source : str
         The address of the source.
     header : str
-        What the source returned when it was opened, as a `Packer` writes it.
+        The value that the source returned when it was opened, as a `Packer` writes it.
     sizes : list of int
-        Of the buffers that belong to it, in bytes; they follow this line, and packets follow them.
+        Sizes of the buffers that belong to it, in bytes; they follow this line, and packets follow
+        them.
     """
 
     model_config = ConfigDict(strict=True, extra="forbid")
@@ -50,7 +51,7 @@ class PacketFileWriter:
     ----------
     path
     address
-        Of the source, ``scheme:address``: it decodes the packets again.
+        The address of the source, ``scheme:address``: it decodes the packets again.
 
     Raises
     ------
@@ -110,7 +111,7 @@ class PacketFileReader:
     source : str
         The address of the source that received the packets.
     header : value
-        What it returned when it was opened.
+        The value that it returned when it was opened.
 
     Raises
     ------

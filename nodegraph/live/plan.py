@@ -32,9 +32,9 @@ class LiveStep:
     behind : int
         How many frames later than the source's its result is: along the slowest of its inputs.
     streams : mapping of port to Output
-        What feeds the ports that take frames.
+        The sources of the ports that take frames.
     values : mapping of port to Output
-        What feeds the others, computed once.
+        The sources of the other ports, computed once.
     """
 
     step: Step
@@ -51,7 +51,7 @@ class LivePlan:
     Attributes
     ----------
     plan : Plan
-        Of the whole graph, or of what the sinks need.
+        The plan of the whole graph, or of what the sinks need.
     source : Output
         Whose value the stream replaces.
     steps : tuple of LiveStep
@@ -144,9 +144,9 @@ def live_plan(
     ----------
     graph
     source
-        What the stream replaces: a node without inputs, one of its outputs, or the input or the
-        axis that chooses what such a node reads. By default the only one that a node with a live
-        form reads.
+        The place where the stream enters: a node without inputs, one of its outputs, or the input
+        or the axis that chooses what such a node reads. By default the only one that a node with a
+        live form reads.
     sinks
         Nodes, or outputs, whose frames are computed; by default all that are possible.
     hold

@@ -92,7 +92,7 @@ def session_of(
     ----------
     graph
     source
-        What the stream replaces, see `live_plan`, and its address.
+        The place where the stream enters, see `live_plan`, and its address.
     sinks
         Nodes, or outputs, each with an address. Where alternatives run side by side, the address
         has their label: ``file:{fill}.npz``; a `Sink` takes one of them.
@@ -152,10 +152,10 @@ class Session:
     ----------
     plan
     values
-        Of the outputs that are computed once, see `LivePlan.held`.
+        Values of the outputs that are computed once, see `LivePlan.held`.
     source
     address
-        Of the source, as messages and recordings name it.
+        The address of the source, as messages and recordings name it.
     outlets
     policy
         ``every``: each frame is computed, and the source waits, or loses frames, if that takes too

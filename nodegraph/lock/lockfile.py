@@ -72,7 +72,7 @@ class Lock:
     sizes : dict of node or alternative to (dict of place to float)
         Usual size of the floats at each place of its values.
     record : Record
-        Of the run that was locked; without the texts of included graphs.
+        The record of the run that was locked; without the texts of included graphs.
     """
 
     conclusions: dict[str, list[str]]

@@ -35,7 +35,7 @@ def portable(run: Run, names: FileNames, results: Results) -> Record:
     ----------
     run, names
     results
-        Of the run.
+        The results of the run.
     """
     full = record(run)
     choices = run.plan.graph.choices

@@ -64,7 +64,7 @@ class Results:
         Parameters
         ----------
         steps
-            Those that have a result count.
+            The steps to look at; those that have a result count.
         """
         groups: dict[str, list[int]] = {}
         for step in steps:

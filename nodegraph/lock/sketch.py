@@ -105,7 +105,7 @@ class Leaf:
     size : float
         Root mean square of the finite ones.
     projections : (COUNT,) array of float64
-        Of the numbers times `shrunk`.
+        Projections of the numbers times `shrunk`.
     coarse : float
         Rounding error of the type in units of `TOLERANCE`; 1 for float64.
     shrunk : float

@@ -31,7 +31,7 @@ class BySketch:
     ----------
     lock
     results
-        Of the run, whose record is the second of each pair.
+        The results of the run whose record is the second of each pair.
     """
 
     def __init__(self, lock: Lock, results: Results) -> None:

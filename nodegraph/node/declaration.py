@@ -54,7 +54,7 @@ class Declaration:
     lookahead : LookAhead
     ends : Ends
     synthetic : Synthetic
-        Of a node without inputs.
+        Whether the data of a node without inputs are made, not recorded.
     """
 
     adapted: str = ""

@@ -31,7 +31,7 @@ class Window(Generic[P, H]):
         As the payload of a frame, each array with one more axis in front, of ``before + 1 +
         after`` frames. Outside the stream, frames are missing.
     now : int
-        Which of them is computed: ``before``.
+        The place of the frame that is computed: ``before``.
     header : value
         The stream's value, without frames: what does not change from frame to frame.
     """
@@ -50,7 +50,8 @@ class LiveState(Protocol):
     Attributes
     ----------
     header : value, or tuple of values
-        Of the output; of a node with several outputs, of each, None for one that is not given.
+        The header of the output; of a node with several outputs, one of each, None for one that is
+        not given.
     """
 
     header: Any
@@ -133,8 +134,8 @@ class StateForm:
     lookahead : LookAhead
         How many frames later the class gives a frame; by default what the node declares, or 0.
     leaves : str
-        What it leaves missing at the start of a stream, before it has given anything there,
-        though the function, which has the whole take, does not: ``"gaps at the start of the
+        The part that it leaves missing at the start of a stream, before it has given anything
+        there, though the function, which has the whole take, does not: ``"gaps at the start of the
         take"``.
     outputs : tuple of str
         Outputs that it gives; by default all. Others need the whole take: a table, say.
@@ -182,7 +183,7 @@ class RunningForm:
     state : callable
         The class, see `RunningState`.
     numbers : mapping of name to unit
-        What it gives: ``{"gaps": "", "rmse": "mm"}``.
+        The numbers that it gives: ``{"gaps": "", "rmse": "mm"}``.
     summary : callable
         ``summary(value)`` returns the same numbers of what the function gives of a whole take.
     streams : tuple of str

@@ -119,9 +119,10 @@ class Across(Generic[T_co]):
         another method's settings have: the entry stands at each label of it, with one value. Empty
         where every entry depends on all axes.
     methods : mapping of axis to mapping of label to Declared
-        What the alternatives of a gathered axis declare.
+        Declarations of the alternatives of a gathered axis.
     fields : mapping of ``axis.field`` to mapping of label to label
-        What the labels of an axis among `sources` have in common, such as ``recording.actor``.
+        Properties that labels of an axis among `sources` have in common, such as
+        ``recording.actor``.
     synthetic : bool
         Whether all data behind the values are made by a generator, not recorded.
     units : mapping of axis to str

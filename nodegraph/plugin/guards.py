@@ -89,7 +89,7 @@ class Source:
         default
             Returns the default; called with the same arguments.
         outcome
-            What the warning states as the consequence.
+            The consequence that the warning states.
         """
 
         def guarded(*arguments: object) -> object:
@@ -117,7 +117,7 @@ class _Rule:
         Returns the result where the function fails, which is then a warning and not an error;
         called with the same arguments.
     outcome : str
-        What the warning states as the consequence.
+        The consequence that the warning states.
     passes : tuple of exception types
         Errors that are messages which the plugin wrote for its users.
     """

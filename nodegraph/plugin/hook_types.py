@@ -64,7 +64,7 @@ class Grid:
     ----------
     title : str
     head : tuple of str
-        What is compared, then the columns; a name may have several lines.
+        The name of what is compared, then those of the columns; a name may have several lines.
     rows : tuple of tuple of str
         The method, then a number per column.
     best, tied : tuple of (row, column)
@@ -104,9 +104,9 @@ class Rendered:
     replaces : tuple of str
         Other outputs of the node that the fragment shows too: the report only links their files.
     grid : Grid, optional
-        What a terminal shows in place of the text, which it may shorten.
+        A table that a terminal shows in place of the text, and may shorten.
     title : str
-        What the value calls itself: its heading, where the graph gives none.
+        The value's own title: its heading, where the graph gives none.
     kind : {"", "table", "figure"}
         As what the report numbers it; empty for what has no number.
 
@@ -210,8 +210,8 @@ class Origin(Protocol):
         Parameters
         ----------
         labels
-            Of the gathered axes; others are ignored. The value is that of the node's first port
-            that gathers.
+            Labels of the gathered axes; others are ignored. The value is that of the node's first
+            port that gathers.
 
         Returns
         -------
@@ -343,7 +343,7 @@ class Tried:
     settings : mapping of setting to value
         All of them, defaults included.
     units : mapping of setting to text
-        Of those settings that have one: ``mm``.
+        Units of the settings that have one: ``mm``.
     doc : str
         The node's documentation, which may exempt the node from a promise.
     lookahead : int or None

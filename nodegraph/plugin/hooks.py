@@ -39,9 +39,9 @@ class Hook:
     ----------
     shape : Shape
     item : type
-        Of each item.
+        The type of each item.
     doc : str
-        What the hook returns, for its authors.
+        The documentation of what the hook returns, for authors of plugins.
     example : str
         The body of a function that implements it.
     """

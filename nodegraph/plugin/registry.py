@@ -40,7 +40,7 @@ class Registry:
     ----------
     loaded : list of Plugin
     broken : list of BrokenPlugin
-        Those that are left out.
+        Plugins that are left out.
     """
 
     loaded: list[Plugin] = field(default_factory=list)

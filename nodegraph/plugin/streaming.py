@@ -24,7 +24,7 @@ class Frame(NamedTuple):
     arrived : int
         Nanoseconds on this machine's `time.perf_counter_ns`.
     payload : Any
-        What the frame holds: an array, or a NamedTuple of arrays, as the value's `Streamable`
+        The content of the frame: an array, or a NamedTuple of arrays, as the value's `Streamable`
         splits it.
     """
 
@@ -133,7 +133,7 @@ class Source(Protocol):
         arrived
             Nanoseconds, for `Frame.arrived`.
         header
-            What `open` returned.
+            The header that `open` returned.
         """
 
     def close(self) -> None:

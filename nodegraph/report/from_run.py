@@ -134,7 +134,7 @@ class _Result:
         Empty for the output with the node's own name, and where there is no other.
     labels : mapping of axis to label
     values : Values
-        Of the output, at all combinations.
+        Values of the output, at all combinations.
     entry : ReportEntry
         Under which it is listed.
     """

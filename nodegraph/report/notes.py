@@ -130,11 +130,11 @@ class NoteGroup:
     reason : str
         With ``…`` for what differs among the notes.
     count : int
-        Of combinations.
+        Number of combinations.
     labels : tuple of str
         The combinations, each with its reason where these differ.
     repeat, trace : str
-        Of the first.
+        The command to repeat the first, and its traceback.
     matters : bool, optional
         Whether the numbers of the report depend on the node; None where that is not known.
     """

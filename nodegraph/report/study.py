@@ -57,7 +57,7 @@ class Section:
     rendered : Rendered
         Its HTML is taken as it is; without HTML, its text is shown.
     labels : str
-        Which combination, if the node still has axes: ``length=5``.
+        The combination, if the node still has axes: ``length=5``.
     files : tuple of Link
     node, output : str
         Where it comes from.
@@ -70,7 +70,7 @@ class Section:
     is_replaced : bool
         Whether another section of the node shows it too, so that only its files are linked.
     run, question : str
-        Which run it is of, and the title of its study, where there are several.
+        The run that it is of, and the title of its study, where there are several.
     """
 
     title: str
@@ -164,7 +164,7 @@ class MethodRow:
     summary : str
         The first sentence of the method's documentation.
     declared : tuple of str
-        What it is taken from, how far it looks ahead, whether it meets the ends of gaps.
+        Declarations: its source, how far it looks ahead, whether it meets the ends of gaps.
     settings : tuple of SettingRow
         Their values are those at which there is a result.
     citation : str
@@ -198,7 +198,7 @@ class WithoutResult:
     node, use, label : str
         As in `MethodRow`.
     reason : str
-        What became of its combinations: ``2 failed, 1 left out``.
+        How its combinations ended: ``2 failed, 1 left out``.
     """
 
     node: str
@@ -286,7 +286,7 @@ class Study:
     inputs : tuple of SettingRow
         The graph's inputs as they were set.
     known : tuple of str
-        What methods were allowed to know of the answer.
+        Nodes of which methods were allowed to know the answer.
     methods : tuple of MethodRow
     without_result : tuple of WithoutResult
     bibtex : str

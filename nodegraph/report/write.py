@@ -23,7 +23,7 @@ class Written:
     Attributes
     ----------
     study : Study
-        What the report shows.
+        The content of the report.
     lost : dict of str to str
         The files that could not be written, and why.
     """

@@ -88,7 +88,7 @@ class Judged:
     distance : float
         Root mean square difference relative to the usual size; 0 if unknown.
     text : str
-        What differs in addition, or instead.
+        Further differences.
     """
 
     agreement: Agreement
@@ -357,7 +357,7 @@ def value_differences(value: object, other: object, hooks: HookResults) -> tuple
     ----------
     value, other
     hooks
-        Of plugins. If none describes a difference, the values are compared part by part.
+        The hooks of plugins. If none describes a difference, the values are compared part by part.
     """
     rest = difference(value, other)
     return _described(value, other, hooks) or ((rest,) if rest else ())
@@ -375,7 +375,7 @@ def output_differences(
     was, now
         By the names of outputs.
     hooks
-        Of plugins.
+        The hooks of plugins.
     """
     both = [(name, was[name], now[name]) for name in was if name in now]
     prefix = {name: f"{name}: " if len(both) > 1 else "" for name in was}

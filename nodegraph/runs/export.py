@@ -33,7 +33,7 @@ def exporters_of(
     value
     registry
     settings
-        Of the node that writes; only formats whose node has all of them are given.
+        Settings of the node that writes; only formats whose node has all of them are given.
     """
     if settings:
         return dict(_from_writers(value, registry, settings))

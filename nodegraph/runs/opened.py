@@ -72,7 +72,7 @@ def saved_graph(
     ----------
     folder
     settings
-        What the run was started with.
+        The settings with which the run was started.
     origin
         The working directory then.
     registry

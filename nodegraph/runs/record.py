@@ -130,7 +130,7 @@ class Skipped:
     Attributes
     ----------
     labels : dict of axis to labels
-        Those that the reason names; a combination that was not planned and has them is meant.
+        The labels that the reason names; a combination that was not planned and has them is meant.
     counts : dict of node to int
         How many combinations of each node.
     """
@@ -245,7 +245,7 @@ class Failure:
     count : int
         How many.
     labels, place, trace, repeat
-        Of the first of them.
+        Labels, place, traceback and command of the first of them.
     """
 
     node: str
@@ -276,7 +276,7 @@ class Record:
     units : dict of str to str
         Digests of the modules and functions that methods reach.
     versions : dict of str to str
-        Of Python, the platform, plugins, and the distributions that methods reach.
+        Versions of Python, the platform, plugins, and the distributions that methods reach.
     not_kept : dict of str to int
         Why results were not stored, and how many.
     """

@@ -26,7 +26,7 @@ class Explanation:
     stored : bool
         Whether its result is in the store now.
     changes : tuple of str
-        What changed since the earlier run, root causes upstream included; if nothing did, why
+        Changes since the earlier run, root causes upstream included; if nothing did, why
         there is no result all the same.
     """
 
@@ -45,7 +45,7 @@ def changes_since(run: Run, record: Record, indices: Iterable[int]) -> tuple[str
     run
         Opened from its folder.
     record
-        Of the run.
+        The record of the run.
     indices
         Steps of its plan.
     """
@@ -72,9 +72,9 @@ class Why:
     ----------
     plan
     cache
-        Of the plan.
+        The stored steps of the plan.
     record
-        Of the earlier run.
+        The record of the earlier run.
     """
 
     def __init__(self, plan: Plan, cache: StoredSteps, record: Record) -> None:

@@ -66,7 +66,7 @@ class LocalServer:
     Parameters
     ----------
     app
-        What answers; a guard stands before it.
+        The application that answers; a guard stands before it.
     port
         0 for any that is free.
 

@@ -41,7 +41,7 @@ class _Shown:
     Attributes
     ----------
     name : str
-        Of the node, or ``node.output``.
+        The name of the node, or ``node.output``.
     view : LiveView
     panels : mapping of label to Output
     """
@@ -61,9 +61,9 @@ class StreamPage:
     session
         Not yet run.
     title
-        Of the graph.
+        The title of the graph.
     facts
-        What else stands at the head of the page: the source, say.
+        Further lines at the head of the page, such as the source.
     announce
         Called with what cannot be shown.
 

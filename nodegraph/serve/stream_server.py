@@ -51,7 +51,7 @@ class Update(NamedTuple):
     seconds : float
         Since the stream began.
     begun : mapping of group to data
-        What scripts need before the first frame of a group.
+        Data that scripts need before the first frame of a group.
     frames : mapping of group to sequence of bytes
         A frame for each panel.
     state : State

@@ -32,7 +32,7 @@ class Shown:
     node, labels : str
     rendered : Rendered
     seconds : float
-        That its step took.
+        Duration of its step.
     kind : str
         Its type.
     exporters : mapping of suffix to exporter
@@ -130,7 +130,7 @@ class BlockQuery:
     methods : tuple of str
         Their labels.
     block : mapping of column to label
-        What identifies the block, the labels of its combination included.
+        The labels that identify the block, those of its combination included.
     """
 
     node: str

@@ -42,7 +42,7 @@ class Unstorable(NodegraphError):
     kind : str
         The type that cannot be kept.
     inside : tuple of str
-        What holds it, from the inside out.
+        The types that hold it, from the inside out.
     """
 
     def __init__(self, kind: str, why: str = "no plugin says how to keep it") -> None:
@@ -765,7 +765,7 @@ class Packer:
     Parameters
     ----------
     kinds
-        What plugins know of further types; the first that stores a type is used, before all that
+        Further types, as plugins know them; the first that stores a type is used, before all that
         is known here.
     packages
         Returns for a top-level package whether a stored value may make the program import it. What

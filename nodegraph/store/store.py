@@ -60,14 +60,14 @@ class About:
     node : str
         The node's name, such as ``fill.muscle``.
     step : str
-        Which node of a graph, and which combination.
+        The node of a graph, and the combination.
     state : str
         ``done`` or ``refused``.
     reason : str
         Why it was refused.
     warnings : tuple of str
     seconds : float
-        That it took to compute.
+        Duration of the computation, in seconds.
     """
 
     node: str
@@ -87,7 +87,7 @@ class Entry(BaseModel):
     node, step, state, reason : str
     warnings : tuple of str
     seconds : float
-        That it took to compute.
+        Duration of the computation, in seconds.
     created : float
         When, in seconds since 1970.
     digests : tuple of str
@@ -95,7 +95,7 @@ class Entry(BaseModel):
     faithful : tuple of bool
         One per output: whether it is the value itself, and no stand-in to be shown.
     outputs : list
-        Of each output its text and where its buffers lie: a text for bytes in base 64, a pair of
+        The text of each output and where its buffers lie: a text for bytes in base 64, a pair of
         SHA-256 and size for a blob.
     """
 
@@ -328,7 +328,8 @@ class Store:
         ----------
         entry
         types
-            Of the node's outputs; a value of another type is damaged, unless it is a stand-in.
+            The types of the node's outputs; a value of another type is damaged, unless it is a
+            stand-in.
 
         Raises
         ------

@@ -18,7 +18,7 @@ class Faults:
         Parameters
         ----------
         fault
-            What is wrong, and what to change.
+            The fault, and what to change.
         specimen
             The specimen that shows it.
         detail

@@ -62,7 +62,7 @@ def check_live_form(trial: Trial, outputs: Mapping[str, object], *, long: bool) 
     ----------
     trial
     outputs
-        What the function gives of the whole take.
+        The outputs of the function for the whole take.
     long
         Whether to draw a long take from the specimen's frames as well.
     """
@@ -239,7 +239,7 @@ def _without(payload: Any, missing: Any, where: NDArray[np.bool_]) -> Any:
     missing
         The payload of a frame that never arrived.
     where
-        Which are missing. Of a payload with another number of them, all are if any is.
+        Whether each is missing. Of a payload with another number of them, all are if any is.
     """
     if not where.any():
         return payload

@@ -40,7 +40,7 @@ def side_effects(seed: int) -> Iterator[dict[str, str]]:
     Parameters
     ----------
     seed
-        Of the global random states during the call.
+        The seed of the global random states during the call.
     """
     effects: dict[str, str] = {}
     with warnings.catch_warnings(record=True) as caught:

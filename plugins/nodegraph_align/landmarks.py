@@ -45,7 +45,7 @@ def landmarks_of(
         Whose markers, and whose marker sets' stable ones where no names are given: those of the
         recording's marker set, or of the reference's if that says nothing.
     names
-        What the user chose, or None; ``*`` alone is all markers that both have.
+        Names that the user chose, or None; ``*`` alone is all markers that both have.
 
     Raises
     ------

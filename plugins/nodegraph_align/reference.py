@@ -29,7 +29,7 @@ class Reference(NamedTuple):
     Attributes
     ----------
     frame : Trajectories
-        Of one frame, with all its markers.
+        One frame, with all its markers.
     landmarks : tuple of L str
         Present in it.
     shape : (L, 3) array of float64
@@ -68,7 +68,7 @@ def reference_of(
     recording
         Whose own frame it is where no reference is given.
     reference
-        Of one frame or several, or None.
+        A recording of one frame or several, or None.
     names
         The landmarks that the user chose, or None.
 

@@ -20,7 +20,7 @@ def restore(recording: Trajectories, head_motion: HeadMotion) -> Trajectories:
     recording
         A face without head motion, or whatever became of it.
     head_motion
-        Of as many frames.
+        The head motion of as many frames.
 
     Returns
     -------

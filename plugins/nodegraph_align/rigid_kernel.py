@@ -52,7 +52,7 @@ def fit(
     ----------
     positions : (T, M, 3) array of float64
     columns : (L,) array of int
-        Which of the M are the landmarks.
+        The landmarks among the M.
     shape : (L, 3) array of float64
         Where they belong.
     weights : (T, L) array of float64, or (1, L) for all frames

@@ -53,7 +53,7 @@ def trimmed(
     Parameters
     ----------
     share
-        Which share of the landmarks counts; 1 is align.procrustes.
+        The share of the landmarks that counts; 1 is align.procrustes.
 
     Returns
     -------

@@ -54,11 +54,11 @@ def mesh(weights: Weights, head: Head, head_motion: HeadMotion | None = None) ->
     head
         With morph targets.
     head_motion
-        Of the same T frames: vertices in a frame are ``s R (posed) + t``. R turns about the
-        origin, so the head must stand in the coordinates of the neutral that the recording was
-        aligned to. t stays in the millimetres of the recording, and s is how much larger the
-        recorded face was than that neutral: with a head of another size, neither is adapted. By
-        default the head keeps still.
+        The head motion of the same T frames: vertices in a frame are ``s R (posed) + t``. R turns
+        about the origin, so the head must stand in the coordinates of the neutral that the
+        recording was aligned to. t stays in the millimetres of the recording, and s is how much
+        larger the recorded face was than that neutral: with a head of another size, neither is
+        adapted. By default the head keeps still.
 
     Returns
     -------

@@ -170,11 +170,11 @@ def _differences(
     ----------
     tried
     again
-        What came out of other inputs.
+        The outputs for other inputs.
     what
-        What is other about these.
+        How these differ.
     points, offsets
-        What moves positions and offsets back.
+        Functions that move positions and offsets back.
     """
     if again is None:
         yield f"declines {what}"

@@ -21,7 +21,7 @@ def from_head(head: Head, marker_set: MarkerSet | None = None) -> ModelAndNeutra
         With morph targets, and a vertex for each marker (``read.head`` takes them from a table,
         its setting `marker_vertices`).
     marker_set
-        What is known of the head's markers, for `neutral`.
+        Pairs, midline and so on of the head's markers, for `neutral`.
 
     Returns
     -------

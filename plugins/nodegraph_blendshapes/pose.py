@@ -32,7 +32,7 @@ def pose(
     model
         Whose shapes they drive.
     marker_set
-        What is known of the model's markers, for the recording.
+        Pairs, midline and so on of the model's markers, for the recording.
 
     Returns
     -------

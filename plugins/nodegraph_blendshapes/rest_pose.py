@@ -22,7 +22,7 @@ def whole_frame(recording: Trajectories, frame: int, what: str) -> NDArray[np.fl
     recording
     frame
     what
-        What it is for, for messages: ``the neutral``, ``shape 'smile'``.
+        Its purpose, for messages: ``the neutral``, ``shape 'smile'``.
 
     Raises
     ------

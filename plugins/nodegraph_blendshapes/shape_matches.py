@@ -20,9 +20,9 @@ def driving(weights: Weights, names: tuple[str, ...], face: str) -> tuple[Weight
     ----------
     weights
     names
-        Of the shapes.
+        Names of the shapes.
     face
-        What has the shapes, for messages: ``model`` or ``head``.
+        The object that has the shapes, for messages: ``model`` or ``head``.
 
     Raises
     ------

@@ -48,7 +48,7 @@ def ensemble(
     Parameters
     ----------
     recordings
-        Of the same frames, markers and rate: what several fills made of one recording.
+        Recordings of the same frames, markers and rate: what several fills made of one.
     neighbours
         How many markers tell how plausible a fill is, fewer where there are fewer.
 

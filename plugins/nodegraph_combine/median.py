@@ -25,7 +25,7 @@ def median(recordings: Across[Trajectories]) -> Trajectories:
     Parameters
     ----------
     recordings
-        Of the same frames, markers and rate: what several methods made of one recording.
+        Recordings of the same frames, markers and rate: what several methods made of one.
 
     Returns
     -------

@@ -60,9 +60,9 @@ class Cluster:
     ----------
     client : distributed.Client
     name : str
-        Of the cluster, in messages.
+        The name of the cluster, in messages.
     threads : int
-        Of all workers, when they were last counted.
+        Threads of all workers, when they were last counted.
     """
 
     def __init__(self, client: Any, name: str) -> None:

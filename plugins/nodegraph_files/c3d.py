@@ -164,7 +164,7 @@ def read_c3d(
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
-        Of length, such as ``cm``; by default what the parameter POINT:UNITS states.
+        Unit of length, such as ``cm``; by default what the parameter POINT:UNITS states.
     rate
         Hz; by default what the parameter POINT:RATE states, or else the header.
 
@@ -286,11 +286,11 @@ def _scale(scales: tuple[float, ...], extent: float, unit: str) -> float:
     Parameters
     ----------
     scales
-        Of the parameters, then of the header.
+        The scale of the parameters, then that of the header.
     extent
-        Of the markers, in integers.
+        Extent of the markers, in integers.
     unit
-        Of length, once they are scaled.
+        Unit of length, once they are scaled.
     """
     plausible = (
         scale

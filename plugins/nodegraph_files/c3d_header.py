@@ -109,7 +109,7 @@ def read_parameters(content: bytes, start: int, samples: int = 0) -> Parameters:
     Parameters
     ----------
     content
-        Of the file, from its first byte.
+        The content of the file, from its first byte.
     start
         Byte at which the section starts.
     samples
@@ -236,7 +236,7 @@ class Description:
     rate : float or None
         Hz, if the file gives a positive number.
     scales : tuple of float
-        What integers are multiplied by: that of the parameters first, and that of the header if
+        Factors of integers: that of the parameters first, and that of the header if
         it is another. None where samples are not integers.
     """
 

@@ -34,7 +34,7 @@ class RawHead:
     morphs : mapping of name to (V, 3) array of float64
         Offsets of the vertices at weight 1.
     unit : str
-        Of length.
+        Unit of length.
     unit_stated : bool
         Whether this file states the unit, so that it is not guessed.
     marker_vertices : mapping of marker to vertex

@@ -47,10 +47,10 @@ def npz_arrays(path: Path, kinds: Mapping[str, str], required: Sequence[str]) ->
     path
         The file.
     kinds
-        Which arrays to read, each with the kinds of numbers or text (`numpy.dtype.kind`) that it
+        The arrays to read, each with the kinds of numbers or text (`numpy.dtype.kind`) that it
         may have. Others are left alone.
     required
-        Which of them must be there.
+        Those of them that must be there.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def read_npz(
         Whether a sample at exactly (0, 0, 0) counts as missing if the archive has no
         ``origin``.
     unit
-        Of length, such as ``cm``; by default mm, as this package writes.
+        Unit of length, such as ``cm``; by default mm, as this package writes.
     rate
         Hz; by default the archive's.
 

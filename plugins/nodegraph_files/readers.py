@@ -51,7 +51,7 @@ def read_recording(
         A marker-set file (YAML). By default the recording's own, or ``markers.yaml`` of the
         folder, or none.
     unit
-        Of length in the file. By default the one that the file states; if it states none, mm
+        Unit of length in the file. By default the one that the file states; if it states none, mm
         (Motive: m), or cm or m where that alone makes the markers span 40 to 5000 mm, as a face or
         a body does, with a warning.
     rate
@@ -191,9 +191,10 @@ def read_head(
         A table ``marker,vertex`` (CSV), vertices counted from 0. By default
         ``marker_vertices.csv`` of the folder, or what a GLB file says itself, or no markers.
     unit
-        Of length in the file. By default metres for GLB, as glTF has it, and millimetres for OBJ;
-        but if the head would then be no 100 to 500 mm long, and is so in metres, centimetres or
-        millimetres, then these, with a warning. A GLB file by this package is sure to be in metres.
+        Unit of length in the file. By default metres for GLB, as glTF has it, and millimetres for
+        OBJ; but if the head would then be no 100 to 500 mm long, and is so in metres, centimetres
+        or millimetres, then these, with a warning. A GLB file by this package is sure to be in
+        metres.
 
     Returns
     -------
@@ -322,7 +323,7 @@ def marker_set_for(path: Path, file: Path, named: Path | None) -> MarkerSet | No
     Parameters
     ----------
     path
-        What the user named.
+        The path that the user named.
     file
         The file that this led to. ``markers.yaml`` beside it counts only if the user named the
         folder: results are stored by the content of what is named, and by nothing else.

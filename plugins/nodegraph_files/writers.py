@@ -29,7 +29,7 @@ class File:
     Attributes
     ----------
     name
-        Of the file, without its suffix.
+        Name of the file, without its suffix.
     """
 
     name: Annotated[str, Field(min_length=1)]

@@ -57,7 +57,7 @@ def burke_lasenby(
     tolerance
         Share of the sum of the singular values that is left out.
     noise
-        What stands for the variance of a coordinate's noise. With less than the least allowed,
+        The assumed variance of a coordinate's noise. With less than the least allowed,
         rounding would decide what is filled where many markers are missing.
 
     Raises

@@ -72,7 +72,7 @@ def make_fill(
     method
         Its keyword-only arguments are settings; its docstring describes it and these.
     kind
-        What the function takes besides.
+        The dataclass that the function takes besides.
     fill
         ``fill(filling, **settings)`` fills by that method, with the settings that are given.
     left
@@ -118,7 +118,7 @@ def fill_gaps(
     Parameters
     ----------
     filling
-        What the fill takes.
+        The recording and the settings of the fill.
     fill
         Takes the recording and the gaps to fill; not called when there are none.
     both_ends

@@ -49,7 +49,7 @@ def calibrated(
     recording
         Trajectories with gaps.
     gaps
-        Those that were filled.
+        The gaps that were filled.
     noise
         Variance of the noise of each marker's samples, (M,), mm^2; None: 0. The errors have it,
         and ``sqrt(sigma^2 + noise)`` is what is multiplied. From the square, the noise is taken

@@ -104,12 +104,12 @@ class _Processes:
     Attributes
     ----------
     own : list of Matern
-        Of each marker.
+        The process of each marker.
     near : (M, M - 1) array of int
         The others of each marker, the nearest first.
     neighbours : int
     rest : dict of int to Matern
-        What the nearest others leave of a marker, where it was asked for.
+        The process of what the nearest others leave of a marker, where it was asked for.
     """
 
     own: list[Matern]
@@ -181,7 +181,7 @@ class _Take:
     completed : (3 M, T) array of float64
         The courses, where not seen as the marker's own process has them.
     errors : (3 M, T) array of float64
-        Those of predicting each column from the ones before, by one process for all markers.
+        Errors of predicting each column from the ones before, by one process for all markers.
     noise : (3 M,) array of float64
         Variance of the noise of the samples.
     """

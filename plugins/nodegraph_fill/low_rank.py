@@ -301,11 +301,11 @@ class _Newton:
     Parameters
     ----------
     entries
-        Those of X.
+        The entries of X.
     rows
         X.
     spectrum
-        Of X.
+        The spectrum of X.
     inverse
         ``inv(K_mm)``.
     """

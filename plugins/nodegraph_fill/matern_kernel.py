@@ -213,7 +213,7 @@ def smooth(
     Parameters
     ----------
     lengths, variances
-        Of the processes, (C,).
+        Lengths and variances of the processes, (C,).
     noises
         The variances of the channels' noise, (C,).
     values, seen

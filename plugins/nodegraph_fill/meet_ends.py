@@ -39,7 +39,7 @@ def meet_ends(
     Parameters
     ----------
     gaps
-        Those that were filled.
+        The gaps that were filled.
     estimate : (S, 3) array of float64
         Millimetres, in the order of `Gaps.samples`.
     before, after : (G, 3) arrays of float64

@@ -62,7 +62,7 @@ def advance(
     Parameters
     ----------
     position, velocity, spread : (M, 3) arrays of float64
-        Of the frame before; those of this one are written there. The spread is p, c and v; the
+        State in the frame before; that of this one is written there. The spread is p, c and v; the
         position is NaN before the first observation.
     observations : (M, 3) array of float64
     variance : (M,) array of float64

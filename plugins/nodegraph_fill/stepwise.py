@@ -110,7 +110,7 @@ class Rule:
     full_radius, falloff_radius : float
         Millimetres, for Waters' rule.
     allowed : (M, M) array of bool, or None
-        Which marker may be a neighbour of which; None: any of any other.
+        Whether the second marker may be a neighbour of the first; None: any of any other.
 
     Raises
     ------

@@ -73,7 +73,7 @@ def run(
     full, end
         Radii in millimetres, for `WATERS`.
     allowed : (M, M) array of bool
-        Which marker may be a neighbour of which; False on the diagonal.
+        Whether the second marker may be a neighbour of the first; False on the diagonal.
     use_filled
         Whether filled samples serve as neighbours.
     ring
@@ -243,7 +243,7 @@ def _nearest(
     places, who, size
         The pack.
     allowed
-        Which marker may be a neighbour of which.
+        Whether the second marker may be a neighbour of the first.
     rank, squared : (K,) arrays
         The neighbours and their squared distances.
     distances : (M,) array

@@ -144,7 +144,7 @@ class TakeMatrix:
     middle : (P,) array of float64
         The means.
     seen : (M,) array of bool
-        Which markers have columns.
+        Whether each marker has columns.
     """
 
     rows: NDArray[np.float64]
@@ -205,9 +205,9 @@ class HiddenEnds:
     frame, marker : (E,) arrays of int
         The sample.
     missing : (E, P) array of bool
-        What is not shown: what is missing in that frame or in the gap's frame beside it.
+        Whether it is hidden: it is missing in that frame or in the gap's frame beside it.
     within : (2 G,) array of bool
-        Which of the gaps' first ends, and then of their last ends, lie within the take.
+        Whether each gap's first end, and then each gap's last end, lies within the take.
     """
 
     frame: NDArray[np.intp]

@@ -32,7 +32,8 @@ class Cut(NamedTuple):
     gappy : Trajectories
         The recording without the hidden samples.
     truth : Trajectories
-        What errors are measured to: the truth that was put in, else the recording as it came.
+        The recording that errors are measured to: the truth that was put in, else the recording as
+        it came.
     hidden : Mask
         The samples that were hidden.
     """

@@ -66,7 +66,7 @@ def place_events(
     count
         How many events.
     groups
-        Which markers an event may hide.
+        The markers that an event may hide.
     random
         The source of chance.
 

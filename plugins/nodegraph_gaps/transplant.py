@@ -123,7 +123,7 @@ class RealPattern:
     Attributes
     ----------
     marker : (G,) array of int
-        Which of the K markers, in the order of their first gaps.
+        Index of the marker among the K, in the order of their first gaps.
     start : (G,) array of int
         First frame, counted from the first gap of all.
     length : (G,) array of int

@@ -20,7 +20,7 @@ class Settings:
     scheme
         For messages.
     text
-        What follows the scheme.
+        The part after the scheme.
     form
         How the whole address is written, for messages.
     defaults
@@ -29,7 +29,7 @@ class Settings:
     Attributes
     ----------
     before : str
-        What stands before the question mark.
+        The part before the question mark.
 
     Raises
     ------

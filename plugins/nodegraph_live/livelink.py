@@ -66,7 +66,7 @@ class Face(NamedTuple):
     ----------
     subject : str
     frame : float
-        Of the timecode, since midnight, with the part of a frame.
+        The frame of the timecode, since midnight, with the part of a frame.
     rate : Fraction
         Frames of the timecode per second.
     values : (61,) array of float64, or None

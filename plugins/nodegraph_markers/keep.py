@@ -26,7 +26,7 @@ def keep(
     selection
         Whose chosen markers are kept.
     names
-        Which markers are kept, unless a selection is given.
+        Names of the markers that are kept, unless a selection is given.
 
     Returns
     -------

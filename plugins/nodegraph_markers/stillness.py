@@ -46,7 +46,7 @@ def head_frame(recording: Trajectories) -> HeadFrame:
     Parameters
     ----------
     recording
-        Of at least four markers that are ever present.
+        A recording of at least four markers that are ever present.
     """
     shape = _upright(reference_shape(recording))
     seen = np.flatnonzero(recording.present.any(axis=1))

@@ -26,10 +26,10 @@ class Animation(Value):
     ----------
     head : Head
     weights : Weights
-        Of T frames. Each name is one of the head's morph targets, perhaps written by another
-        convention (see `nodegraph_mocap.shape_names`).
+        Weights of T frames. Each name is one of the head's morph targets, perhaps written by
+        another convention (see `nodegraph_mocap.shape_names`).
     head_motion : HeadMotion or None
-        Of the same T frames; None where the head keeps still.
+        The head motion of the same T frames; None where the head keeps still.
 
     Raises
     ------

@@ -32,7 +32,7 @@ def numbers(what: str, array: ArrayLike, shape: Sequence[int | str]) -> NDArray[
     Parameters
     ----------
     what
-        What the message calls the array.
+        The name of the array in messages.
     array
         The numbers; NaN stays.
     shape

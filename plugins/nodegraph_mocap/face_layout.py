@@ -25,7 +25,7 @@ def layout(inputs: Mapping[str, object], column: str) -> dict[str, Any] | None:
     Parameters
     ----------
     inputs
-        What the score read, by port. A marker lies at the median of its positions in the second
+        The inputs of the score, by port. A marker lies at the median of its positions in the second
         recording, the truth, or in the estimate where there is no other.
     column
         ``marker``; others lie nowhere.

@@ -80,9 +80,9 @@ class Playback(Value):
     truth : Panel or None
         A recording with which those among the panels are compared, marker by marker.
     every : int
-        Of how many frames of the original one is here; 1 where all are.
+        Step between frames of the original that are here; 1 where all are.
     notes : tuple of str
-        What a viewer must know: combinations that are absent, samples that are not shown.
+        Notes for the viewer: combinations that are absent, samples that are not shown.
 
     Raises
     ------

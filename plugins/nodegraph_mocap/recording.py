@@ -129,7 +129,7 @@ class Trajectories(Value):
         changed
             (T, M), True where a sample was written. One that is NaN in `positions` is missing.
         origin
-            What the written samples are called.
+            The origin of the written samples.
         sigma
             (T, M) millimetres, or None to keep what the recording has.
         """
@@ -191,7 +191,7 @@ def check_markers(
     names
         Markers that it must have.
     what
-        What the message calls the recording.
+        The name of the recording in messages.
 
     Raises
     ------

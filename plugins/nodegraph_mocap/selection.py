@@ -27,7 +27,7 @@ class Selection(Value):
     frequencies : (P,) array of float64, or None
         Share of the method's runs that chose each pair, 0 to 1.
     columns : tuple of C str
-        What the columns of `history` are, such as ``k``, ``markers``, ``stability``.
+        Names of the columns of `history`, such as ``k``, ``markers``, ``stability``.
     history : (H, C) array of float64, or None
         A row per trial, such as each k that was tried; NaN where a number is not known.
 

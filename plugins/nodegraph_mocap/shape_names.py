@@ -66,11 +66,11 @@ class Sides:
     Attributes
     ----------
     names : tuple of str
-        Of the K weights after that.
+        Names of the K weights after that.
     columns : tuple of (int, int)
         For each of them, the two weights before that of which it is the mean: mostly one twice.
     notes : tuple of str
-        What was split and what was joined.
+        Weights that were split and weights that were joined.
     """
 
     names: tuple[str, ...]

@@ -24,7 +24,7 @@ def truth_of(
     Parameters
     ----------
     recording
-        What is damaged.
+        The recording that is damaged.
     truth
         The same frames and markers without noise, in any order of the markers.
     damaged

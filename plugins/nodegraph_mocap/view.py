@@ -54,7 +54,7 @@ def frontal(recording: Trajectories, view: str) -> View:
     Parameters
     ----------
     recording
-        Of at least four markers; with fewer, x is right and y is up.
+        A recording of at least four markers; with fewer, x is right and y is up.
     view
         ``auto`` or two signed axes, right and up, such as ``+x+y`` or ``-y+z``.
 

@@ -46,7 +46,7 @@ def error_map(
     recordings
         Drawn in their order.
     truth
-        Of each recording that of its labels. Markers are matched by name.
+        The truth of each recording, that of its labels. Markers are matched by name.
     samples
         ``made``: those that were filled or repaired. ``all``: every present one.
     view

@@ -40,7 +40,7 @@ def shapes(
         One for each shape, with the same labels, or one for all; points are matched by name. A
         reference of one frame is drawn in every frame.
     frame
-        Which frame is drawn.
+        The frame that is drawn.
     view
         ``auto``, or the axes that point right and up in the picture, such as ``+x+y``. ``auto``
         sees each reference from the front, fewer than four points with x to the right and y up.

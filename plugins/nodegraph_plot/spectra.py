@@ -51,7 +51,7 @@ def spectra(
     truth
         Drawn as a thin black line.
     markers
-        Which are averaged. Default: all that the recording has.
+        Names of markers that are averaged. Default: all that the recording has.
     segment
         Length of a segment. Default: 256, or the largest power of two for which half of the
         markers of every recording have a run without a gap. Markers without such a run are left

@@ -24,11 +24,11 @@ class Components:
     Attributes
     ----------
     scores : (n, K) array of float64
-        Of mean 0 and length 1.
+        Scores of mean 0 and length 1.
     sd : (K,) array of float64
         Their standard deviation, mm.
     directions : (K, 3 M) array of float64
-        Of length 1: what moves with them.
+        Directions of length 1: what moves with them.
     """
 
     scores: NDArray[np.float64]
@@ -61,9 +61,9 @@ class Movement:
     Attributes
     ----------
     curves : (n, J) array of float64
-        Of mean 0 and length 1.
+        Curves of mean 0 and length 1.
     columns : (J,) array of int
-        Which of the given numbers they are.
+        Their places among the given numbers.
     basis : (n, r) array of float64
         Orthonormal, of what they span.
     """

@@ -24,7 +24,7 @@ def hidden_errors(
     truth
         The same frames and markers, present wherever `hidden` is true.
     hidden
-        Of the same frames and markers.
+        A mask of the same frames and markers.
 
     Returns
     -------

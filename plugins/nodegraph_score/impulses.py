@@ -84,7 +84,7 @@ def impulses(
     impulses
         The samples that were hit, (T, M).
     per
-        What a row is: the take, or a marker.
+        The unit of a row: the take, or a marker.
 
     Returns
     -------

@@ -68,7 +68,7 @@ def carried(positions: NDArray[np.float64], motion: HeadMotion) -> NDArray[np.fl
     positions
         (n, M, 3) with the head motion.
     motion
-        Of the same n frames.
+        The motion of the same n frames.
     """
     scale, shift = motion.scales[:, None, None], motion.translations[:, None]
     still = (positions - shift) @ motion.rotations / scale

@@ -61,7 +61,7 @@ def unselected(
     reference
         The same frames, as measured and aligned like the estimate.
     selection
-        Which markers the estimate was made from.
+        The markers from which the estimate was made.
 
     Returns
     -------

@@ -70,9 +70,9 @@ def _ranked(
     Parameters
     ----------
     features
-        Of M markers.
+        Features of M markers.
     pair : (M,) array of int
-        Which pair each marker is in.
+        The pair of each marker.
     """
     rest = features.values.T @ features.values
     whole = np.trace(rest)

@@ -42,7 +42,7 @@ def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     Parameters
     ----------
     rows : (p, q) array of float64
-        What to cluster.
+        The rows to cluster.
     draws : (R, k) array of float64
         Uniform in 0 to 1, a row per run; k of the p rows, all different, are drawn with them.
 

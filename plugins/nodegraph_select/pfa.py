@@ -105,10 +105,10 @@ def pfa(
     runs
         How many random starts are clustered.
     stability
-        What is the highest in the most stable selection. sum (the text): the sum of its pairs'
-        frequencies, which favours large selections. mean: their mean, which favours small ones.
-        medoid: its mean likeness to the selections of all runs, as the Jaccard index (pairs that
-        both have, by pairs that either has).
+        The number that is highest for the most stable selection. sum (the text): the sum of its
+        pairs' frequencies, which favours large selections. mean: their mean, which favours small
+        ones. medoid: its mean likeness to the selections of all runs, as the Jaccard index (pairs
+        that both have, by pairs that either has).
     standardize
         Whether each feature is divided by its standard deviation first, so that those that move
         little count as much as others; one that does not move by more than rounding (a standard
@@ -283,7 +283,7 @@ class Stabilities:
     frequencies : (P,) array of float64
         Share of the selections that have each pair.
     sum, mean : (R,) array of float64
-        Of the frequencies of a selection's pairs.
+        Sum and mean of the frequencies of a selection's pairs.
     medoid : (R,) array of float64
         Mean Jaccard index, shared pairs by pairs of either, of a selection and each of all R.
     same : (R,) array of int
@@ -313,7 +313,7 @@ def stabilities(chosen: NDArray[np.bool_]) -> Stabilities:
     Parameters
     ----------
     chosen : (R, P) array of bool
-        Which pairs each selection has, at least one.
+        Whether each selection has each pair; it has one at least.
     """
     runs = len(chosen)
     counts = np.count_nonzero(chosen, axis=0)

@@ -24,7 +24,7 @@ def random(wanted: Wanted, *, seed: Seed = 0) -> Selection:
         Whose markers, and whose marker set's pairs; a marker that is in no pair is alone, with
         a warning unless it is on the midline.
     seed
-        Which random order. A list, such as ``[$trial, $recording]`` in a graph, is another
+        Number of the random order. A list, such as ``[$trial, $recording]`` in a graph, is another
         seed for each recording.
 
     Returns

@@ -96,9 +96,9 @@ def first_pairs(
     count
         How many markers, at most as many as there are.
     values : (N,) array of float64, or None
-        What put each place of the order where it is.
+        The numbers by which the order was made.
     column
-        What the history calls these values, where there are any.
+        The name of these values in the history, where there are any.
     """
     first = np.sort(np.unique(order, return_index=True)[1])
     taken = first[_taken(sizes(pairs)[order[first]], count)]

@@ -60,7 +60,7 @@ def check_stiffness(penalty: float, cutoff: float, rate: float) -> None:
     penalty
         The factor of the squared differences or derivatives, in frames.
     cutoff, rate
-        What it was made of, for the message.
+        Cut-off and rate from which it was made, for the message.
     """
     if penalty > STIFFEST:
         raise Refusal(

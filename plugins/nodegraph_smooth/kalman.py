@@ -55,7 +55,7 @@ def kalman(
     cutoff
         The frequency of which half the amplitude is kept.
     motion
-        What a marker would keep if nothing drove it: its velocity, or its acceleration.
+        The motion that a marker would keep if nothing drove it: its velocity, or its acceleration.
     noise
         Standard deviation of a sample, per coordinate. Positions do not depend on it, sigma is
         proportional to it.

@@ -98,7 +98,7 @@ def kalman_filter(
     cutoff
         The frequency of which `smooth.kalman` keeps half the amplitude.
     motion
-        What a marker would keep if nothing drove it: its velocity, or its acceleration.
+        The motion that a marker would keep if nothing drove it: its velocity, or its acceleration.
     noise
         Standard deviation of a sample, per coordinate. Positions do not depend on it, sigma is
         proportional to it.

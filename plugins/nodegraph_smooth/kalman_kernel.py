@@ -51,7 +51,7 @@ def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floa
     order
         d, the number of components: position, velocity, ...
     density
-        Of the white noise that drives the last component.
+        Density of the white noise that drives the last component.
 
     Returns
     -------
@@ -155,7 +155,8 @@ def advance(state: Floats, values: Floats, age: NDArray[np.integer], gains: Floa
     Parameters
     ----------
     state : (R, 3, d) array of float64
-        Of the frame before, zeros before the first of a run; that of this one is written there.
+        State in the frame before, zeros before the first of a run; that of this one is written
+        there.
     values : (R, 3) array of float64
     age : (R,) array of int
         Frames since the run's first.

@@ -23,7 +23,7 @@ def spans_of(length: int, spacing: float, degree: int, repeated: int) -> int:
     spacing
         Frames between knots.
     degree
-        Of the spline.
+        Degree of the spline.
     repeated
         How often each inner knot counts.
     """

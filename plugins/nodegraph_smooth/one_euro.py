@@ -102,8 +102,8 @@ def one_euro(
     min_cutoff
         Cut-off of a marker at rest: lower, and it jitters less.
     beta
-        What the cut-off gains with speed: higher, and a moving marker lags less. With lengths in
-        another unit it changes inversely.
+        Rise of the cut-off with speed: with a higher one a moving marker lags less. With
+        lengths in another unit it changes inversely.
     derivative_cutoff
         Cut-off of the velocity; the authors' 1 Hz.
 

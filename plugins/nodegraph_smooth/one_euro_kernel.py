@@ -56,7 +56,7 @@ def advance(
     Parameters
     ----------
     smoothed, velocity : (R, 3) arrays of float64
-        Of the frame before; those of this one are written there.
+        Results of the frame before; those of this one are written there.
     values : (R, 3) array of float64
     rate, least, slope, derivative
         As for `smooth`.

@@ -52,7 +52,7 @@ def polynomial(
         Length of a segment, or as near to that as a whole number of them comes; 6 frames at
         60 Hz with the default. Take one longer than the take for a single polynomial.
     degree
-        Of each polynomial.
+        Degree of each polynomial.
 
     Returns
     -------

@@ -70,7 +70,7 @@ def savgol(
     window
         Length of the window, ``2 h + 1`` frames: the nearest odd number.
     degree
-        Of the polynomial.
+        Degree of the polynomial.
     reach
         h; takes the place of `window`.
 

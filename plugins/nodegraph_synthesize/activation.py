@@ -57,7 +57,7 @@ class Habits:
     jaw : float
         How far the jaw opens on a strong syllable, 0 to 1.
     pace : float
-        Of brows and smiles that come and go, Hz.
+        How often brows and smiles come and go, Hz.
     blinks : float
         Per second.
     lopsided : float

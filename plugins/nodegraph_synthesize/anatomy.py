@@ -56,7 +56,7 @@ class Anatomy:
         At rest, mm.
     proportions : Proportions
     strengths : mapping of channel to float
-        Of this actor, about 1.
+        Strengths of this actor's channels, about 1.
     pulls : mapping of channel to Pull
     shifts : mapping of channel to (N, 3) array
         Offsets of the fully narrowed mouth, of blown-up cheeks and of each closed eye, mm.

@@ -35,7 +35,7 @@ def occlusions(
     ----------
     random
     share
-        Of all samples that are hidden, below 1; exact to one sample.
+        Share of all samples that is hidden, below 1; exact to one sample.
     frames
     points
         (M, 3) mm, the neutral face, which decides the neighbours.

@@ -102,7 +102,7 @@ def synthesize_face(
         Whether the head moves: turns of less than 5 degrees, shifts of less than 1/20 of the
         head's length.
     seed
-        Of the actor, the performance and the damage, each drawn by itself: another `noise`
+        Seed of the actor, the performance and the damage, each drawn by itself: another `noise`
         changes neither the performance nor the gaps.
     take
         Another number is another performance, with other damage, of the same actor.

@@ -68,7 +68,7 @@ def add(
         The recording that errors are measured to, the same frames and markers without noise;
         `recording` itself if left open. It has no influence on what is hit.
     share
-        Of the present samples, the number that are hit, to the nearest whole one.
+        Share of the present samples that is hit, to the nearest whole number of samples.
     size
         Distance of each hit sample from where it was.
     seed

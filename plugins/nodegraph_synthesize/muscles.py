@@ -39,7 +39,7 @@ class LinearMuscle:
     zone : float
         Degrees to each side of the muscle's direction.
     pull : float
-        Of a point at Rs on the muscle's line, at full activation, on the average face, mm.
+        Pull of a point at Rs on the muscle's line, at full activation, on the average face, mm.
     """
 
     attachment: tuple[float, float]

@@ -40,9 +40,9 @@ class Proportions:
     Attributes
     ----------
     width, height, depth : float
-        Of the whole face.
+        Size of the whole face.
     mouth_width, jaw_width : float
-        Of the lower face, on top of `width`.
+        Width of the lower face, on top of `width`.
     nose, brows, cheekbones, lips, chin, sockets : float
         How far each stands out, or lies in.
     """

@@ -48,7 +48,7 @@ class Column(NamedTuple):
     ----------
     name, unit : str
     place : int
-        Of the column in the table.
+        The place of the column in the table.
     numeric : bool
     label : bool
         Whether it identifies the rows.
@@ -110,7 +110,7 @@ def cells_at(
     ----------
     table
     name
-        Of the column.
+        Name of the column.
     rows
     in_print
         See `columns_of`.
@@ -215,7 +215,7 @@ def shown(value: object, decimals: int | None = None, *, fixed: bool = False) ->
     ----------
     value
     decimals
-        Of a number. Default: four significant digits.
+        Decimals of a number. Default: four significant digits.
     fixed
         Whether zero and small numbers have them, too.
     """

@@ -29,7 +29,7 @@ class Crosstab:
     rows, heads : tuple of tuple of str
     columns : tuple of list of Cell
     unit : str
-        Of all numbers, as it is printed.
+        The unit of all numbers, as it is printed.
     """
 
     side: Labels

@@ -65,7 +65,7 @@ class TableInfo:
         The rows that are over all labels of the columns in which they have none: a reader sees
         ``all`` there.
     sequences : tuple of columns
-        Those whose labels follow one another, such as the steps of a chain, in the order of the
+        Columns whose labels follow one another, such as the steps of a chain, in the order of the
         rows.
     compared : str
         The column of what is compared. A report marks its rows with what is selected in a chart.
@@ -73,12 +73,12 @@ class TableInfo:
         The columns that are shown within the cells of another, as ``mean [low, high]``, with a
         dagger where p is below 0.05.
     unseen : tuple of columns
-        Those that only the CSV file has.
+        Columns that only the CSV file has.
     take : Take, optional
         The recording that all rows are of; their columns ``start`` and ``frames`` are places in it.
     poses : Poses, optional
-        Of the recording that is scored, without its damage where that is known: comparisons tell
-        by it takes of one person, which are not independent.
+        Poses of the recording that is scored, without its damage where that is known: comparisons
+        tell by it takes of one person, which are not independent.
 
     Raises
     ------

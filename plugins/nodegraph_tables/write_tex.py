@@ -38,7 +38,7 @@ def write_tex(
         outer ones down the side where there are more than six columns. What neither names stands
         in the rows; in the columns, if only rows are named.
     name
-        Of the file, without its suffix.
+        Name of the file, without its suffix.
 
     Returns
     -------

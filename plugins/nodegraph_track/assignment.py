@@ -71,8 +71,8 @@ def assignment(
     Parameters
     ----------
     fade
-        What is left of a track's velocity from frame to frame while it has no point: 1 continues
-        at constant velocity, 0 stays after the first frame.
+        The share that is left of a track's velocity from frame to frame while it has no point: 1
+        continues at constant velocity, 0 stays after the first frame.
 
     Returns
     -------

@@ -131,7 +131,7 @@ class Links(NamedTuple):
     predicted : (A, 3) array of float64
         Where each open track is, if it gets no point.
     point : (A,) array of int
-        Which point of the frame each open track takes, none twice; -1 for none.
+        The point of the frame that each open track takes, none twice; -1 for none.
     """
 
     predicted: NDArray[np.float64]
@@ -153,7 +153,7 @@ def follow(given: Points, method: Method) -> Trajectories:
     Parameters
     ----------
     given
-        What the node takes.
+        The points and the settings of the node.
     method
         How a frame's points are linked to the open tracks.
 
@@ -230,7 +230,7 @@ class _Tracker:
     method, gate, patience, shortest
         As for `follow` and `Points`.
     tracks
-        Those that are open before the first frame: if there are any, there will be no others.
+        Tracks that are open before the first frame: if there are any, there will be no others.
     """
 
     def __init__(

@@ -35,7 +35,7 @@ def spaces(points: Floats, offsets: Integers, frames: Integers) -> Floats:
     offsets : (T + 1,) array of int
         The points of frame t are ``points[offsets[t]:offsets[t + 1]]``.
     frames : (F,) array of int
-        Those of one point have no space.
+        Frames to look at; those of one point have no space.
     """
     distances, count = np.empty(len(points)), 0
     for frame in frames:
@@ -310,7 +310,7 @@ def carried_by_velocity(place: Floats, steps: Floats, absent: Integers, fade: fl
     absent : (A,) array of int
         For how many frames no point was found.
     fade
-        What is left of the velocity after each of these.
+        The share that is left of the velocity after each of these.
     """
     result = np.empty((len(place), 3))
     for row in range(len(place)):
@@ -336,7 +336,7 @@ def carried_by_neighbours(
     motion : (L, 3) array of float64
         mm.
     near : (A, N) array of int
-        Which N places, at most, are the neighbours of each, itself not among them; written. At
+        The N places, at most, of the neighbours of each, itself not among them; written. At
         first those of the frame before, by which the search is shorter, or the place itself.
     otherwise : (A, 3) array of float64
         Where a place without any neighbour is.

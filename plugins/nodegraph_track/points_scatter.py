@@ -27,7 +27,8 @@ class Scattered(NamedTuple):
     detections : Detections
         The points that were kept, and ghosts, in random order within each frame.
     truth : Trajectories
-        What errors are measured to: the truth that was put in, else the recording as it came.
+        The recording that errors are measured to: the truth that was put in, else the recording as
+        it came.
     """
 
     detections: Detections

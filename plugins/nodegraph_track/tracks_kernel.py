@@ -40,7 +40,7 @@ def next_tracks(
         See `nodegraph_track.follow.Links`.
     points : (P, 3) array of float64
     frame, patience, shortest
-        Which frame it is; see `nodegraph_track.follow.follow`.
+        Number of the frame, and the tracker's settings; see `nodegraph_track.follow.follow`.
     is_known
         Whether no point opens another track.
     owner : (P,) array of int

@@ -110,10 +110,10 @@ def from_xarray(
         With three dimensions of space, of one individual or none; the names of dimensions before
         movement 0.17, ``keypoints`` and ``individuals``, are read as well.
     individual
-        Which of several individuals.
+        Name or number of one of several individuals.
     unit
-        Of length. By default what ``position.attrs["units"]`` states; if nothing, mm, or cm or m
-        where that alone makes the keypoints span 40 to 5000 mm, with a warning.
+        Unit of length. By default what ``position.attrs["units"]`` states; if nothing, mm, or cm or
+        m where that alone makes the keypoints span 40 to 5000 mm, with a warning.
     rate
         Hz. By default that of the attribute ``fps``, or of the times.
     zeros_missing

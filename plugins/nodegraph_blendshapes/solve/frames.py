@@ -53,10 +53,10 @@ class Pattern:
     ----------
     frames : (N,) array of int
     columns : (K, R) array of float64
-        What each of the shapes that are seen there does to the markers' coordinates.
+        Change of the markers' coordinates by each of the shapes that are seen there.
     targets : (N, R) array of float64
     shapes : (K,) array of int
-        Which of all the model's these are.
+        Their places among all of the model's.
     """
 
     frames: NDArray[np.intp]

@@ -49,7 +49,7 @@ class Squares(NamedTuple):
     gram : (K, K) array of float64
         ``columns columns'``, with the ridge on its diagonal.
     lengths : (K,) array of float64
-        Of the columns.
+        Lengths of the columns.
     low, high, ridge : float
     """
 

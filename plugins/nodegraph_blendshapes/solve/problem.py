@@ -30,11 +30,11 @@ class Problem:
         From the neutral, mm; NaN where a sample is missing.
     present : (T, M) array of bool
     shapes : (K, M, 3) array of float64
-        Of the whole model.
+        Shapes of the whole model.
     seen : (K,) array of bool
         Whether a shape moves a marker that is present in any frame.
     notes : tuple of str
-        What of either was left out.
+        Parts of either that were left out.
     """
 
     markers: tuple[str, ...]

@@ -89,9 +89,9 @@ class Accessors:
         Parameters
         ----------
         index
-            Of the accessor.
+            The index of the accessor.
         where
-            What asks for it, for messages.
+            The place that refers to it, for messages.
         kind
             ``VEC3`` or the like; another one is an error.
         count

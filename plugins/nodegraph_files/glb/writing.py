@@ -214,7 +214,7 @@ def vertex_normals(
     faces
         (F, 3), counter-clockwise as seen from outside.
     otherwise
-        What a vertex gets that has no triangle with an area.
+        The normal of a vertex that has no triangle with an area.
     """
     first, second, third = (vertices[faces[:, corner]] for corner in range(3))
     # a cross product is as long as twice the triangle's area

@@ -71,7 +71,7 @@ class Columns:
     header : Row
         The row below which the numbers begin.
     names : sequence of str
-        Of all columns, for messages.
+        Names of all columns, for messages.
     markers : dict
         By marker and by axis, ``x``, ``y`` or ``z``.
     counters : list of int
@@ -79,7 +79,7 @@ class Columns:
     left_out : list of int
         The columns that are neither.
     unit : str
-        Of length, as the names of the coordinates' columns state it, or empty.
+        Unit of length, as the names of the coordinates' columns state it, or empty.
     """
 
     table: Table
@@ -518,7 +518,7 @@ def read_csv(
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
-        Of length, such as ``cm``; by default what the file states.
+        Unit of length, such as ``cm``; by default what the file states.
     rate
         Hz; by default the file's own.
 

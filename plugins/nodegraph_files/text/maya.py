@@ -95,7 +95,7 @@ def read_maya(
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
-        Of length; by default the scene's.
+        Unit of length; by default the scene's.
     rate
         Hz; by default that of the keys.
 

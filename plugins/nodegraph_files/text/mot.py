@@ -48,8 +48,8 @@ def read_mot(
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
-        Of length. By default what a line ``Units=mm`` of the header says; if there is none, m, as
-        OpenSim has it, or cm or mm where that alone makes the points span 40 to 5000 mm, with a
+        Unit of length. By default what a line ``Units=mm`` of the header says; if there is none, m,
+        as OpenSim has it, or cm or mm where that alone makes the points span 40 to 5000 mm, with a
         warning.
     rate
         Hz; by default that of the column ``time``.

@@ -74,7 +74,7 @@ def cell_numbers(
     columns
         Number of each one's column, counted from 1; by default they begin with the first.
     names
-        Of the columns, where they have any, for the message.
+        Names of the columns, where they have any, for the message.
 
     Raises
     ------
@@ -134,7 +134,7 @@ class Rows:
     wanted : sequence of int
         The columns to read, counted from 0 and rising; the others may hold anything.
     names : sequence of str
-        Of all columns, for messages; or none.
+        Names of all columns, for messages; or none.
     lenient : bool
         Whether a row may end early, and may have empty cells beyond the last column.
     beyond : int
@@ -391,9 +391,9 @@ class Table:
     ----------
     text : TextFile
     comments : dict
-        What lines ``# name: value`` say, by name.
+        Values of lines ``# name: value``, by name.
     separator : str
-        What separates cells in the first line that has any separator.
+        The separator of cells in the first line that has any.
     opening : list of Row
         The first rows that are not empty.
     quoted : bool

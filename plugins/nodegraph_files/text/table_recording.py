@@ -149,7 +149,7 @@ def recording_of(
     coordinates
         In the table's unit of length.
     labels
-        Of the markers, as the file gives them; see `unique_names`.
+        Labels of the markers, as the file gives them; see `unique_names`.
     rate
         Hz.
     unit

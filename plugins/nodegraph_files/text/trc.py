@@ -50,7 +50,7 @@ def read_trc(
     zeros_missing
         Whether a sample at exactly (0, 0, 0) counts as missing.
     unit
-        Of length, such as ``cm``; by default what the header states.
+        Unit of length, such as ``cm``; by default what the header states.
     rate
         Hz; by default the header's DataRate.
 

@@ -57,7 +57,7 @@ class Blob:
         values
             (rows, length), none farther from 0 than `MOST_STEPS` steps.
         step
-            What one step is; a number is off by half of it at most.
+            The size of one step; a number is off by half of it at most.
         like
             Steps of the same shape from which to tell the differences.
 

@@ -30,7 +30,8 @@ def marker_sets(names: Iterable[str] = NAMES) -> SearchStrategy[MarkerSet]:
     Parameters
     ----------
     names
-        Those that end in ``_left`` and ``_right`` are pairs, if the set knows of any.
+        Names of markers; those that end in ``_left`` and ``_right`` are pairs, if the set knows of
+        any.
     """
     from hypothesis import strategies as st
 
