@@ -133,7 +133,7 @@ def fed(folder: Path) -> Iterator[Fed]:
     with subprocess.Popen(
         [
             *(sys.executable, "-m", "nodegraph.cli.main", *words),
-            *("--plugin", str(plugin), "--open", "--json"),
+            *("--plugin", str(plugin), "--only", "trial=0", "--open", "--json"),
         ],
         text=True,
         stdin=subprocess.PIPE,

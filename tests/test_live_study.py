@@ -23,14 +23,14 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         "live",
         str(GRAPH),
         *("--source", "recording=replay:sample:face@0", "--sink", "still=file:{fill}.npz"),
-        *("--sink", "error=file:{fill}.csv", "--out", "live"),
+        *("--sink", "error=file:{fill}.csv", "--out", "live", "--only", "trial=0"),
         folder=tmp_path,
     )
     assert ended.status == 0, ended.err
     counts = json.loads((tmp_path / "live" / "live.json").read_text())
     assert (counts["received"], counts["computed"], counts["dropped"]) == (600, 600, 0)
 
-    run = ng.run(GRAPH, store=studies.store)
+    run = ng.run(GRAPH, only={"trial": [0]}, store=studies.store)
     for fill in FILLS:
         streamed = get_node("read.recording")(path=str(tmp_path / f"{fill}.npz"))
         whole: Trajectories = run["still"].at(fill=fill)
@@ -51,7 +51,8 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
 
 
 def test_on_a_stream_it_is_two_frames_behind(studies: Studies, tmp_path: Path) -> None:
-    ended = studies.command("check", str(GRAPH), "--live", "60", folder=tmp_path)
+    words = ("--only", "trial=0", "--live", "60")
+    ended = studies.command("check", str(GRAPH), *words, folder=tmp_path)
     paths = [line for line in ended.out.splitlines() if line.startswith("points > ")]
     milliseconds = ["16.7" if "error" in line else "33.3" for line in paths]
     assert len(paths) == 2 * len(FILLS)

@@ -11,6 +11,7 @@ from tests.studies import DATA, Studies, needs_recordings, table
 
 ORDERS = [f"order_{order}" for order in range(3, 8)]
 REPAIRED = "order_3_after_repair"
+CONTROL = "order_7_after_repair"
 
 
 def means(folder: Path, name: str) -> dict[str, dict[str, float]]:
@@ -43,7 +44,7 @@ def test_the_share_of_impulses_decides_whether_repair_is_smoother(built_in: Path
 
 def test_with_impulses_the_repair_brings_it_nearest_to_the_truth(built_in: Path) -> None:
     for row in means(built_in, "error-to-truth").values():
-        assert min(row, key=lambda smooth: row[smooth]) == REPAIRED
+        assert sorted(row, key=lambda smooth: row[smooth])[:2] == [CONTROL, REPAIRED]
         assert row["order_3"] < row["captured"]
 
 

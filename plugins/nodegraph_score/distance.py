@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
@@ -30,7 +30,10 @@ _FRAMES = 4096
 
 @node("score.distance")
 def distance(
-    estimate: Trajectories, reference: Truth[Trajectories]
+    estimate: Trajectories,
+    reference: Truth[Trajectories],
+    *,
+    unit: Literal["mm", "none"] = "mm",
 ) -> Annotated[Table, Columns(*UNITS, "farthest")]:
     """Distance between two recordings, a row per frame.
 
@@ -62,6 +65,8 @@ def distance(
         T frames.
     reference
         T frames, or one.
+    unit
+        Of coordinates: ``none`` for shapes that were scaled to one size.
 
     Returns
     -------
@@ -98,7 +103,7 @@ def distance(
     info = TableInfo(
         title="Distances",
         notes=sentences,
-        units=UNITS,
+        units={name: of for name, of in UNITS.items() if unit == "mm" or "mm" not in of},
         better=BETTER,
         poses=poses_of(reference.markers, reference.positions, reference.rate),
     )

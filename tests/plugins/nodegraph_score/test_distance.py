@@ -122,3 +122,11 @@ def test_the_memory_of_a_score_is_a_part_of_its_recordings(
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 1.5 * positions.nbytes
+
+
+def test_shapes_that_were_scaled_have_no_millimetres() -> None:
+    one, other = recording(), recording(seed=1)
+    bare, in_mm = distance(one, other, unit="none"), distance(one, other)
+    assert bare.equals(in_mm)
+    assert info_of(in_mm).units["sum of squares"] == "mm^2"
+    assert info_of(bare).units == {"frame": "frame", "markers": "markers", "missing": "markers"}
