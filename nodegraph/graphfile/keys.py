@@ -19,7 +19,8 @@ PASS = "pass"
 IDENTIFIER_HINT = "use letters, digits and _, not a digit first"
 REFERENCE_HINT = "write node, node.port, or {from: node.port, at: {axis: label}}"
 REPORT_HINT = (
-    "write node, node.port, or {show: node.port, at: ..., title: ..., caption: ..., notes: ...}"
+    "write node, node.port, or {show: node.port, at: ..., title: ..., caption: ..., notes: ..., "
+    "answer: ...}"
 )
 AXIS_HINT = (
     "write a list [5, 15], labels {a: 5, b: 15}, {count: 20}, {range: [5, 60, 5]} or "
@@ -85,7 +86,7 @@ TOP_LEVEL: Mapping[str, Key] = {
     "report": Key(
         Form.REPORT,
         "What the report shows: node, node.port, or {show: node.port, title: ..., caption: ...,"
-        " notes: ...}.",
+        " notes: ..., answer: ...}.",
     ),
 }
 
@@ -113,4 +114,10 @@ REPORT_ENTRY: Mapping[str, Key] = {
     "title": Key(Form.TEXT, "The heading. Default: the value's own title."),
     "caption": Key(Form.TEXT, "The text beside its number: Table 1. Default: the value's own."),
     "notes": Key(Form.TEXT, "Markdown beside its cards, its figure or its table."),
+    "answer": Key(
+        Form.TEXT,
+        "Its answer in your words, in which {best}, {tied}, {behind}, {number} and {scope} are"
+        " filled in; {best METHOD} and {best at AXIS=LABEL} say of which method and group."
+        " Default: the value's own.",
+    ),
 }

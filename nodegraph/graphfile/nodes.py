@@ -10,6 +10,7 @@ from pathlib import PurePath
 from typing import Any
 
 from nodegraph.errors import Place, Problems, nearest, quoted
+from nodegraph.graphfile.answers import read_answer
 from nodegraph.graphfile.axes import is_label
 from nodegraph.graphfile.keys import (
     ALTERNATIVES_HINT,
@@ -90,9 +91,11 @@ def read_report_entry(item: Located, problems: Problems) -> ReportEntry | None:
     title, caption, notes = (
         read_text(key, parts.get(key), problems) for key in ("title", "caption", "notes")
     )
+    answer = read_answer(parts.get("answer"), problems)
     if entry is None:
         return None
-    return replace(entry, at=at, title=title, caption=caption, notes=notes)
+    texts = replace(entry, at=at, title=title, caption=caption, notes=notes)
+    return replace(texts, answer=answer, answer_place=parts["answer"].place) if answer else texts
 
 
 def _entry(source: Reference | None) -> ReportEntry | None:

@@ -10,6 +10,7 @@ from typing import Any
 
 from nodegraph.errors import Place, Problem
 from nodegraph.node.ports import Label
+from nodegraph.plugin.hook_types import Placeholder
 
 
 @dataclass(frozen=True)
@@ -64,11 +65,16 @@ class ReportEntry(Reference):
         Empty for those of the value itself.
     notes : str
         Markdown; empty for none.
+    answer : tuple of str or Placeholder
+        The author's words in place of the value's own; none for these.
+    answer_place : Place or None
     """
 
     title: str = ""
     caption: str = ""
     notes: str = ""
+    answer: tuple[str | Placeholder, ...] = ()
+    answer_place: Place | None = None
 
 
 @dataclass(frozen=True)

@@ -170,6 +170,30 @@ def json_script(value: object, element_id: str) -> str:
     return f'<script type="application/json" id="{escape(element_id)}">{content}</script>'
 
 
+PLACEHOLDERS = ("best", "tied", "behind", "number", "scope")
+
+
+@dataclass(frozen=True)
+class Placeholder:
+    """A place in the author's answer: ``{best}``, ``{behind guenter at length=5}``.
+
+    Attributes
+    ----------
+    name : {"best", "tied", "behind", "number", "scope"}
+    label : str
+        The method that the author names; empty for those that there are.
+    at : mapping of axis to text
+        Labels of the groups that it is about.
+    text : str
+        As written.
+    """
+
+    name: str
+    label: str
+    at: Mapping[str, str]
+    text: str
+
+
 class Origin(Protocol):
     """The origin of a value in a report: the part of the run that a renderer may read."""
 
@@ -184,6 +208,14 @@ class Origin(Protocol):
     @property
     def caption(self) -> str:
         """The author's caption; empty without one."""
+
+    @property
+    def answer(self) -> tuple[str | Placeholder, ...]:
+        """The author's answer, in parts; none without one.
+
+        A renderer fills it in, or raises a `nodegraph.NodegraphError` that says what contradicts
+        it; then it is called again without one.
+        """
 
     def detail(self, value: object) -> Detail | None:
         """Return the view of single blocks whose scores read such a value; None without one."""

@@ -11,6 +11,7 @@ from datetime import datetime
 from typing import NamedTuple
 
 from nodegraph.draw.from_graph import drawing_for_page
+from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Values
@@ -196,8 +197,15 @@ class _Shown:
                 return
             # the files beside the report have the author's words too
             caption = result.entry.caption or result.entry.title
-            origin = RunOrigin(self._run, result.node, result.labels, caption)
-            rendered = render_in_run(value, str(result), origin)
+            entry = result.entry
+            origin = RunOrigin(self._run, result.node, result.labels, caption, entry.answer)
+            try:
+                rendered = render_in_run(value, str(result), origin)
+            except NodegraphError as error:
+                if not entry.answer:
+                    raise
+                self._refuse_answer(result, str(error))
+                rendered = render_in_run(value, str(result), replace(origin, answer=()))
             if rendered is not None:
                 self._add_rendered(result, rendered)
         except Exception as error:  # a result that cannot be shown must not cost the others
@@ -244,6 +252,13 @@ class _Shown:
             message = f"{path} cannot be written: {reason}"
             self.notes.append(StepNote(result.name, result.combination, message, Kind.FAILED))
         return lost
+
+    def _refuse_answer(self, result: _Result, why: str) -> None:
+        """Note that the author's answer is contradicted, once for all outputs of a node."""
+        message = f"{result.entry.answer_place}: 'answer': {why}"
+        if not any(note.reason == message for note in self.notes):
+            self.notes.append(StepNote(result.node, result.combination, message, Kind.FAILED))
+            self.not_shown.append(NotShown(result.node, plain(result.labels), message, "", ""))
 
     def _add_error(self, result: _Result, error: Exception) -> None:
         # matplotlib begins some of its messages with an empty line

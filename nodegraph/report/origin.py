@@ -13,7 +13,7 @@ from nodegraph.execute import Run
 from nodegraph.graph.axis_text import axis_text
 from nodegraph.node.ports import Label
 from nodegraph.plan import Gathered, Output, Step
-from nodegraph.plugin.hook_types import Detail, Rendered
+from nodegraph.plugin.hook_types import Detail, Placeholder, Rendered
 from nodegraph.state import State
 
 _MOST_VALUES = 32
@@ -38,6 +38,7 @@ class RunOrigin:
     node: str
     labels: Mapping[str, Label]
     caption: str = ""
+    answer: tuple[str | Placeholder, ...] = ()
     _values: OrderedDict[Output, object] = field(default_factory=OrderedDict, repr=False)
 
     def detail(self, value: object) -> Detail | None:

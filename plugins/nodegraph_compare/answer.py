@@ -96,7 +96,6 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
         return {str(verdicts.methods[place]): float(values[place]) for place in known}
 
     paired = group.paired
-    first = group.best or tuple(group.known[:1])
     return Finding(
         group=dict(zip(verdicts.within, group.labels, strict=True)),
         title=group_title(verdicts, shown, range(len(verdicts.within))),
@@ -109,7 +108,7 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
         low=numbers(group.low),
         high=numbers(group.high),
         p={} if paired is None else numbers(paired.p),
-        number=_number(verdicts, [group], first[0]).text if first else "",
+        unit=verdicts.metric.unit,
     )
 
 

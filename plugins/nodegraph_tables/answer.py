@@ -7,17 +7,21 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from markupsafe import Markup, escape
 
-from nodegraph import Label, Value
-from nodegraph_tables.numbers import LARGEST, MINUS, SMALLEST, number_text
+from nodegraph import Label, NodegraphError, Value, listed
+from nodegraph_tables.numbers import LARGEST, MINUS, SMALLEST, number_text, span_text
 from nodegraph_tables.style import scale_of, unit_text
+
+if TYPE_CHECKING:
+    from nodegraph import Placeholder
 
 MOST_CARDS = 8
 """Cards that a reader sees at once."""
@@ -169,8 +173,8 @@ class Finding(Value):
         The methods with the best mean, which no verdict need have found best.
     mean, low, high, p : mapping of str to float
         Of each method: the number that decides, its interval, and the p of its difference.
-    number : text
-        The mean of the first, with its unit.
+    unit : str
+        Of the means.
     """
 
     group: Mapping[str, Label]
@@ -184,7 +188,7 @@ class Finding(Value):
     low: Mapping[str, float] = field(default_factory=dict)
     high: Mapping[str, float] = field(default_factory=dict)
     p: Mapping[str, float] = field(default_factory=dict)
-    number: str = ""
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -221,6 +225,101 @@ class Answer(Value):
     def in_words(self) -> Answer:
         """The same without cards, their words among the further sentences."""
         return replace(self, cards=(), more=(*(card.line for card in self.cards), *self.more))
+
+
+def in_authors_words(answer: Answer, parts: Sequence[str | Placeholder]) -> Answer:
+    """Return an answer whose sentence is the author's, with what it found filled in.
+
+    Parameters
+    ----------
+    answer
+    parts
+        Of the author's answer; the answer stays as it is without any.
+
+    Raises
+    ------
+    NodegraphError
+        If the author's answer says what was not found, or calls a method by name that is best
+        nowhere.
+    """
+    if not parts:
+        return answer
+    behind = {name for found in answer.findings for name in found.mean}
+    behind -= {name for found in answer.findings for name in found.best}
+    filled: list[Text] = []
+    for part in parts:
+        if isinstance(part, str):
+            _check_names(part, behind)
+            filled.append((part,))
+        else:
+            filled.append(_filled(answer, part))
+    return replace(answer, sentence=joined("", filled))
+
+
+def _check_names(text: str, behind: Iterable[str]) -> None:
+    for name in sorted(behind):
+        # numbers and single letters may be anything
+        if len(name) > 2 and re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", text):
+            raise NodegraphError(
+                f"it names {name}, which is best nowhere; say what it is: {{behind {name}}}, "
+                f"{{tied {name}}} or {{number {name}}}"
+            )
+
+
+def _filled(answer: Answer, part: Placeholder) -> Text:
+    """Return what stands in place of a placeholder."""
+    if part.name == "scope":
+        return tuple(word.text.rstrip(".") for word in answer.scope[:1] if isinstance(word, Word))
+    found = [
+        finding
+        for finding in answer.findings
+        if all(str(finding.group.get(axis)) == label for axis, label in part.at.items())
+    ]
+    if not found:
+        groups = listed([finding.title or "all" for finding in answer.findings]) or "none"
+        raise NodegraphError(f"{part.text} is about no group; there are: {groups}")
+    if part.name == "number":
+        return _number_in(found, part)
+    for finding in found:
+        if not finding.verdict:
+            where = f" for {finding.title}" if finding.title else ""
+            raise NodegraphError(f"{part.text} says what there is no verdict on{where}")
+    named = [getattr(finding, part.name) for finding in found]
+    if part.label:
+        for finding, names in zip(found, named, strict=True):
+            if part.label not in names:
+                where = f" for {finding.title}" if finding.title else ""
+                raise NodegraphError(f"{part.text}{where}: {part.name} {_are(names)}")
+        return (Word(part.label, "method"),)
+    if any({*names} != {*named[0]} for names in named):
+        each = "; ".join(
+            f"{_names(names)} for {finding.title}"
+            for finding, names in zip(found, named, strict=True)
+        )
+        raise NodegraphError(f"{part.text} differs: {each}; write {{{part.name} at AXIS=LABEL}}")
+    return listing([Word(name, "method") for name in named[0]]) or ("none",)
+
+
+def _names(names: Sequence[str]) -> str:
+    return listed(list(names)) or "none"
+
+
+def _are(names: Sequence[str]) -> str:
+    return f"{'are' if len(names) > 1 else 'is'} {_names(names)}"
+
+
+def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
+    """Return the mean of the best, or of a method, over some groups."""
+    if part.label and not all(part.label in finding.mean for finding in found):
+        raise NodegraphError(f"{part.text}: {part.label} has no number there")
+    means = [
+        finding.mean[part.label or finding.first[0]]
+        for finding in found
+        if part.label or finding.first
+    ]
+    if not means:
+        raise NodegraphError(f"{part.text}: no method comes first")
+    return (Word(span_text(sorted({min(means), max(means)}), found[0].unit), "number"),)
 
 
 def answer_html(answer: Answer) -> Markup:

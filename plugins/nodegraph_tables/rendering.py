@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING
 
 from nodegraph import Rendered
-from nodegraph_tables.answer import answer_html, lead_style
+from nodegraph_tables.answer import answer_html, in_authors_words, lead_style
 from nodegraph_tables.cells import Cell, Column, columns_of
 from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
@@ -48,7 +49,9 @@ def render_table(table: Table, title: str) -> Rendered:
 
 def render_table_in_run(table: Table, title: str, origin: Origin) -> Rendered:
     """Return a table as `render_table` does, with the caption that the graph gives it."""
-    return _rendered(table, origin.caption or info_of(table).title or title)
+    info = info_of(table)
+    told = replace(info, answer=in_authors_words(info.answer, origin.answer))
+    return _rendered(with_info(table, told), origin.caption or info.title or title)
 
 
 def _rendered(table: pd.DataFrame, caption: str) -> Rendered:

@@ -15,7 +15,7 @@ from nodegraph_compare.overview.cost import typical_seconds
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.words import varying, with_units
-from nodegraph_tables.answer import lead_style
+from nodegraph_tables.answer import in_authors_words, lead_style
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,8 +49,9 @@ def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Re
     is_lead = not is_described(verdicts)
     meanings = {axis: origin.meaning(axis) for axis in verdicts.within}
     named = with_units(verdicts)
-    lead = answer_html(overview.answer, named, name, meanings) if is_lead else ""
-    answer = overview.answer.lines if is_lead else ()
+    told = in_authors_words(overview.answer, origin.answer)
+    lead = answer_html(told, named, name, meanings) if is_lead else ""
+    answer = told.lines if is_lead else ()
     styles = (lead_style(), *_web(".css"))
     if not verdicts.groups:
         return Rendered("", "there are no blocks", lead=lead, styles=styles, answer=answer)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph import GraphError
+from nodegraph import GraphError, Placeholder
 from nodegraph.errors import Place
 from nodegraph.graphfile import GraphSpec, read_graph_file, read_graph_text
 from nodegraph.graphfile.spec import Gathering, Reference, Variable
@@ -58,6 +58,22 @@ def test_everything_that_a_file_says_is_read() -> None:
     assert spec.requires == (("numpy>=1.0", Place("t.yaml", 17, 12)),)
     assert spec.skip[0].labels == {"trial": (0,), "fill": ("strong", "pass")}
     assert str(spec.outputs["filled"]) == str(spec.report[0]) == "fill"
+
+
+def test_an_answer_is_words_with_places_for_a_verdict() -> None:
+    text = "A: {best}, {behind lin ear at ends=met, length=5}."
+    (entry,) = read(GOOD.replace("[fill]", f"[{{show: fill, answer: '{text}'}}]")).report
+    assert entry.answer == (
+        "A: ",
+        Placeholder("best", "", {}, "{best}"),
+        ", ",
+        Placeholder(
+            "behind", "lin ear", {"ends": "met", "length": "5"},
+            "{behind lin ear at ends=met, length=5}",
+        ),
+        ".",
+    )  # fmt: skip
+    assert entry.answer_place == Place("t.yaml", 19, 31)
 
 
 def test_a_variable_stands_wherever_it_is_a_whole_value() -> None:
@@ -121,6 +137,9 @@ def test_alternatives_have_every_form() -> None:
         ("report: [fill]", "report: fill", "19:9", "'report' must be a list"),
         ("[fill]", "[{show: fill, titel: x}]", "19:23", "unknown key 'titel'"),
         ("[fill]", "[{show: fill, title: [x]}]", "19:30", "'title' must be text"),
+        ("[fill]", "[{show: fill, answer: '{bset}'}]", "19:31", "an unknown '{bset}'"),
+        ("[fill]", "[{show: fill, answer: 'a { b'}]", "19:31", "a brace without its other"),
+        ("[fill]", "[{show: fill, answer: [x]}]", "19:31", "'answer' must be text"),
         ("[fill]", "[{show: {from: fill}}]", "19:17", "'show' is a node or one of its ports"),
         ("[fill]", "[{show: fill, at: 3}]", "19:27", "'at' is {axis: label}"),
         ("[fill]", "[{title: x}]", "19:10", "an entry of 'report' needs 'show'"),

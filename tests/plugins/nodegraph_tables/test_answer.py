@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
-import pandas as pd
+import re
+from pathlib import Path
 
-from nodegraph_tables import Answer, Card, TableInfo, Word, info_of, with_info
-from nodegraph_tables.answer import HERE, answer_html, html_of, line_of, plain, say
+import pandas as pd
+import pytest
+
+from nodegraph import NodegraphError, Placeholder
+from nodegraph.graphfile import read_graph_text
+from nodegraph_tables import Answer, Card, Finding, TableInfo, Word, info_of, with_info
+from nodegraph_tables.answer import (
+    HERE,
+    answer_html,
+    html_of,
+    in_authors_words,
+    line_of,
+    plain,
+    say,
+)
 from nodegraph_tables.rendering import render_table
 from nodegraph_tables.stored_table import put_together, take_apart
 
@@ -63,3 +77,63 @@ def test_a_line_holds_all_numbers() -> None:
     assert wide.at(1.0) == (wide.at(0.1) + wide.at(10.0)) / 2
     assert narrow.at(0.5) == (narrow.at(0.0) + narrow.at(1.0)) / 2
     assert 0 < line_of([2.0, 2.0]).at(2.0) < 240
+
+
+def found(length: int, best: tuple[str, ...], behind: tuple[str, ...]) -> Finding:
+    """Return the finding of a group; none without a best method."""
+    means = {name: 0.1 * length + at for at, name in enumerate((*best, *behind))}
+    first = best or behind[:1]
+    return Finding(
+        {"length": length}, f"length {length}", bool(best), best, (), behind if best else (),
+        first=first, mean=means, unit="mm",
+    )  # fmt: skip
+
+
+SAME = (found(5, ("ridge",), ("linear", "pca")), found(15, ("ridge",), ("linear", "pca")))
+OTHER = (SAME[0], found(15, ("pca",), ("linear", "ridge")))
+NONE = (SAME[0], found(15, (), ("linear", "ridge", "pca")))
+
+
+def holes(text: str) -> tuple[str | Placeholder, ...]:
+    """Return the parts of an author's answer."""
+    graph = f"nodegraph: 1\nnodes: {{a: {{use: x.a}}}}\nreport: [{{show: a, answer: '{text}'}}]"
+    return read_graph_text(graph, "t.yaml", Path()).report[0].answer
+
+
+@pytest.mark.parametrize(
+    ("findings", "text", "said"),
+    [
+        (SAME, "{best}: {number}, not {behind linear}.", "ridge: 0.500 to 1.50 mm, not linear."),
+        (SAME, "{tied} and {behind}: {scope}", "none and linear and pca: 8 faces: all"),
+        (OTHER, "{best at length=5}, {best at length=15}, ridge", "ridge, pca, ridge"),
+        (NONE, "{number linear at length=15}", "1.50 mm"),
+        ((), "Our words.", "Our words."),
+    ],
+)  # fmt: skip
+def test_an_answer_in_the_authors_words(
+    findings: tuple[Finding, ...], text: str, said: str
+) -> None:
+    answer = Answer(("computed",), (Word("8 faces: all."),), findings=findings)
+    told = in_authors_words(answer, holes(text))
+    assert plain(told.sentence).replace("\N{NO-BREAK SPACE}", " ") == said
+    assert (told.scope, told.findings) == (answer.scope, answer.findings)
+
+
+@pytest.mark.parametrize(
+    ("findings", "text", "why"),
+    [
+        (SAME, "{best linear}", "{best linear} for length 5: best is ridge"),
+        (SAME, "{behind ridge}", "behind are linear, pca"),
+        (SAME, "Take linear.", "it names linear, which is best nowhere; say what it is: {beh"),
+        (SAME, "{best at length=45}", "is about no group; there are: length 5, length 15"),
+        (OTHER, "{best}", "differs: ridge for length 5; pca for length 15; write {best at"),
+        (NONE, "{best}", "says what there is no verdict on for length 15"),
+        (NONE, "{number cubic}", "cubic has no number there"),
+        ((), "{best}", "is about no group; there are: none"),
+    ],
+)  # fmt: skip
+def test_what_contradicts_the_verdict_is_refused(
+    findings: tuple[Finding, ...], text: str, why: str
+) -> None:
+    with pytest.raises(NodegraphError, match=re.escape(why)):
+        in_authors_words(Answer(("computed",), findings=findings), holes(text))

@@ -46,6 +46,7 @@ class Bakery:
     node: str = "recipes"
     labels: Mapping[str, object] = field(default_factory=dict)
     caption: str = ""
+    answer: tuple[str, ...] = ()
     view: Detail | None = None
     gathered: Mapping[str, Iterable[object]] = field(
         default_factory=lambda: {"kitchen": range(8), "heat": FACTORS, "recipe": RECIPES}

@@ -69,6 +69,7 @@ class Bakery:
     node: str = "recipes"
     labels: Mapping[str, object] = field(default_factory=dict)
     caption: str = ""
+    answer: tuple[str, ...] = ()
     view: Detail | None = None
 
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
