@@ -23,7 +23,7 @@ Requests and responses are lists of buffers. A call that cannot be sent is made 
 """
 
 from nodegraph.execute.call import Call, Outcome, perform
-from nodegraph.execute.executor import Executor, HowToRun, Schedule
+from nodegraph.execute.executor import Calls, Executor, HowToRun
 from nodegraph.execute.processes import kill, start
 from nodegraph.execute.remote import CallCodec, Frame, respond
 from nodegraph.execute.threads import in_time, side_by_side
@@ -32,11 +32,11 @@ from nodegraph.state import State
 __all__ = [
     "Call",
     "CallCodec",
+    "Calls",
     "Executor",
     "Frame",
     "HowToRun",
     "Outcome",
-    "Schedule",
     "State",
     "in_time",
     "kill",

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
 
 from nodegraph.archive.contents import CITATION, METADATA, README, RUN, Contents, readme
-from nodegraph.archive.inputs import PLUGINS, Origin, ReadFile, files_read, free_name
+from nodegraph.archive.inputs import PLUGINS, ReadFile, RunFolders, files_read, free_name
 from nodegraph.archive.relocate import Relocation, local_folders, relocate_graph, relocate_settings
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.filenames import fold, portable_paths
@@ -64,7 +64,7 @@ class _Collector:
         self._record = record
         self._study = study
         self._with_inputs = with_inputs
-        self._origin = Origin(record)
+        self._origin = RunFolders(record)
         self._graph, self._home = self._origin.graph, self._origin.home
         self._plugins = list(self._origin.plugins())
         self._graphs = _used_graphs(record.included)

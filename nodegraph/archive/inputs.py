@@ -176,7 +176,7 @@ class PluginFile:
     content: bytes | None
 
 
-class Origin:
+class RunFolders:
     """The folders of a run, in which its files are searched.
 
     Attributes

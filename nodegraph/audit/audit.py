@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from nodegraph.audit.drift import CallResult, Drift, Grade, drift, floor_of
+from nodegraph.audit.drift import AuditGrade, CallResult, Drift, drift, floor_of
 from nodegraph.audit.repeat import Case, Repeats
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
@@ -30,7 +30,7 @@ class Audited:
     Attributes
     ----------
     step : Step
-    grade : Grade
+    grade : AuditGrade
     conditions : tuple of str
         The conditions under which the grade is this one, unless it is identical.
     details : tuple of str
@@ -40,7 +40,7 @@ class Audited:
     """
 
     step: Step
-    grade: Grade
+    grade: AuditGrade
     conditions: tuple[str, ...] = ()
     details: tuple[str, ...] = ()
     untried: tuple[tuple[str, str], ...] = ()
@@ -48,7 +48,7 @@ class Audited:
     @property
     def varies(self) -> bool:
         """Whether another run may have another result; each call of a run has one thread."""
-        return self.grade is Grade.DIFFERS and set(self.conditions) != {THREADS}
+        return self.grade is AuditGrade.DIFFERS and set(self.conditions) != {THREADS}
 
     @property
     def text(self) -> str:
@@ -103,7 +103,7 @@ def audit(run: Run, steps: Iterable[int]) -> Iterator[Audited]:
             step = run.plan.steps[index]
             upstream = nx.ancestors(run.plan.network, index)
             audited = _audit(run, step, repeats, compare_stored=differing.isdisjoint(upstream))
-            if audited.grade is Grade.DIFFERS:
+            if audited.grade is AuditGrade.DIFFERS:
                 differing.add(index)
             if audited.varies and run.cache is not None:
                 run.cache.distrust(step, ", ".join(audited.conditions))
@@ -113,16 +113,16 @@ def audit(run: Run, steps: Iterable[int]) -> Iterator[Audited]:
 def _audit(run: Run, step: Step, repeats: Repeats, *, compare_stored: bool) -> Audited:
     outcome = run.outcomes[step.index]
     if not outcome.state.has_value:
-        return Audited(step, Grade(outcome.state), details=(outcome.reason,))
+        return Audited(step, AuditGrade(outcome.state), details=(outcome.reason,))
     try:
         case = repeats.case(step.index)
     except NodegraphError as error:
-        return Audited(step, Grade.FAILED, details=(str(error),))
+        return Audited(step, AuditGrade.FAILED, details=(str(error),))
     try:
         # first, because a call that ends its process would end this one
         in_process = repeats.call_in_process(case)
     except WorkerEndedError as ended:
-        return Audited(step, Grade.DIFFERS, (PROCESS,), (f"the process {ended}",))
+        return Audited(step, AuditGrade.DIFFERS, (PROCESS,), (f"the process {ended}",))
     trial = _Trial(run, step, repeats, case)
     return trial.audited(in_process, compare_stored=compare_stored)
 
@@ -154,14 +154,14 @@ class _Trial:
         stored = self._repeats.stored_result(self._step.index) if compare_stored else None
         if self._first.state is not State.DONE:
             text = f"it was done, now it is {_ending(self._first)}"
-            self._drifts[STORED] = Drift(Grade.DIFFERS, (text,))
+            self._drifts[STORED] = Drift(AuditGrade.DIFFERS, (text,))
         elif stored is not None:
             self._drifts[STORED] = self._drift(stored)
         grade = max((drift.grade for drift in self._drifts.values()), key=lambda grade: grade.rank)
-        if self._modified and grade is not Grade.DIFFERS:
+        if self._modified and grade is not AuditGrade.DIFFERS:
             text = f"modifies its input {self._modified}"
-            return Audited(self._step, Grade.MUTATES, (), (text,), untried)
-        if grade is Grade.IDENTICAL:
+            return Audited(self._step, AuditGrade.MUTATES, (), (text,), untried)
+        if grade is AuditGrade.IDENTICAL:
             return Audited(self._step, grade, untried=untried)
         worst = {name: drift for name, drift in self._drifts.items() if drift.grade is grade}
         details = next(iter(worst.values())).differences
@@ -180,7 +180,7 @@ class _Trial:
             self._drifts[condition] = Drift()
         else:
             text = f"{_ending(first)} at first, then {_ending(outcome)}"
-            self._drifts[condition] = Drift(Grade.DIFFERS, (text,))
+            self._drifts[condition] = Drift(AuditGrade.DIFFERS, (text,))
 
     def _drift(self, result: CallResult) -> Drift:
         ports = [port.name for port in self._step.method.node.outputs]

@@ -14,7 +14,7 @@ from nodegraph.store import Packed, Packer, Unstorable
 _SAME_NUMBERS = "equal numbers with other bits or another layout in memory"
 
 
-class Grade(StrEnum):
+class AuditGrade(StrEnum):
     """The outcome of an audit, from the best to the worst."""
 
     IDENTICAL = "identical"
@@ -28,12 +28,12 @@ class Grade(StrEnum):
     @property
     def rank(self) -> int:
         """The position in the order from the best to the worst."""
-        return list(Grade).index(self)
+        return list(AuditGrade).index(self)
 
     @property
     def passes(self) -> bool:
         """Whether the step gives the same result each time, if any."""
-        return self.rank <= Grade.REFUSED.rank
+        return self.rank <= AuditGrade.REFUSED.rank
 
 
 @dataclass(frozen=True)
@@ -71,13 +71,13 @@ class Drift:
 
     Attributes
     ----------
-    grade : Grade
+    grade : AuditGrade
         Identical to the bit, close up to rounding, or different.
     differences : tuple of str
         A sentence for each.
     """
 
-    grade: Grade = Grade.IDENTICAL
+    grade: AuditGrade = AuditGrade.IDENTICAL
     differences: tuple[str, ...] = ()
 
 
@@ -104,14 +104,14 @@ def drift(
     floor
         Smaller numbers are compared as if they were of this size.
     """
-    grades = [Grade.IDENTICAL]
+    grades = [AuditGrade.IDENTICAL]
     differences: list[str] = []
     for position, port in enumerate(ports):
         if first.digests[position] and first.digests[position] == second.digests[position]:
             continue
         texts = value_differences(first.values[position], second.values[position], hooks)
         grade = _grade(first.packed[position], second.packed[position], texts, floor)
-        if grade is Grade.CLOSE and not texts:
+        if grade is AuditGrade.CLOSE and not texts:
             differences.append(_SAME_NUMBERS)
         differences += [f"{port}: {text}" if len(ports) > 1 else text for text in texts]
         grades.append(grade)
@@ -127,16 +127,16 @@ def floor_of(inputs: Mapping[str, object], packer: Packer) -> float:
 
 def _grade(
     first: Packed | None, second: Packed | None, differences: tuple[str, ...], floor: float
-) -> Grade:
+) -> AuditGrade:
     if first is None or second is None:
-        return Grade.DIFFERS if differences else Grade.IDENTICAL
+        return AuditGrade.DIFFERS if differences else AuditGrade.IDENTICAL
     sketches = sketch({"": first}), sketch({"": second})
     if sketches[0].exact != sketches[1].exact:
-        return Grade.DIFFERS if differences else Grade.CLOSE
+        return AuditGrade.DIFFERS if differences else AuditGrade.CLOSE
     scales = {place: max(leaf.size, floor) for place, leaf in sketches[0].leaves.items()}
     measured = [sketch.against(scales) for sketch in sketches]
     distance = measured[0].apart(measured[1].projections)
-    return Grade.CLOSE if distance <= TOLERANCE else Grade.DIFFERS
+    return AuditGrade.CLOSE if distance <= TOLERANCE else AuditGrade.DIFFERS
 
 
 def _stored_form(value: object, packer: Packer) -> tuple[object, Packed | None]:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from nodegraph.cache_key.files import FileMemo
-from nodegraph.cache_key.sources import ANY, Source, read_source
+from nodegraph.cache_key.sources import ANY, ModuleSource, read_source
 
 UNKNOWN = "unknown"
 """The version of a distribution that is not installed."""
@@ -131,11 +131,11 @@ class Modules:
         parent = module.rpartition(".")[0]
         if parent:
             yield parent, None
-        source = Source("")
+        source = ModuleSource("")
         if place.file:
             own.files[module] = place.file
             try:
-                source = Source(*self._memo.get(place.file, read_source))
+                source = ModuleSource(*self._memo.get(place.file, read_source))
             except OSError as error:
                 own.troubles.append(f"{module}: its file cannot be read: {error.strerror or error}")
         package = module if place.folders else parent
@@ -156,7 +156,7 @@ class Modules:
                 text = f"{module} imports a module whose name is known only when it runs"
                 own.troubles.append(text)
 
-    def _passed(self, package: str, name: str, source: Source) -> Iterator[At]:
+    def _passed(self, package: str, name: str, source: ModuleSource) -> Iterator[At]:
         """Yield where a package takes a name from; nothing if it may be of the package itself."""
         references = source.names.get(name, [])
         if "" in references:

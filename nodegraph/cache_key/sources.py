@@ -25,7 +25,7 @@ _IDLE = {ast.Expr, ast.Pass}
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
-class Source(NamedTuple):
+class ModuleSource(NamedTuple):
     """The content of a module's file, as far as it decides which code is run: data for JSON.
 
     A reference is ``module:name``, or ``module:`` for all of a module; relative modules begin with
@@ -57,7 +57,7 @@ def digest_of(content: str | bytes) -> str:
 
 
 @gc_paused()
-def read_source(file: str) -> Source:
+def read_source(file: str) -> ModuleSource:
     """Read the source of a module; what is not Python counts by its bytes."""
     content = Path(file).read_bytes()
     try:
@@ -65,7 +65,7 @@ def read_source(file: str) -> Source:
             warnings.simplefilter("ignore")  # they are shown when the module is imported
             tree = ast.parse(content if file.endswith(".py") else b"\0")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return Source(digest_of(content))  # an import of it fails, and so does the step
+        return ModuleSource(digest_of(content))  # an import of it fails, and so does the step
     names: defaultdict[str, list[str]] = defaultdict(list)
     acts = False
     for statement in tree.body:
@@ -76,7 +76,7 @@ def read_source(file: str) -> Source:
         acts = acts or (
             not is_definition and not _is_idle(statement) and any(map(_acts, ast.walk(statement)))
         )
-    return Source(*_code(tree), names, acts)
+    return ModuleSource(*_code(tree), names, acts)
 
 
 def _code(tree: ast.AST) -> tuple[str, list[str]]:

@@ -281,7 +281,7 @@ class RunsAnswer:
 
 
 @dataclass(frozen=True)
-class Origin:
+class FirstDifference:
     """Combinations of a node with which a difference begins, all of which changed in one way.
 
     Attributes
@@ -328,7 +328,7 @@ class DiffAnswer:
     only_was, only_now, follow, harmless : mapping of node to int
         How many combinations only one run has, follow from the origins, or have the same result
         although they changed.
-    origins : list of Origin
+    origins : list of FirstDifference
     """
 
     was: str
@@ -342,7 +342,7 @@ class DiffAnswer:
     only_now: Mapping[str, int]
     follow: Mapping[str, int]
     harmless: Mapping[str, int]
-    origins: Sequence[Origin]
+    origins: Sequence[FirstDifference]
 
 
 @dataclass(frozen=True)
@@ -366,7 +366,7 @@ class VerifyAnswer:
         Changes of the study as a whole.
     only_locked, only_now : list of str
         Combinations that only the lock has, or only this run.
-    origins : list of Origin
+    origins : list of FirstDifference
     follow : mapping of node to int
     conclusions, tables : list of str
         Conclusions and tables that changed.
@@ -384,7 +384,7 @@ class VerifyAnswer:
     changes: Sequence[str]
     only_locked: Sequence[str]
     only_now: Sequence[str]
-    origins: Sequence[Origin]
+    origins: Sequence[FirstDifference]
     follow: Mapping[str, int]
     conclusions: Sequence[str]
     tables: Sequence[str]

@@ -13,7 +13,7 @@ from nodegraph.cli.differences import origin_lines, origins
 from nodegraph.cli.output import counted, say
 
 if TYPE_CHECKING:
-    from nodegraph.cli.answers import DiffAnswer, Origin
+    from nodegraph.cli.answers import DiffAnswer, FirstDifference
     from nodegraph.runs.compare import Spread
     from nodegraph.runs.record import Record
 
@@ -63,7 +63,7 @@ def diff(arguments: Namespace) -> int:
 
 
 def _answer(
-    arguments: Namespace, spread: Spread, found: list[Origin], choices: list[str]
+    arguments: Namespace, spread: Spread, found: list[FirstDifference], choices: list[str]
 ) -> DiffAnswer:
     from nodegraph.cli.answers import DiffAnswer
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nodegraph.cli.output import MOST, few, first_and_more
 
 if TYPE_CHECKING:
-    from nodegraph.cli.answers import Origin
+    from nodegraph.cli.answers import FirstDifference
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.compare import Judged, Pair, Spread
     from nodegraph.runs.record import RecordedStep
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def origins(
     spread: Spread, registry: Registry, stores: tuple[StoredValues, StoredValues]
-) -> list[Origin]:
+) -> list[FirstDifference]:
     """Return where differences begin, an entry for each change of a node, in the order of the plan.
 
     Parameters
@@ -27,13 +27,13 @@ def origins(
     stores
         Where the values of the two runs are.
     """
-    from nodegraph.cli.answers import Origin
+    from nodegraph.cli.answers import FirstDifference
 
-    found: list[Origin] = []
+    found: list[FirstDifference] = []
     for same in spread.by_change():
         pair, judged = same[0]
         found.append(
-            Origin(
+            FirstDifference(
                 node=pair.cell.node,
                 labels=[other.cell.labels for other, _ in same],
                 changes=pair.change.own,
@@ -47,7 +47,7 @@ def origins(
 
 
 def origin_lines(
-    spread: Spread, found: list[Origin], unexplained: Callable[[RecordedStep], str]
+    spread: Spread, found: list[FirstDifference], unexplained: Callable[[RecordedStep], str]
 ) -> Iterator[str]:
     """Yield what differs first, how much and why, a paragraph for each change.
 

@@ -51,7 +51,7 @@ class HowToRun:
         return (os.cpu_count() or 1) if self.jobs is None else self.jobs
 
 
-class Schedule(Protocol):
+class Calls(Protocol):
     """The calls of a run, as an executor sees them."""
 
     @property
@@ -80,7 +80,7 @@ class Schedule(Protocol):
 class Executor(Protocol):
     """Makes every call that a schedule hands out, and yields each step with its outcome."""
 
-    def __call__(self, schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+    def __call__(self, schedule: Calls, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
         """Yield (step index, outcome) until the schedule has no call left and none is running.
 
         Each outcome is settled before the iterator continues, so that the schedule then hands out

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Call, Outcome, timed_out
-from nodegraph.execute.executor import HowToRun, Schedule
+from nodegraph.execute.executor import Calls, HowToRun
 from nodegraph.execute.remote import CallCodec, Frame
 from nodegraph.execute.threads import in_time, side_by_side
 from nodegraph.execute.worker import receive, send
@@ -34,7 +34,7 @@ _PROGRAM = (
 )
 
 
-def processes(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+def processes(schedule: Calls, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make several calls at a time, each in a process of its own.
 
     A call whose node or values cannot be sent to another process is made in this one. If a
@@ -51,7 +51,7 @@ def processes(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]
 class _Pool:
     """Worker processes, as many as there are calls at a time."""
 
-    def __init__(self, schedule: Schedule, memory: float | None) -> None:
+    def __init__(self, schedule: Calls, memory: float | None) -> None:
         self._schedule = schedule
         self._memory = memory
         self._codec = CallCodec(schedule.registry, schedule.packer, local=True)

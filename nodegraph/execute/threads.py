@@ -10,7 +10,7 @@ from itertools import islice
 from queue import Empty, SimpleQueue
 
 from nodegraph.execute.call import Call, Outcome, timed_out
-from nodegraph.execute.executor import HowToRun, Schedule
+from nodegraph.execute.executor import Calls, HowToRun
 from nodegraph.execute.numeric_threads import one_thread_here
 
 _SECONDS_BETWEEN_COUNTS = 0.5
@@ -21,13 +21,13 @@ _SECONDS_TO_GIVE_UP = 1.0
 _Result = tuple[int, Outcome] | BaseException
 
 
-def serial(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+def serial(schedule: Calls, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make one call after the other, in this thread; those with a time limit in another."""
     while (call := schedule.next()) is not None:
         yield call.step, in_time(schedule.perform, call)
 
 
-def threads(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+def threads(schedule: Calls, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make several calls at a time, each in a thread of this process."""
     count = how.at_a_time  # asked for once: the operating system counts for longer than steps take
     perform = partial(in_time, schedule.perform)
@@ -54,7 +54,7 @@ def in_time(perform: Callable[[Call], Outcome], call: Call) -> Outcome:
 
 
 def side_by_side(
-    schedule: Schedule,
+    schedule: Calls,
     at_a_time: Callable[[], int],
     perform: Callable[[Call], Outcome],
     *,

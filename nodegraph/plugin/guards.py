@@ -30,7 +30,7 @@ class PluginError(NodegraphError):
 
 
 @dataclass(frozen=True)
-class Source:
+class HookSource:
     """The plugin and the hook that something comes from.
 
     Attributes
@@ -190,7 +190,7 @@ _MADE_LATE = ("stream", "live_view", "detail")
 """Fields of a `Kind` whose functions return a record that is guarded as well."""
 
 
-def guard(record: Any, source: Source, owner: Any = None) -> Any:
+def guard(record: Any, source: HookSource, owner: Any = None) -> Any:
     """Return a `Kind` or a `Format`, or a record that belongs to one, with guarded functions."""
     owner = record if owner is None else owner
     about = owner.name if isinstance(owner, Format) else owner.type.__name__
@@ -204,7 +204,7 @@ def guard(record: Any, source: Source, owner: Any = None) -> Any:
     return replace(record, **guarded)
 
 
-def _made_once(make: Function, source: Source, owner: Kind) -> Function:
+def _made_once(make: Function, source: HookSource, owner: Kind) -> Function:
     @cache
     def call() -> Any:
         made = make()
@@ -214,7 +214,7 @@ def _made_once(make: Function, source: Source, owner: Kind) -> Function:
 
 
 def _guarded(
-    owner: object, function: Function, rule: _Rule, about: str, source: Source
+    owner: object, function: Function, rule: _Rule, about: str, source: HookSource
 ) -> Function:
     is_check = callable(rule.result) and not isinstance(rule.result, type)
 
@@ -228,7 +228,7 @@ def _guarded(
     return source.warning(what, call, rule.default, rule.outcome)
 
 
-def guard_item(hook: str, name: str, item: Any, source: Source) -> Any:
+def guard_item(hook: str, name: str, item: Any, source: HookSource) -> Any:
     """Return an item of a hook that names its items, guarded as the hook needs."""
     if hook in ("sources", "sinks"):
         return source.raising(f"{name}:...", item)
@@ -243,7 +243,7 @@ def guard_item(hook: str, name: str, item: Any, source: Source) -> Any:
     return item
 
 
-def _guard_executor(name: str, executor: Function, source: Source) -> Function:
+def _guard_executor(name: str, executor: Function, source: HookSource) -> Function:
     """Return an executor that raises `PluginError` where another fails, at whatever step."""
     if source.plugin == GROUP:
         return executor  # a failure is an internal error, or a listener's
@@ -263,7 +263,7 @@ def _guard_executor(name: str, executor: Function, source: Source) -> Function:
     return guarded
 
 
-def _guard_command(name: str, command: Command, source: Source) -> Command:
+def _guard_command(name: str, command: Command, source: HookSource) -> Command:
     """Return a command that raises `PluginError` where another fails."""
     what = f"command {name!r}"
     return replace(

@@ -16,7 +16,7 @@ from typing import Any
 import pluggy
 
 from nodegraph.errors import nearest
-from nodegraph.plugin.guards import Source, guard, guard_item
+from nodegraph.plugin.guards import HookSource, guard, guard_item
 from nodegraph.plugin.hook_types import Contract, Format, expect
 from nodegraph.plugin.hooks import GROUP, HOOKS, Shape, specifications
 from nodegraph.plugin.kind import Kind
@@ -91,7 +91,7 @@ class HookResults:
         scheme, _, name = path.partition(":")
         return bool(name) and scheme in self.of("places")
 
-    def contracts(self, family: str) -> Iterator[tuple[Contract, Source]]:
+    def contracts(self, family: str) -> Iterator[tuple[Contract, HookSource]]:
         """Yield the promises of a family, the last plugin's first."""
         for name, promises, source in self._items("contracts"):
             if name == family:
@@ -109,7 +109,7 @@ class HookResults:
                 named[name], owner[name] = guard_item(hook, name, value, source), source.plugin
         return named
 
-    def _items(self, hook: str) -> Iterator[tuple[str, Any, Source]]:
+    def _items(self, hook: str) -> Iterator[tuple[str, Any, HookSource]]:
         """Yield the items of a hook that returns a mapping: name, value and source."""
         for mapping, source in self._results(hook):
             for name, value in mapping.items():
@@ -121,17 +121,17 @@ class HookResults:
                 else:
                     yield name, value, source
 
-    def _listed(self, hook: str) -> Iterator[tuple[Any, Source]]:
+    def _listed(self, hook: str) -> Iterator[tuple[Any, HookSource]]:
         """Yield the items of a hook that returns an iterable, with their source."""
         for items, source in self._results(hook):
             yield from _of_type(items, HOOKS[hook].item, source)
 
-    def _results(self, hook: str) -> Iterator[tuple[Any, Source]]:
+    def _results(self, hook: str) -> Iterator[tuple[Any, HookSource]]:
         """Yield the result of each plugin's hook, the last plugin's first."""
         name, shape = f"{GROUP}_{hook}", HOOKS[hook].shape
         for implementation in reversed(getattr(self._manager.hook, name).get_hookimpls()):
             package = package_of(implementation.function)
-            source = Source(implementation.plugin_name, name, package)
+            source = HookSource(implementation.plugin_name, name, package)
             try:
                 result = expect(implementation.function(), shape.value)
                 result = tuple(result) if shape is Shape.LIST else result
@@ -155,7 +155,9 @@ class HookResults:
         return manager
 
 
-def _of_type(items: Iterable[object], kind: object, source: Source) -> Iterator[tuple[Any, Source]]:
+def _of_type(
+    items: Iterable[object], kind: object, source: HookSource
+) -> Iterator[tuple[Any, HookSource]]:
     for number, item in enumerate(items):
         try:
             yield expect(item, kind), source

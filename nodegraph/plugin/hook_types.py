@@ -194,7 +194,7 @@ class Placeholder:
     text: str
 
 
-class Origin(Protocol):
+class Provenance(Protocol):
     """The origin of a value in a report: the part of the run that a renderer may read."""
 
     @property

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from nodegraph.plugin.hook_types import Detail, Origin, Rendered, check_fields
+from nodegraph.plugin.hook_types import Detail, Provenance, Rendered, check_fields
 from nodegraph.plugin.streaming import LiveView, Streamable
 
 
@@ -25,7 +25,7 @@ class Kind:
         ``render(value, title)`` returns a `Rendered`: how a value appears.
     render_in_run : callable
         ``render_in_run(value, title, origin)`` takes its place in the report of a run, and may
-        use what the run knows of the value's `Origin`.
+        use what the run knows of the value's `Provenance`.
     take_apart : callable
         Returns a value as a composition of `nodegraph.Value`, arrays, numbers, text, bytes, and
         tuples, lists and mappings of these, which are stored without pickle. A type that is one
@@ -65,7 +65,7 @@ class Kind:
 
     type: type
     render: Callable[[Any, str], Rendered] | None = None
-    render_in_run: Callable[[Any, str, Origin], Rendered] | None = None
+    render_in_run: Callable[[Any, str, Provenance], Rendered] | None = None
     take_apart: Callable[[Any], object] | None = None
     put_together: Callable[[Any], object] | None = None
     faithful: bool = True

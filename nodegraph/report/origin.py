@@ -32,7 +32,7 @@ def render_in_run(value: object, title: str, origin: RunOrigin) -> Rendered | No
 
 @dataclass(frozen=True)
 class RunOrigin:
-    """The `nodegraph.Origin` of a value of a run."""
+    """The `nodegraph.Provenance` of a value of a run."""
 
     run: Run
     node: str

@@ -161,7 +161,7 @@ class NotWritten:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class RecordedSource:
     """An output that feeds a port; with labels where the port gathers."""
 
     step: Int
@@ -200,7 +200,7 @@ class RecordedStep:
     use: str
     labels: Labels
     settings: dict[str, Any]
-    inputs: dict[str, Source | list[Source]]
+    inputs: dict[str, RecordedSource | list[RecordedSource]]
     state: State
     seconds: Float
     stored: Bool = False
@@ -230,7 +230,7 @@ class RecordedStep:
         """How the step ended, with its reason if it has no result."""
         return f"{self.state}: {self.reason}" if self.reason else self.state
 
-    def sources(self) -> Iterator[tuple[str, tuple[Source, ...]]]:
+    def sources(self) -> Iterator[tuple[str, tuple[RecordedSource, ...]]]:
         """Yield each port with what feeds it."""
         for port, fed in self.inputs.items():
             yield port, tuple(fed) if isinstance(fed, list) else (fed,)
@@ -492,7 +492,7 @@ def _failures(steps: Iterable[RecordedStep]) -> list[Failure]:
     ]
 
 
-def _sources(run: Run, fed: StepInput) -> Source | list[Source]:
+def _sources(run: Run, fed: StepInput) -> RecordedSource | list[RecordedSource]:
     if isinstance(fed, Output):
         return _source(run, fed, {})
     return [
@@ -501,6 +501,6 @@ def _sources(run: Run, fed: StepInput) -> Source | list[Source]:
     ]
 
 
-def _source(run: Run, output: Output, labels: Mapping[str, object]) -> Source:
+def _source(run: Run, output: Output, labels: Mapping[str, object]) -> RecordedSource:
     ports = run.plan.steps[output.step].method.node.outputs
-    return Source(output.step, ports[output.position].name, plain(labels))
+    return RecordedSource(output.step, ports[output.position].name, plain(labels))

@@ -13,7 +13,7 @@ from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
 from nodegraph.plugin.formats import formats_of
-from nodegraph.plugin.guards import PluginError, Source
+from nodegraph.plugin.guards import HookSource, PluginError
 from nodegraph.plugin.hook_types import Contract, Tried, expect
 from nodegraph.plugin.loading import error_text, package_of
 from nodegraph.plugin.registry import Registry, default_registry
@@ -251,7 +251,7 @@ def _check_columns(trial: Trial, outputs: Mapping[str, object]) -> None:
 
 
 def _check_contract(
-    contract: Contract, source: Source, trial: Trial, outputs: Mapping[str, object]
+    contract: Contract, source: HookSource, trial: Trial, outputs: Mapping[str, object]
 ) -> None:
     name = getattr(contract, "__name__", repr(contract))
     node = trial.node

@@ -14,10 +14,10 @@ from distributed import CancelledError, KilledWorker
 from nodegraph.executors import (
     Call,
     CallCodec,
+    Calls,
     Frame,
     HowToRun,
     Outcome,
-    Schedule,
     State,
     in_time,
     side_by_side,
@@ -40,7 +40,7 @@ _SECONDS_TO_FETCH = 60.0
 """Seconds in which a response that is ready must arrive."""
 
 
-def dask(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
+def dask(schedule: Calls, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
     """Make calls on the cluster at ``how.scheduler``, else on one that is started for the run.
 
     On a cluster that is already running, there are as many calls at a time as its workers have
@@ -55,7 +55,7 @@ def dask(schedule: Schedule, how: HowToRun) -> Iterator[tuple[int, Outcome]]:
 class _Calls:
     """Makes calls on a cluster, each in a thread that waits for it."""
 
-    def __init__(self, schedule: Schedule, cluster: Cluster) -> None:
+    def __init__(self, schedule: Calls, cluster: Cluster) -> None:
         self._schedule = schedule
         self._cluster = cluster
         self._codec = CallCodec(schedule.registry, schedule.packer, local=False)

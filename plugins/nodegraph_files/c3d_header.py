@@ -187,7 +187,7 @@ LARGEST_SECTION = 256 * BLOCK
 
 
 @dataclass(frozen=True)
-class Layout:
+class ByteLayout:
     """One account of how many samples a file holds and where they lie.
 
     Attributes
@@ -230,7 +230,7 @@ class Description:
 
     Attributes
     ----------
-    layout : Layout
+    layout : ByteLayout
     parameters : mapping of group and name to Parameter
     processor : Processor
     rate : float or None
@@ -240,7 +240,7 @@ class Description:
         it is another. None where samples are not integers.
     """
 
-    layout: Layout
+    layout: ByteLayout
     parameters: Parameters
     processor: Processor
     rate: float | None
@@ -306,7 +306,7 @@ def _header(content: bytes, processor: Processor) -> _Header:
     return _Header(points, values, last - first + 1, float(scale), start, float(rate))
 
 
-def _accounts(header: _Header, parameters: Parameters) -> Iterable[Layout]:
+def _accounts(header: _Header, parameters: Parameters) -> Iterable[ByteLayout]:
     """Yield every combination of what header and parameters say, the parameters' first."""
 
     def claimed(group: str, name: str, also: float) -> list[float]:
@@ -322,7 +322,7 @@ def _accounts(header: _Header, parameters: Parameters) -> Iterable[Layout]:
     for frames, points, values, block, width in claims:
         start = (int(block) - 1) * BLOCK
         if start >= 2 * BLOCK and points >= 0 and values >= 0:
-            yield Layout(int(frames), int(points), int(values), start, int(width))
+            yield ByteLayout(int(frames), int(points), int(values), start, int(width))
 
 
 def _frames(header: _Header, parameters: Parameters) -> list[float]:
@@ -346,7 +346,7 @@ def _analog_values(parameters: Parameters) -> float:
     return used * round(analog_rate / rate) if rate > 0 else 0
 
 
-def _settle(accounts: list[Layout], size: int) -> Layout:
+def _settle(accounts: list[ByteLayout], size: int) -> ByteLayout:
     if not accounts:
         raise ValueError("it does not say where its samples start")
     if len(accounts) == 1:
@@ -365,7 +365,7 @@ def _settle(accounts: list[Layout], size: int) -> Layout:
     return exact[0]
 
 
-def _checked(layout: Layout, size: int) -> Layout:
+def _checked(layout: ByteLayout, size: int) -> ByteLayout:
     if layout.end > size:
         raise ValueError(
             f"it announces {layout}, which end at byte {layout.end}, but the file ends at byte "

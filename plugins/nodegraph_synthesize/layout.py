@@ -83,7 +83,7 @@ _USUAL = len(MIDLINE) + 2 * len(PAIRS)
 
 
 @dataclass(frozen=True)
-class Layout:
+class MarkerLayout:
     """Markers and the vertex that each sits on.
 
     Attributes
@@ -97,7 +97,7 @@ class Layout:
     vertices: NDArray[np.int64]
 
 
-def make_layout(count: int, places: NDArray[np.float64]) -> Layout:
+def make_layout(count: int, places: NDArray[np.float64]) -> MarkerLayout:
     """Return `count` markers on vertices of a surface: pairs, and some on the midline.
 
     Fewer than 60 are a part of the usual 60, under the same names; more are those 60 and others
@@ -169,7 +169,7 @@ def _like_nearest(places: NDArray[np.float64]) -> list[Spot]:
     ]
 
 
-def _named(midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]) -> Layout:
+def _named(midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]) -> MarkerLayout:
     middle = [f"M_{name}" for name in _numbered(midline, MIDLINE)]
     left, right = ([f"{side}_{name}" for name in _numbered(pairs, PAIRS)] for side in "LR")
     stable = [name for name, spot in zip(middle, midline, strict=True) if spot.stable]
@@ -182,7 +182,7 @@ def _named(midline: list[Spot], pairs: list[Spot], places: NDArray[np.float64]) 
         midline=tuple(middle),
         stable=tuple(stable),
     )
-    return Layout(marker_set, _vertices(midline, pairs, places))
+    return MarkerLayout(marker_set, _vertices(midline, pairs, places))
 
 
 def _numbered(spots: list[Spot], usual: tuple[Spot, ...]) -> list[str]:

@@ -29,7 +29,7 @@ _SMALLEST, _LARGEST = 1e-3, 1e6
 """Smaller and larger numbers are shown with a power of ten."""
 
 
-class Cell(NamedTuple):
+class CellText(NamedTuple):
     """A cell as text, what belongs to it (an interval, a dagger), whether it is best or tied."""
 
     text: str
@@ -54,7 +54,7 @@ class Column(NamedTuple):
         Whether it identifies the rows.
     constant : bool
         Whether it is a number, and the same in all rows.
-    cells : list of Cell
+    cells : list of CellText
     """
 
     name: str
@@ -63,7 +63,7 @@ class Column(NamedTuple):
     numeric: bool
     label: bool
     constant: bool
-    cells: list[Cell]
+    cells: list[CellText]
 
     @property
     def head(self) -> str:
@@ -103,7 +103,7 @@ def columns_of(table: pd.DataFrame, *, in_print: bool = False) -> list[Column]:
 
 def cells_at(
     table: pd.DataFrame, name: str, rows: Sequence[int | None], *, in_print: bool = False
-) -> list[Cell]:
+) -> list[CellText]:
     """Return the cells of a column at some rows, an empty one for None, as of a table of its own.
 
     Parameters
@@ -124,7 +124,9 @@ def cells_at(
     at = list(table.columns).index(name)
     form = _form(table, name) if in_print else None
     cells = iter(_column(part, at, info.cells.get(name, {}), form).cells)
-    return [Cell("", "", best=False, tied=False) if row is None else next(cells) for row in rows]
+    return [
+        CellText("", "", best=False, tied=False) if row is None else next(cells) for row in rows
+    ]
 
 
 class _Form(NamedTuple):
@@ -154,7 +156,7 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str], form: _Form
         ]
     rows = zip(texts, _beside(table, parts, show, texts, scale), strict=True)
     cells = [
-        Cell(text, beside, row in best, row in tied) for row, (text, beside) in enumerate(rows)
+        CellText(text, beside, row in best, row in tied) for row, (text, beside) in enumerate(rows)
     ]
     constant = numeric and not label and len(set(cells)) == 1 and len(cells) > 1
     constant = constant and column.nunique(dropna=False) == 1

@@ -13,7 +13,7 @@ from nodegraph_tables.info import info_of
 if TYPE_CHECKING:
     import pandas as pd
 
-    from nodegraph_tables.cells import Cell, Column
+    from nodegraph_tables.cells import CellText, Column
 
 Labels = tuple[str, ...]
 
@@ -27,7 +27,7 @@ class Crosstab:
     side, top : tuple of str
         Names of the labels of a row, and of a column, from the outside in.
     rows, heads : tuple of tuple of str
-    columns : tuple of list of Cell
+    columns : tuple of list of CellText
     unit : str
         The unit of all numbers, as it is printed.
     """
@@ -36,7 +36,7 @@ class Crosstab:
     top: Labels
     rows: tuple[Labels, ...]
     heads: tuple[Labels, ...]
-    columns: tuple[list[Cell], ...]
+    columns: tuple[list[CellText], ...]
     unit: str = ""
 
 

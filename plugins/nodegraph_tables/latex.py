@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-    from nodegraph_tables.cells import Cell, Column
+    from nodegraph_tables.cells import CellText, Column
 
 _MOST_COLUMNS = 6
 """Columns of numbers with which a table is as wide as a page."""
@@ -247,11 +247,11 @@ def _line(cells: Iterable[str]) -> str:
     return " & ".join(cells).rstrip() + r" \\"
 
 
-def _parts(cell: Cell) -> tuple[str, str]:
+def _parts(cell: CellText) -> tuple[str, str]:
     return _number(cell), _digits(cell.beside)
 
 
-def _number(cell: Cell) -> str:
+def _number(cell: CellText) -> str:
     text = _digits(cell.text)
     if cell.best:
         return rf"\textbf{{{text}}}"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph import Rendered
 from nodegraph_tables.answer import answer_html, in_authors_words, lead_style
-from nodegraph_tables.cells import Cell, Column, columns_of
+from nodegraph_tables.cells import CellText, Column, columns_of
 from nodegraph_tables.grid import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.latex import latex_of, without_constants
@@ -19,7 +19,7 @@ from nodegraph_tables.types import Table
 if TYPE_CHECKING:
     import pandas as pd
 
-    from nodegraph import Origin
+    from nodegraph import Provenance
 
 _MOST_LINES = 200
 """Rows from which a table is cut in a terminal."""
@@ -47,7 +47,7 @@ def render_table(table: Table, title: str) -> Rendered:
     return _rendered(table, info_of(table).title or title)
 
 
-def render_table_in_run(table: Table, title: str, origin: Origin) -> Rendered:
+def render_table_in_run(table: Table, title: str, origin: Provenance) -> Rendered:
     """Return a table as `render_table` does, with the caption that the graph gives it."""
     info = info_of(table)
     told = replace(info, answer=in_authors_words(info.answer, origin.answer))
@@ -174,7 +174,7 @@ def _rows_of(marks: Mapping[str, Sequence[int]]) -> list[int]:
     return sorted({place for rows in marks.values() for place in rows})
 
 
-def _method(compared: Sequence[Sequence[Cell]], place: int) -> str:
+def _method(compared: Sequence[Sequence[CellText]], place: int) -> str:
     return "".join(f' data-method="{escape(cells[place].text, quote=True)}"' for cells in compared)
 
 
@@ -191,7 +191,7 @@ def _head(column: Column, classes: Sequence[str]) -> str:
     return f'<th scope="col"{_class(classes)} data-column="{column.place}">{name}{unit}</th>'
 
 
-def _row(cells: Iterable[Cell], columns: Iterable[Column], classes: Iterable[list[str]]) -> str:
+def _row(cells: Iterable[CellText], columns: Iterable[Column], classes: Iterable[list[str]]) -> str:
     return "".join(
         f"<{tag}{_class([*kinds, *_cell_classes(cell, column)])}>{_cell_html(cell)}</{end}>"
         for cell, column, kinds in zip(cells, columns, classes, strict=True)
@@ -199,7 +199,7 @@ def _row(cells: Iterable[Cell], columns: Iterable[Column], classes: Iterable[lis
     )
 
 
-def _cell_classes(cell: Cell, column: Column) -> list[str]:
+def _cell_classes(cell: CellText, column: Column) -> list[str]:
     """Return the classes of what is not broken into lines, and of numbers that are tied."""
     short = not column.numeric and 0 < len(cell.text) <= _SHORT
     return [*(["short"] if short else []), *(["tied"] if cell.tied else [])]
@@ -209,7 +209,7 @@ def _class(classes: Sequence[str]) -> str:
     return f' class="{" ".join(classes)}"' if classes else ""
 
 
-def _cell_html(cell: Cell) -> str:
+def _cell_html(cell: CellText) -> str:
     text = f"<strong>{escape(cell.text)}</strong>" if cell.best else escape(cell.text)
     return f"{text} <br><small>{escape(cell.beside)}</small>" if cell.beside else text
 
@@ -235,5 +235,5 @@ def _text(columns: Sequence[Column], notes: Iterable[str]) -> str:
     return "\n".join([*lines, *notes])
 
 
-def _rows(columns: Sequence[Column]) -> list[tuple[Cell, ...]]:
+def _rows(columns: Sequence[Column]) -> list[tuple[CellText, ...]]:
     return list(zip(*(column.cells for column in columns), strict=True))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from nodegraph import Detail, Label, Origin
+    from nodegraph import Detail, Label, Provenance
     from nodegraph_compare.overview.pack import Excerpt
     from nodegraph_compare.overview.value import Overview
 
@@ -65,7 +65,7 @@ class _Kind:
     blocks: tuple[int, ...]
 
 
-def details_of(overview: Overview, excerpt: Excerpt, origin: Origin) -> Details:
+def details_of(overview: Overview, excerpt: Excerpt, origin: Provenance) -> Details:
     """Return the views of some blocks, within a budget: those that are worth a look first.
 
     Of each group these are the suspect block with the largest error, the worst and a typical one
@@ -177,7 +177,7 @@ def _spread(errors: NDArray[np.float64]) -> NDArray[np.float64]:
 class _Takes:
     """The inputs of scores, as the run has them; those of one combination are read once."""
 
-    def __init__(self, overview: Overview, excerpt: Excerpt, origin: Origin) -> None:
+    def __init__(self, overview: Overview, excerpt: Excerpt, origin: Provenance) -> None:
         self._overview, self._excerpt, self._origin = overview, excerpt, origin
         self._inputs: dict[str, dict[str, Mapping[str, object]] | None] = {}
         self._read = 0

@@ -20,7 +20,7 @@ from nodegraph_tables.answer import in_authors_words, lead_style
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from nodegraph import Origin
+    from nodegraph import Provenance
     from nodegraph_compare.overview.value import Overview
     from nodegraph_compare.verdict import Verdicts
 
@@ -31,7 +31,7 @@ def render_overview(overview: Overview, title: str) -> Rendered:
     return Rendered(lead, styles=(lead_style(),), answer=overview.answer.lines)
 
 
-def render_overview_in_run(overview: Overview, title: str, origin: Origin) -> Rendered:
+def render_overview_in_run(overview: Overview, title: str, origin: Provenance) -> Rendered:
     """Return the verdicts as the lead of a report, and the charts as its section.
 
     Parameters

@@ -39,7 +39,7 @@ class _Cell(NamedTuple):
 _NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, None)
 
 
-def wide_table(verdicts: Verdicts, layout: Layout, parts: Sequence[Part]) -> Table:
+def wide_table(verdicts: Verdicts, layout: TableLayout, parts: Sequence[Part]) -> Table:
     """Return the means in rows and columns.
 
     Further numbers about the mean are in columns of their own, which a reader sees in one cell.
@@ -91,7 +91,7 @@ def wide_table(verdicts: Verdicts, layout: Layout, parts: Sequence[Part]) -> Tab
     return with_info(DataFrame(columns), info)
 
 
-def _side(rows: Sequence[Labels], layout: Layout) -> dict[str, Sequence[object]]:
+def _side(rows: Sequence[Labels], layout: TableLayout) -> dict[str, Sequence[object]]:
     """Return the columns of labels down the side."""
     return {name: [row[at] for row in rows] for at, name in enumerate(layout.rows)}
 
@@ -164,7 +164,7 @@ Names = tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Layout:
+class TableLayout:
     """Names that stand down the side, and along the top; without the latter, a row per mean."""
 
     rows: Names
@@ -172,7 +172,7 @@ class Layout:
 
 
 def implied(
-    scores: Across[Table], compare: str | None, within: Names, layout: Layout, blocks: Names
+    scores: Across[Table], compare: str | None, within: Names, layout: TableLayout, blocks: Names
 ) -> tuple[str | None, Names]:
     """Return the compared axis and the axes of groups that the layout implies.
 
@@ -203,13 +203,13 @@ def implied(
     return compare, (*within, *(name for name in named if name not in (compare, *within)))
 
 
-def completed(layout: Layout, question: Question) -> Layout:
+def completed(layout: TableLayout, question: Question) -> TableLayout:
     """Return the layout with a place for every name of the question, in rows if it has columns."""
     names = (*question.within, *question.compared)
     rest = tuple(name for name in names if name not in (*layout.rows, *layout.columns))
     if layout.columns:
-        return Layout((*layout.rows, *rest), layout.columns)
-    return Layout(layout.rows, rest if layout.rows else ())
+        return TableLayout((*layout.rows, *rest), layout.columns)
+    return TableLayout(layout.rows, rest if layout.rows else ())
 
 
 _DIFFERENCE = {

@@ -29,7 +29,7 @@ from nodegraph_compare.recordings import recordings_of
 from nodegraph_compare.suspects import suspects
 from nodegraph_compare.table.judge import by_rules, over_groups, variations, verdict_of
 from nodegraph_compare.table.layout import (
-    Layout,
+    TableLayout,
     blocks_text,
     completed,
     implied,
@@ -185,7 +185,7 @@ def table(
     """
     from nodegraph_compare.table.figure import draw
 
-    layout = Layout(rows, columns)
+    layout = TableLayout(rows, columns)
     compare, within = implied(scores, asked.compare, asked.within, layout, asked.blocks)
     comparison = prepare(scores, replace(asked, compare=compare, within=within))
     question, gathered = comparison.question, comparison.groups
@@ -308,7 +308,7 @@ def _places(
 
 
 def _laid_out(
-    verdicts: Verdicts, question: Question, layout: Layout, declared: Mapping[Label, Declared]
+    verdicts: Verdicts, question: Question, layout: TableLayout, declared: Mapping[Label, Declared]
 ) -> Table:
     metric = verdicts.metric
     named = layout.columns and metric.unit != SHARE  # else the columns have units

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_info
 from nodegraph import Refusal, node
 from nodegraph.api import reported
 from nodegraph.audit.audit import AGAIN, PROCESS, STORED, THREADS, Audited, audit, cases
-from nodegraph.audit.drift import Grade
+from nodegraph.audit.drift import AuditGrade
 from nodegraph.execute import HowToRun, Run, execute, open_store
 from nodegraph.graph import Choices, build
 from nodegraph.graphfile import read_graph_text
@@ -138,7 +138,7 @@ def test_a_deterministic_node_is_identical_under_every_condition(
     audited: dict[str, Audited],
 ) -> None:
     result = audited["good"]
-    assert result == Audited(result.step, Grade.IDENTICAL)
+    assert result == Audited(result.step, AuditGrade.IDENTICAL)
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_a_node_that_modifies_an_input_is_reported_with_its_name(
 ) -> None:
     result = audited["appends"]
     [text] = result.details
-    assert result.grade is Grade.MUTATES
+    assert result.grade is AuditGrade.MUTATES
     assert text.endswith(" input x")
     assert not result.varies
 

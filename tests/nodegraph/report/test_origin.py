@@ -7,7 +7,7 @@ from typing import Annotated
 
 import pytest
 
-from nodegraph import Across, Kind, Origin, Rendered, Unit, hookimpl, node
+from nodegraph import Across, Kind, Provenance, Rendered, Unit, hookimpl, node
 from nodegraph.execute import Run, execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
@@ -92,18 +92,18 @@ class Plugin:
     """Keeps the origins that its renderer gets."""
 
     def __init__(self) -> None:
-        self.origins: list[Origin] = []
+        self.origins: list[Provenance] = []
 
     @hookimpl
     def nodegraph_kinds(self) -> list[Kind]:
-        def render_in_run(value: Total, title: str, origin: Origin) -> Rendered:
+        def render_in_run(value: Total, title: str, origin: Provenance) -> Rendered:
             self.origins.append(origin)
             return Rendered("", "shown", lead="<p>at a glance</p>")
 
         return [Kind(Total, lambda value, title: Rendered("", "alone"), render_in_run)]
 
 
-def origin_in(text: str) -> tuple[Run, Origin]:
+def origin_in(text: str) -> tuple[Run, Provenance]:
     """Return the run of a graph, and the origin of its table."""
     plugin = Plugin()
     registry = Registry.of([source, up, down, cut, score, gather])
@@ -116,11 +116,11 @@ def origin_in(text: str) -> tuple[Run, Origin]:
 
 
 @pytest.fixture
-def origin() -> Origin:
+def origin() -> Provenance:
     return origin_in(GRAPH)[1]
 
 
-def test_the_inputs_of_a_score_are_those_of_its_combination(origin: Origin) -> None:
+def test_the_inputs_of_a_score_are_those_of_its_combination(origin: Provenance) -> None:
     assert origin.node == "table"
     assert origin.inputs({"trial": 2, "fill": "up"}) == {"estimate": 3.0, "truth": 2.0}
     assert origin.inputs({"trial": 1, "fill": "down", "gap": 7}) == {"estimate": 0.0, "truth": 1.0}
@@ -138,7 +138,7 @@ def test_the_time_of_a_method_is_that_of_all_steps_that_it_alone_needs() -> None
     }
 
 
-def test_methods_have_times_names_and_commands(origin: Origin) -> None:
+def test_methods_have_times_names_and_commands(origin: Provenance) -> None:
     assert set(origin.seconds("fill")) == {"up", "down"}
     assert not origin.seconds("trial")
     assert not origin.uses("trial")
@@ -149,7 +149,7 @@ def test_methods_have_times_names_and_commands(origin: Origin) -> None:
 
 
 def test_labels_have_the_unit_and_the_meaning_of_the_setting_that_takes_them(
-    origin: Origin,
+    origin: Provenance,
 ) -> None:
     assert origin.meaning("length") == "How much."
     assert origin.meaning("trial") == ""

@@ -3,14 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_synthesize.layout import FEWEST, MOST, Layout, make_layout
+from nodegraph_synthesize.layout import FEWEST, MOST, MarkerLayout, make_layout
 from nodegraph_synthesize.proportions import Proportions
 from nodegraph_synthesize.surface import make_surface
 
 _SURFACE = make_surface(Proportions())
 
 
-def _layout(count: int) -> Layout:
+def _layout(count: int) -> MarkerLayout:
     return make_layout(count, _SURFACE.places)
 
 
