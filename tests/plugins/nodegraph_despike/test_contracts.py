@@ -120,11 +120,6 @@ def test_a_despiker_with_other_ports() -> None:
 
 
 @pytest.mark.parametrize("despiker", list(nodegraph_despike.nodegraph_nodes()))
-def test_good_ones_pass(despiker: Callable[..., Trajectories]) -> None:
-    check_node(despiker, registry=REGISTRY)
-
-
-@pytest.mark.parametrize("despiker", list(nodegraph_despike.nodegraph_nodes()))
 def test_good_ones_pass_where_they_repair_much(despiker: Callable[..., Trajectories]) -> None:
     known = node_of(despiker)
     assert known is not None

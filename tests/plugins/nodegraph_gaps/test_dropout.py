@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from nodegraph import get_node
-from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 
@@ -17,10 +16,6 @@ def take(frames: int = 2000, markers: int = 20) -> Trajectories:
     positions = np.random.default_rng(1).normal(size=(frames, markers, 3))
     names = tuple(f"m{number}" for number in range(markers))
     return Trajectories(positions=positions, markers=names, rate=60.0)
-
-
-def test_it_keeps_the_promises_of_its_family_on_a_stream_too() -> None:
-    check_node(dropout)
 
 
 @pytest.mark.parametrize(("share", "length"), [(0.05, 15), (0.3, 4)])

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from rerun.chunk import RrdReader
 
 from nodegraph import Across, NodegraphError, get_node
-from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.specimens import recordings
 
@@ -70,10 +69,6 @@ def test_labels_name_entities_once() -> None:
         write(Across.of({"truth": GAPPY}, axis="fill"))
     with pytest.raises(ValueError, match="there is none"):
         write(Across.of({}, axis="fill"))
-
-
-def test_the_writer_keeps_the_promises_of_nodes() -> None:
-    check_node(get_node("write.rrd"))
 
 
 def test_without_rerun_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

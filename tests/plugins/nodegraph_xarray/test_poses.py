@@ -15,7 +15,6 @@ import pytest
 import xarray
 
 from nodegraph import NodegraphError, get_node
-from nodegraph.testing import check_node
 from nodegraph_files import npz_bytes
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.specimens import recordings
@@ -226,10 +225,6 @@ def test_a_file_that_refers_to_others_is_refused(
         refer(file)
     with pytest.raises(ValueError, match=r"it\.nc: .*/(deep/)?(position)? refers to other files"):
         get_node("read.recording")(path=tmp_path / "it.nc")
-
-
-def test_the_writer_keeps_the_promises_of_nodes() -> None:
-    check_node(get_node("write.nc"))
 
 
 def test_without_xarray_the_message_says_what_to_install(

@@ -24,7 +24,7 @@ VALUES = np.random.default_rng(0).uniform(0, 1, (FRAMES, 4))
 
 @pytest.mark.parametrize(
     "settings",
-    [{"bounds": "nonnegative"}, {"bounds": "none", "ridge": 0.5}, {"smoothness": 2.0}],
+    [{"bounds": "none", "ridge": 0.5}, {"smoothness": 2.0}],
 )
 def test_it_keeps_its_promises(settings: dict[str, object]) -> None:
     check_node(get_node("solve.weights"), settings=settings)
