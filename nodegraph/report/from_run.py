@@ -5,7 +5,7 @@ from __future__ import annotations
 import traceback
 import warnings
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import NamedTuple
@@ -69,11 +69,12 @@ def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
     for result in _results(run):
         shown.add(result)
     software, methods = versions(graph), Methods(run)
+    sections = numbered(_with_titles(shown.sections))
     study = Study(
         title=graph.title,
-        answer=tuple(dict.fromkeys(shown.answer)),
+        answer=_answer(sections),
         notes_markdown=graph.spec.notes,
-        sections=numbered(_with_titles(shown.sections)),
+        sections=sections,
         graph_svg=drawing_for_page(graph),
         axes=tuple(
             AxisRow(name, tuple(map(str, axis.labels)), *axis_text(graph, name))
@@ -97,6 +98,14 @@ def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
         machine=software["platform"],
     )
     return Composed(study, tuple(shown.not_shown))
+
+
+def _answer(sections: Sequence[Section]) -> tuple[str, ...]:
+    """Return what all sections answer, those first with which the report begins."""
+    if not sections:
+        return ("No step that the report shows has a result.",)
+    order = sorted(sections, key=lambda section: not section.rendered.lead)
+    return tuple(dict.fromkeys(line for section in order for line in section.answer))
 
 
 def _numbers(shown: _Shown) -> Iterator[str]:
@@ -184,7 +193,6 @@ class _Shown:
         self._own_files = {fold(path.partition("/")[0]) for path in own}
         self._write = write
         self.sections: list[Section] = []
-        self.answer: list[str] = []
         self.notes: list[StepNote] = []
         self.not_shown: list[NotShown] = []
 
@@ -224,8 +232,6 @@ class _Shown:
         files = {f"{stem}{suffix}": content for suffix, content in rendered.files.items()}
         lost = self._write_all(result, files)
         links = (Link(path.rpartition(".")[2].upper(), path) for path in files if path not in lost)
-        place = f"{result.combination.replace('=', ' ')}: " if result.labels else ""
-        self.answer += [f"{place}{sentence}" for sentence in rendered.answer]
         # files may be large, and are written by now
         self._add(result, replace(rendered, files={}), links)
 

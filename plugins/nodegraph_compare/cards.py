@@ -107,7 +107,7 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
     best = listing(method_words(verdicts, group.best))
     value, interval = _value(verdicts, group, group.best[0])
     if group.told:
-        return Card("", best, value, interval, best=True)
+        return Card("", best, value, interval, best=bool(group.marks))
     why = "none clearly best" if group.stands else "no verdict"
     if group.stands:
         lowest = say(f"{EXTREME[verdicts.metric.better]}: {HERE} {HERE}", best, value)

@@ -216,6 +216,11 @@ class Answer(Value):
     findings: tuple[Finding, ...] = ()
 
     @property
+    def held(self) -> str:
+        """What it holds for, in a sentence."""
+        return " ".join(word.text for word in self.scope if isinstance(word, Word))
+
+    @property
     def lines(self) -> tuple[str, ...]:
         """The answer in words: its sentence, what it holds for, then each part."""
         first = (plain(text) for text in (self.sentence, self.scope) if text)
@@ -269,7 +274,7 @@ def _check_names(text: str, behind: Iterable[str]) -> None:
 def _filled(answer: Answer, part: Placeholder) -> Text:
     """Return what stands in place of a placeholder."""
     if part.name == "scope":
-        return tuple(word.text.rstrip(".") for word in answer.scope[:1] if isinstance(word, Word))
+        return (answer.held.rstrip("."),)
     found = [
         finding
         for finding in answer.findings

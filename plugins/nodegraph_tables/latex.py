@@ -57,7 +57,8 @@ def latex_of(
     """Return a table for a paper.
 
     A table in which the best is marked has a row per method and a column per group, with the mean
-    and its interval in each cell. Columns that are the same throughout are stated in the caption.
+    and its interval in each cell. Columns that are the same throughout are stated in the caption,
+    and what the table's answer holds for.
 
     Parameters
     ----------
@@ -71,15 +72,16 @@ def latex_of(
     ValueError
         If a name is no label, or is given twice, or the table cannot be laid out anew.
     """
+    held = info_of(table).answer.held
     crossed = crosstab(table, rows, columns, most=_MOST_COLUMNS, in_print=True)
     if crossed is None:
         varying, constants = without_constants(columns_of(table, in_print=True), texts=True)
-        return _document([caption, *constants], *_listed(varying))
+        return _document([caption, *constants, held], *_listed(varying))
     title = info_of(table).title or caption
     unit = f" [{crossed.unit}]" if crossed.unit else ""
     head = [f"{title}{unit}"] if caption == title else [caption, f"{title}{unit}"]
     crossed, constants = _without_constants(crossed)
-    return _document([*head, *_legend(crossed), *constants], *_crossed(crossed))
+    return _document([*head, *_legend(crossed), *constants, held], *_crossed(crossed))
 
 
 def without_constants(

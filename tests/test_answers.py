@@ -1,0 +1,220 @@
+"""One answer: every place that shows it says its sentence, its numbers and its marks, no others."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+import nodegraph as ng
+from nodegraph.cli.summary import print_summary, run_answer
+from nodegraph.notebook import run_html
+from nodegraph.report.from_run import compose
+from nodegraph.report.page import page
+from nodegraph.report.study import Kind, Study
+from nodegraph_compare.overview.pack import excerpt_of, packed
+from nodegraph_compare.overview.value import Overview
+from nodegraph_tables import Answer, info_of
+from nodegraph_tables.answer import plain
+from nodegraph_tables.style import BEST
+from tests import odd_studies
+from tests.odd_studies import odd_study
+
+SEEDS = range(24)
+ACTORS = """
+nodegraph: 1
+title: "Which fill is best?"
+axes:
+  actor: {{count: {actors}}}
+  length: [5, 15]
+nodes:
+  face: {{use: synthesize.face, with: {{seconds: 2, seed: $actor, markers: 12}}}}
+  gaps: {{use: gaps.cut, in: face, with: {{length: $length, count: 4, seed: 1}}}}
+  fill: {{in: gaps.gappy, alternatives: {fills}}}
+  error: {{use: score.gaps, in: {{estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}}}
+  table: {{use: compare.table, in: error, with: {{compare: fill, within: [length]}}}}
+report:
+  - {{show: table{more}}}
+"""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A run, what its report is drawn from, and the files that it writes."""
+
+    run: Any
+    study: Study
+    files: dict[str, bytes]
+
+    @property
+    def answer(self) -> Answer:
+        """The answer of the comparison."""
+        return info_of(self.run["table"].value).answer
+
+    @property
+    def overview(self) -> Overview:
+        """The comparison."""
+        value = self.run["table.overview"].value
+        assert isinstance(value, Overview)
+        return value
+
+
+def shown(text: str, folder: Path) -> Shown:
+    """Run a graph in this process."""
+    (folder / "graph.yaml").write_text(text, encoding="utf-8")
+    (folder / "odd.py").write_text(odd_studies.NODES, encoding="utf-8")
+    files: dict[str, bytes] = {}
+
+    def write(name: str, content: bytes) -> str:
+        files[name] = content
+        return ""
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        graph = ng.load(folder / "graph.yaml", plugins=[folder / "odd.py"])
+        run = ng.run(graph, jobs=1)
+        return Shown(run, compose(run, write=write).study, files)
+
+
+def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield the sentence that each place says, by the place."""
+    study, run = shown.study, shown.run
+    html = page(study)
+    match = re.search(r'<p class="(?:lead-)?sentence">(.*?)</p>', html, re.S)
+    assert match is not None
+    yield "page", unescape(re.sub(r"<[^>]*>", "", match[1]))
+    stream = io.StringIO()
+    console = Console(file=stream, width=400)
+    print_summary(study, run, folder, console, full=False)
+    yield "terminal", stream.getvalue().partition("\n")[0]
+    yield "runs and gallery", study.short_answer(1)[0]
+    answer = run_answer(study, run, folder)
+    yield "JSON", answer.answer[0]
+    (data,) = (
+        each.data for each in answer.results if (each.node, each.output) == ("table", "table")
+    )
+    yield "JSON of the table", str(data["answer"]["sentence"])  # type: ignore[index]
+    notebook = re.search(r'<p class="answer">(.*?)</p>', run_html(run), re.S)
+    assert notebook is not None
+    yield "notebook", unescape(notebook[1])
+
+
+def check_places(shown: Shown, folder: Path) -> None:
+    """Check that all places say what the answer says."""
+    answer, overview = shown.answer, shown.overview
+    said = " ".join(plain(answer.sentence).split())
+    for place, sentence in sentences(shown, folder):
+        assert " ".join(sentence.split()) == said, place
+    verdicts = overview.verdicts
+    assert overview.answer.sentence == answer.sentence
+    assert overview.answer.scope == answer.scope
+    marks = [
+        ({*found.best}, {*found.tied}) if found.behind else (set(), set())
+        for found in answer.findings
+    ]
+    assert [{*found.best, *found.behind, *found.tied} for found in answer.findings] == [
+        {*found.mean} if found.verdict and not verdicts.is_sequence else set()
+        for found in answer.findings
+    ]
+    if not verdicts.groups:
+        return
+    named = [str(method) for method in verdicts.methods]
+    # charts, heat table, map and face are drawn from this
+    data = packed(overview, verdicts, excerpt_of(overview), "table", {})
+    for group, found, (best, tied) in zip(data["groups"], answer.findings, marks, strict=True):
+        assert {named[at] for at in group["best"]} == best
+        assert {named[at] for at in group["tied"]} == tied
+        drawn = {
+            name: mean for name, mean in zip(named, group["mean"], strict=True) if mean is not None
+        }
+        assert drawn == {name: float(f"{mean:.6g}") for name, mean in found.mean.items()}
+    table = shown.run["table"].value
+    info = info_of(table)
+    for marked, at in ((info.best, 0), (info.tied, 1)):
+        every = sum(len(mark[at]) for mark in marks)
+        rows = [row for column in marked.values() for row in column if row not in info.overall]
+        assert len(rows) == every, (marked, marks)
+    for card, (best, tied) in zip(overview.answer.cards, marks, strict=False):
+        for kind, names in (("best", best), ("tied", tied)):
+            assert card.picture.count(f'<circle class="{kind}"') == len(names) * bool(card.picture)
+        assert card.best == bool(best)
+    if not any(best for best, _ in marks) and not (verdicts.overall and verdicts.overall.marks):
+        assert b"textbf" not in shown.files.get("table.tex", b"")
+        assert BEST.encode() not in shown.files.get("table_figure.svg", b"")
+    if not verdicts.within or "mean" not in table:
+        return
+    text = shown.files["table.csv"].decode()
+    written = sorted(float(row["mean"]) for row in csv.DictReader(io.StringIO(text)) if row["mean"])
+    means = sorted(mean for found in answer.findings for mean in found.mean.values())
+    overall = verdicts.overall
+    over_all: list[float] = [] if overall is None else overall.mean[overall.known].tolist()
+    assert written == sorted([*means, *over_all])
+
+
+def check_odd(seed: int, folder: Path) -> bool:
+    """Check the study of a seed; return whether it has a comparison at all."""
+    it = shown(odd_study(seed, most=60).text, folder)
+    tables = [s for s in it.study.sections if s.node == "table"]
+    assert it.study.answer
+    if not tables or len([*it.run["table"].labels()]) > 1:
+        return False
+    check_places(it, folder)
+    return True
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_all_places_say_what_the_answer_says(tmp_path: Path, seed: int) -> None:
+    check_odd(seed, tmp_path)
+
+
+@pytest.mark.parametrize("actors", [1, 4, 8])
+def test_all_places_agree_with_and_without_a_verdict(tmp_path: Path, actors: int) -> None:
+    fills = "[fill.linear, fill.ridge, fill.cubic]"
+    it = shown(ACTORS.format(actors=actors, fills=fills, more=""), tmp_path)
+    check_places(it, tmp_path)
+    scope = plain(it.answer.scope)
+    assert " ".join(scope.split(" Mean rmse")[0].split()[:9]) in it.files["table.tex"].decode()
+    assert any(found.verdict for found in it.answer.findings) == (actors > 4)
+    held = {
+        1: "One synthetic recording, 2 s, 12 markers, 60 Hz: nothing is said for further gaps",
+        4: "4 synthetic faces (2 s, 12 markers, 60 Hz): only the intervals hold",
+        8: "8 synthetic faces (2 s, 12 markers, 60 Hz): holds for further faces of this generator; "
+        "untested on people.",
+    }
+    assert scope.replace("\N{NO-BREAK SPACE}", " ").startswith(held[actors])
+    titles = [found.title.replace("\N{NO-BREAK SPACE}", " ") for found in it.answer.findings]
+    assert titles == ["length 5 frames (83 ms)", "length 15 frames (250 ms)"]
+
+
+def test_one_method_and_none_that_finished_have_an_answer(tmp_path: Path) -> None:
+    alone = shown(ACTORS.format(actors=1, fills="[fill.linear]", more=""), tmp_path)
+    assert "There is nothing to compare it to." in plain(alone.answer.sentence)
+    check_places(alone, tmp_path)
+    none = ACTORS.format(actors=1, fills="[fill.linear]", more="").replace("count: 4", "count: 400")
+    assert shown(none, tmp_path).study.answer == ("No step that the report shows has a result.",)
+
+
+def test_an_answer_of_the_graph_is_said_everywhere_or_refused_with_its_place(
+    tmp_path: Path,
+) -> None:
+    words = ", answer: 'Cubic is out: {behind cubic}; {scope}'"
+    fills = "[fill.linear, fill.ridge, fill.cubic]"
+    it = shown(ACTORS.format(actors=8, fills=fills, more=words), tmp_path)
+    said = {sentence for place, sentence in sentences(it, tmp_path) if place != "JSON of the table"}
+    assert len(said) == 1
+    assert said.pop().startswith("Cubic is out: cubic; 8 synthetic faces (2")
+    assert it.study.ok
+    wrong = ACTORS.format(actors=8, fills=fills, more=words.replace("behind", "best"))
+    refused = shown(wrong, tmp_path)
+    (note,) = (note for note in refused.study.notes if note.kind is Kind.FAILED)
+    assert re.match(r".*graph\.yaml:14:27: 'answer': \{best cubic\} for length 5", note.reason)
+    check_places(refused, tmp_path)
