@@ -1,4 +1,4 @@
-"""How few of a face's markers tell the same expressions: command line to curves and faces."""
+"""How few markers tell the same expressions: command line to curves and faces."""
 
 from __future__ import annotations
 
