@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -13,7 +13,7 @@ from nodegraph_mocap import MarkerFrame, Mask, Table, Trajectories
 from nodegraph_mocap.suspect import impulses
 from nodegraph_score.hidden_errors import columns, hidden_errors
 from nodegraph_score.take import take_of
-from nodegraph_tables import BetterEnd, Poses, TableInfo, info_of, poses_of, with_info
+from nodegraph_tables import BetterEnd, Poses, TableInfo, Take, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -149,8 +149,7 @@ def gaps(
     error, jumps = error[some], impulses(truth.positions[:, some]).T
     markers = [truth.markers[column] for column in some]
     has, poses = np.isfinite(error[..., 0]), poses_of(truth.markers, truth.positions, truth.rate)
-    table = _table(_find(mask[some]), error, has, jumps, markers, poses)
-    return with_info(table, replace(info_of(table), take=take_of(truth)))
+    return _table(_find(mask[some]), error, has, jumps, markers, poses, take_of(truth))
 
 
 @dataclass(frozen=True)
@@ -184,6 +183,7 @@ def _table(
     jumps: NDArray[np.float64],
     markers: list[str],
     poses: Poses,
+    take: Take,
 ) -> Table:
     from pandas import DataFrame
 
@@ -212,7 +212,7 @@ def _table(
             "(column 'suspect'): there the errors are not a measure of the estimate."
         )
     title = "Errors in gaps"
-    info = TableInfo(title, notes=tuple(notes), units=UNITS, better=BETTER, poses=poses)
+    info = TableInfo(title, notes=tuple(notes), units=UNITS, better=BETTER, poses=poses, take=take)
     return with_info(table, info)
 
 

@@ -63,9 +63,9 @@ def _check(estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
     ):
         if frames != truth.frames:
             raise ValueError(f"{what} has {frames} frames, the truth has {truth.frames}")
-        lacks = [name for name in truth.markers if name not in set(markers)]
-        adds = [name for name in markers if name not in set(truth.markers)]
-        if lacks or adds:
+        if set(markers) != set(truth.markers):
+            lacks = [name for name in truth.markers if name not in markers]
+            adds = [name for name in markers if name not in truth.markers]
             lists = (("lacks", lacks), ("has besides", adds))
             differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
             raise ValueError(f"{what} and truth differ in their markers: {what} {differences}")
