@@ -21,7 +21,12 @@ inner = kernel(fastmath={"reassoc", "contract"}, no_cpython_wrapper=True)  # for
 
 @compiled
 def smooth(
-    missing: Flags, basis: Floats, weighted: Floats, states: Floats, covariances: Floats
+    missing: Flags,
+    basis: Floats,
+    weighted: Floats,
+    total: Floats,
+    states: Floats,
+    covariances: Floats,
 ) -> None:
     """Write the state in every frame, all frames being known, and its covariance.
 
@@ -34,7 +39,7 @@ def smooth(
     ``P[t] = W[t] + W[t] P[t+1] W[t]``. This is the Kalman filter and the smoother of Rauch, Tung
     and Striebel in the form of Cholesky's factors.
 
-    Nothing is assigned to a slice: with the message for shapes that differ, numba would take twice
+    Nothing is assigned to a slice, and little is left to NumPy's functions: numba would take twice
     as long to compile.
 
     Parameters
@@ -44,17 +49,19 @@ def smooth(
         A row c for each coordinate.
     weighted : (P, D) array of float64
         ``c / r``.
+    total : (D, D) array of float64
+        I of a frame that has all coordinates.
     states : (T, D) array of float64
         i; x is written there.
     covariances : (T, D, D) array of float64
         W[0] in the first frame; P is written there.
     """
-    (frames, size), total = states.shape, basis.T @ weighted
+    frames, size = states.shape
     known, line, square = total, np.empty(size), np.empty((size, size))
     for t in range(1, frames):
         before, block = covariances[t - 1], covariances[t]
         np.dot(before, states[t - 1], line)
-        if t == 1 or not np.array_equal(missing[t], missing[t - 1]):
+        if t == 1 or not _equal(missing[t], missing[t - 1]):
             known = information(missing[t], basis, weighted, total)
         for i in range(size):
             states[t, i] += line[i]
@@ -78,11 +85,30 @@ def smooth(
 @compiled
 def information(missing: Flags, basis: Floats, weighted: Floats, total: Floats) -> Floats:
     """Return I of a frame, the sum over the coordinates that it has, from that over all."""
-    places = np.flatnonzero(missing)
-    if 2 * len(places) > len(missing):
-        places = np.flatnonzero(~missing)
-        return basis[places].T @ weighted[places]
-    return total - basis[places].T @ weighted[places]
+    # what it has is added up, or what it lacks is taken off, whichever is less
+    lacking = 0
+    for j in range(len(missing)):
+        lacking += missing[j]
+    few = 2 * lacking <= len(missing)
+    known = np.empty_like(total)
+    for i in range(len(total)):
+        for k in range(len(total)):
+            known[i, k] = total[i, k] if few else 0.0
+    for j in range(len(missing)):
+        if missing[j] == few:
+            for i in range(len(total)):
+                line, share = known[i], -basis[j, i] if few else basis[j, i]
+                for k in range(len(total)):
+                    line[k] += share * weighted[j, k]
+    return known
+
+
+@inner
+def _equal(flags: Flags, others: Flags) -> bool:
+    equal = True
+    for j in range(len(flags)):
+        equal &= flags[j] == others[j]
+    return equal
 
 
 @compiled

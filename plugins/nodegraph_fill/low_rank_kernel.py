@@ -43,7 +43,7 @@ def factorize(start: Integers, columns: Integers, precision: Floats) -> tuple[Fl
     for row in range(len(where)):
         places = columns[start[row] : start[row + 1]]
         # neighbouring rows mostly lack the same: the factor serves for all of them
-        if row and np.array_equal(places, before):
+        if row and _equal(places, before):
             where[row] = where[row - 1]
         else:
             where[row] = size
@@ -56,6 +56,15 @@ def factorize(start: Integers, columns: Integers, precision: Floats) -> tuple[Fl
             _factorize(precision, places, factors[end:])
             end += len(places) * (len(places) + 1) // 2
     return factors, where
+
+
+@inner
+def _equal(places: Integers, others: Integers) -> bool:
+    equal = len(places) == len(others)
+    if equal:
+        for i in range(len(places)):
+            equal &= places[i] == others[i]
+    return equal
 
 
 @inner

@@ -71,11 +71,12 @@ class StateSpace:
 
         basis, identity = self._basis, np.eye(len(self.first))
         weighted = basis / self.noise[:, None]
-        known = kalman_kernel.information(missing[0], basis, weighted, basis.T @ weighted)
+        total = basis.T @ weighted
+        known = kalman_kernel.information(missing[0], basis, weighted, total)
         start = np.linalg.solve(identity + self._first @ known, self._first)
         states, covariances = rows @ weighted, np.empty((len(rows), *start.shape))
         covariances[0] = np.linalg.solve(identity + start, start) if len(rows) > 1 else start
-        kalman_kernel.smooth(missing, basis, weighted, states, covariances)
+        kalman_kernel.smooth(missing, basis, weighted, total, states, covariances)
         return states, covariances
 
     def _forget(
