@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph.store.codec import decode_array
+from nodegraph.store.arrays import decode_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,7 +8,7 @@ import stat
 from typing import TYPE_CHECKING
 
 from nodegraph.store import files
-from nodegraph.store.codec import Unreadable
+from nodegraph.store.errors import Unreadable
 
 if TYPE_CHECKING:
     import numpy as np

@@ -11,222 +11,29 @@ import hashlib
 import json
 import math
 import struct
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cached_property, lru_cache, partial
-from importlib import import_module
-from inspect import signature
-from math import prod
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from operator import is_
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from nodegraph.errors import NodegraphError
 from nodegraph.node.ports import Absent, Across
 from nodegraph.node.values import Value, locked
+from nodegraph.store.arrays import (
+    decode_array,
+    decode_number,
+    encode_array,
+    encode_number,
+    is_numpy,
+)
+from nodegraph.store.classes import class_name, class_named, contents, field_names, with_contents
+from nodegraph.store.errors import Unreadable, Unstorable
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from nodegraph.plugin.kind import Kind
-
-
-class Unstorable(NodegraphError):
-    """A value cannot be kept without pickle.
-
-    Attributes
-    ----------
-    kind : str
-        The type that cannot be kept.
-    inside : tuple of str
-        The types that hold it, from the inside out.
-    """
-
-    def __init__(self, kind: str, why: str = "no plugin says how to keep it") -> None:
-        self.kind = kind
-        self.why = why
-        self.inside: tuple[str, ...] = ()
-        super().__init__(kind, why)
-
-    def __str__(self) -> str:
-        where = "".join(f" inside {place}" for place in self.inside)
-        return f"a value of type {self.kind}{where} cannot be kept: {self.why}"
-
-
-class Unreadable(NodegraphError):
-    """Stored data cannot be read."""
-
-
-class UnknownClass(Unreadable):
-    """A value is of a class that is not here: its plugin may not be loaded."""
-
-
-if TYPE_CHECKING:
-    Buffer = bytes | bytearray | memoryview | NDArray[np.uint8]
-
-_KINDS = frozenset("biufcmMSU")
-_OF_ONE_MACHINE = frozenset("gG")
-"""Long doubles: the same name means other numbers on another processor."""
-_MOST_AXES = 64
-_EMPTY = 2**28
-"""Bytes of an array whose axes of no length had one: what is computed of it may take them."""
-_LAST_CHARACTER = 0x10FFFF
-
-
-def encode_array(array: NDArray[np.generic]) -> tuple[list[object], memoryview]:
-    """Return an array's type, shape and order of axes, and its bytes: no copy unless it has gaps.
-
-    The order is that from the slowest axis to the fastest in memory, left out where it is their
-    own.
-    """
-    kind = type_name(array.dtype)
-    shape = list(array.shape)
-    if not array.nbytes and _is_too_long(shape, array.itemsize):
-        raise Unstorable(f"array of shape {array.shape}", "it has no numbers, and is too long")
-    if array.flags.c_contiguous:
-        return [kind, shape], _bytes_of(array)
-    order = sorted(range(array.ndim), key=lambda axis: -abs(array.strides[axis]))
-    moved = array.transpose(order)
-    return [kind, shape, order], _bytes_of(moved if moved.flags.c_contiguous else moved.copy("C"))
-
-
-def decode_array(
-    buffer: Buffer,
-    name: str,
-    shape: list[int],
-    order: list[int] | None = None,
-) -> NDArray[np.generic]:
-    """Return the array again, read-only, upon the given bytes themselves.
-
-    Parameters
-    ----------
-    buffer
-        Its bytes.
-    name, shape, order
-        As `encode_array` returned them; everything is checked before any memory is taken.
-
-    Raises
-    ------
-    Unreadable
-        If that describes no array of these bytes.
-    """
-    import numpy as np
-
-    kind, size = _type_named(name), len(buffer)
-    _check_shape(shape, kind.itemsize, size)
-    axes = range(len(shape))
-    if order is not None and sorted(order) != list(axes):
-        raise Unreadable(f"{order} is not an order of {len(axes)} axes")
-    memory = np.frombuffer(buffer, np.uint8) if size else np.empty(0, np.uint8)
-    lengths = shape if order is None else [shape[axis] for axis in order]
-    slow_to_fast: NDArray[np.generic] = np.ndarray(lengths, kind, memory)
-    if not slow_to_fast.flags.aligned:
-        slow_to_fast = slow_to_fast.copy()
-    if kind.kind == "U" and size:
-        _check_characters(slow_to_fast)
-    slow_to_fast.flags.writeable = False
-    if order is None:
-        return slow_to_fast
-    return slow_to_fast.transpose([order.index(axis) for axis in axes])
-
-
-def type_name(kind: np.dtype[np.generic]) -> str:
-    """Return a text from which numpy makes the very same type.
-
-    Raises
-    ------
-    Unstorable
-        If there is none: objects, records, types of other libraries, long doubles.
-    """
-    import numpy as np
-
-    shown = f"array of {kind.name}"
-    if kind.kind not in _KINDS:
-        raise Unstorable(shown, "only numbers, strings and times are kept as arrays")
-    if kind.char in _OF_ONE_MACHINE:
-        raise Unstorable(shown, "its bytes mean other numbers on another processor")
-    for name in (kind.str, f"{kind.str[0]}{kind.char}"):
-        again = np.dtype(name)
-        if again == kind and again.char == kind.char:
-            return name
-    raise Unstorable(shown)
-
-
-def encode_number(number: np.generic) -> list[str]:
-    """Return the type and the bytes of a number of numpy's, such as ``numpy.float32(1)``."""
-    return [type_name(number.dtype), number.tobytes().hex()]
-
-
-def decode_number(name: str, content: str) -> object:
-    """Return the number again.
-
-    Raises
-    ------
-    Unreadable
-        If that describes no number.
-    """
-    import numpy as np
-
-    kind, memory = _type_named(name), bytes.fromhex(content)
-    if len(memory) != kind.itemsize:
-        raise Unreadable(f"a number of {kind.itemsize} bytes has {len(memory)}")
-    return np.frombuffer(memory, kind)[0]
-
-
-def _bytes_of(array: NDArray[np.generic]) -> memoryview:
-    import numpy as np
-
-    if not array.nbytes:
-        return memoryview(b"")
-    # through uint8, because times have no buffer of their own
-    return array.reshape(-1).view(np.uint8).data
-
-
-@lru_cache(maxsize=256)
-def _type_named(name: str) -> np.dtype[np.generic]:
-    """Return the type that `type_name` gives that name."""
-    import numpy as np
-
-    kind = np.dtype(name)
-    if kind.kind not in _KINDS or type_name(kind) != name:
-        raise Unreadable(f"{name!r} is not a type of an array that is kept")
-    return kind
-
-
-def _check_shape(shape: list[int], itemsize: int, size: int) -> None:
-    if len(shape) > _MOST_AXES:
-        raise Unreadable(f"an array has {len(shape)} axes")
-    for length in shape:
-        if type(length) is not int or length < 0:
-            raise Unreadable(f"an array has the shape {shape}")
-    needed = prod(shape) * itemsize
-    if needed != size:
-        raise Unreadable(f"an array of {needed} bytes has {size}")
-    if not size and _is_too_long(shape, itemsize):
-        raise Unreadable(f"an array without numbers has the shape {shape}")
-
-
-def _is_too_long(shape: Iterable[int], itemsize: int) -> bool:
-    return prod(length or 1 for length in shape) * max(itemsize, 1) > _EMPTY
-
-
-def _check_characters(texts: NDArray[np.generic]) -> None:
-    """Refuse strings with invalid code points: numpy fails when one of them is read."""
-    codes = texts.reshape(-1).view(texts.dtype.str[0] + "u4")
-    if codes.max() > _LAST_CHARACTER:
-        raise Unreadable("an array of strings has an invalid code point")
-
-
-def is_numpy(kind: type) -> bool:
-    """Return whether values of the type are arrays of numpy, or numbers taken from them."""
-    if not kind.__module__.startswith("numpy"):
-        return False
-    import numpy as np
-
-    return kind is np.ndarray or (issubclass(kind, np.generic) and kind.__module__ == "numpy")
+    from nodegraph.store.arrays import Buffer
 
 
 def numpy_encoder(kind: type) -> Callable[[Any, Encoder], object]:
@@ -273,128 +80,6 @@ NUMPY_DECODERS: dict[str, Callable[..., object]] = {
     "numpy.str": _decode_numpy_str,
     "numpy.bytes": _decode_numpy_bytes,
 }
-
-
-_UNSET = object()
-
-
-def class_name(kind: type) -> str:
-    """Return a name by which the class is found again: ``module:Class``.
-
-    Raises
-    ------
-    Unstorable
-        If it is not a dataclass, holds more than its fields, cannot check them alone, or is not
-        found by its name.
-    """
-    if not is_dataclass(kind):
-        raise Unstorable(kind.__name__, "a Value is kept if it is a dataclass")
-    if kind.__new__ is not object.__new__:  # a mapping, an array, an exception besides
-        raise Unstorable(kind.__name__, "it is more than its fields")
-    if len(signature(getattr(kind, "__post_init__", _no_check)).parameters) > 1:
-        raise Unstorable(kind.__name__, "its __post_init__ needs more than its fields")
-    if _held_by(sys.modules.get(kind.__module__), kind.__qualname__) is not kind:
-        raise Unstorable(kind.__name__, f"{kind.__module__} has no class {kind.__qualname__}")
-    return f"{kind.__module__}:{kind.__qualname__}"
-
-
-def class_named(name: str, packages: Callable[[str], bool]) -> type[Value]:
-    """Return the class of that name.
-
-    What is stored must not make this program run code that nobody chose: a module that is not
-    imported yet is imported only if `packages` takes the package that it lies in.
-
-    Raises
-    ------
-    UnknownClass
-        If there is none, it may not be imported, or it is not a dataclass that derives from
-        `Value`.
-    """
-    module, _, qualified = name.partition(":")
-    if module not in sys.modules and packages(module.partition(".")[0]):
-        import_module(module)
-    kind = _held_by(sys.modules.get(module), qualified)
-    if isinstance(kind, type) and issubclass(kind, Value) and is_dataclass(kind):
-        return kind
-    raise UnknownClass(f"{name!r} is not a class of values here")
-
-
-def contents(value: object, names: tuple[str, ...]) -> list[object]:
-    """Return the fields of a value.
-
-    Raises
-    ------
-    Unstorable
-        If a field has no value, or the value has more than its fields.
-    """
-    values = [getattr(value, name, _UNSET) for name in names]
-    if any(value_ is _UNSET for value_ in values):
-        raise Unstorable(type(value).__name__, "a field of it has no value")
-    more = set(getattr(value, "__dict__", ())).difference(names)
-    # what it has computed from its fields, it can compute again
-    extra = {name for name in more if not isinstance(_attribute(value, name), cached_property)}
-    if extra:
-        raise Unstorable(type(value).__name__, f"{', '.join(sorted(extra))}: not among its fields")
-    return values
-
-
-def with_contents(kind: type[Value], fields: Mapping[str, object]) -> Value:
-    """Return a value with these fields as they are: none is recomputed.
-
-    They are checked by the class's own `__post_init__`, which is called with another value of the
-    same fields.
-
-    Raises
-    ------
-    Unreadable
-        If the class has other fields now, or makes fields of other types of these.
-    """
-    if field_names(kind) != tuple(fields):
-        raise Unreadable(f"{kind.__name__} has other fields than when it was kept")
-    check: Callable[[Value], None] = getattr(kind, "__post_init__", _no_check)
-    if check is not _no_check:
-        trial = _with_fields(kind, fields)
-        check(trial)
-        for name, value in fields.items():
-            _check_type(f"{kind.__name__}.{name}", value, getattr(trial, name))
-    return _with_fields(kind, fields)
-
-
-def field_names(kind: type) -> tuple[str, ...]:
-    """Return the names of a dataclass' fields."""
-    return tuple(field.name for field in fields(kind))
-
-
-def _no_check(value: Value) -> None:
-    pass
-
-
-def _with_fields(kind: type[Value], fields: Mapping[str, object]) -> Value:
-    value = object.__new__(kind)
-    for name, field in fields.items():
-        object.__setattr__(value, name, field)
-    return value
-
-
-def _check_type(where: str, value: Any, expected: Any) -> None:
-    """Refuse a field of another type than its class makes of it."""
-    kind = type(value)
-    if kind is not type(expected):
-        raise Unreadable(f"{where} is {kind.__name__}, not {type(expected).__name__}")
-    if is_numpy(kind) and value.dtype != expected.dtype:
-        raise Unreadable(f"{where} is of {value.dtype}, not of {expected.dtype}")
-
-
-def _attribute(value: object, name: str) -> object:
-    return getattr(type(value), name, None)
-
-
-def _held_by(module: object, qualified: str) -> object:
-    """Return what a module holds under a dotted name, without asking it to import anything."""
-    target = module
-    for part in qualified.split("."):
-        target = getattr(target, "__dict__", {}).get(part)
-    return target
 
 
 _PATH = type(Path())
@@ -563,18 +248,8 @@ def _encode_int(value: int, encoder: Encoder) -> object:
 
 
 def _encode_float(value: float, encoder: Encoder) -> object:
-    # a NaN has 52 bits of its own, and no way into JSON
+    # JSON has no NaN and no infinity
     return value if math.isfinite(value) else ["float", struct.pack("<d", value).hex()]
-
-
-def _encode_str(value: str, encoder: Encoder) -> object:
-    if value.isascii():
-        return value
-    try:
-        value.encode()
-    except UnicodeEncodeError:  # JSON would join two halves of a character into one
-        return ["str", value.encode("utf-8", "surrogatepass").hex()]
-    return value
 
 
 def _encode_bytes(value: bytes, encoder: Encoder) -> object:
@@ -582,7 +257,7 @@ def _encode_bytes(value: bytes, encoder: Encoder) -> object:
 
 
 def _encode_path(value: Path, encoder: Encoder) -> object:
-    return ["path", _encode_str(str(value), encoder)]
+    return ["path", str(value)]
 
 
 def _encode_tuple(value: tuple[object, ...], encoder: Encoder) -> object:
@@ -689,7 +364,7 @@ BASIC_ENCODERS: dict[type, Encode] = {
     bool: _encode_as_is,
     int: _encode_int,
     float: _encode_float,
-    str: _encode_str,
+    str: _encode_as_is,
     bytes: _encode_bytes,
     _PATH: _encode_path,
     tuple: _encode_tuple,
@@ -700,7 +375,6 @@ BASIC_ENCODERS: dict[type, Encode] = {
 _DECODERS: dict[str, Decode] = {
     "int": lambda decoder, digits: int(digits, 16),
     "float": lambda decoder, content: struct.unpack("<d", bytes.fromhex(content))[0],
-    "str": lambda decoder, content: bytes.fromhex(content).decode("utf-8", "surrogatepass"),
     "bytes": lambda decoder, number: decoder.content(decoder.buffer(number)),
     "path": lambda decoder, plain: Path(decoder.text(plain)),
     "tuple": lambda decoder, *plain: tuple(decoder.all(plain)),
@@ -710,8 +384,6 @@ _DECODERS: dict[str, Decode] = {
     "absent": _decode_absent,
 }
 
-
-__all__ = ["Packed", "Packer", "Unreadable", "Unstorable"]
 
 T = TypeVar("T")
 

