@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.stats import gmean, sem, t
 
-from nodegraph import Absent, Across, Label
+from nodegraph import Absent, Across, Declared, Label
 from nodegraph.node.decorator import node_of
 from nodegraph_compare.answer import scope_words
 from nodegraph_compare.question import margin_of
@@ -361,6 +361,39 @@ def test_rows_over_groups_count_the_same_results_once() -> None:
     overall = frame[frame["length"].isna()].set_index("fill")
     assert overall["blocks"].to_dict() == {"near": 40, "twin": 80, "far": 80}
     assert overall.loc["near", "mean"] == pytest.approx(frame["mean"][frame["fill"] == "near"][:1])
+
+
+def both_ways(count: int) -> Across[Table]:
+    """Two ways of every fill: `met` halves the errors of `far`, and raises those of `near`."""
+    entries = [
+        ({**labels, "ends": ends}, each.assign(rmse=each["rmse"] * factors[str(labels["fill"])]))
+        for ends, factors in (
+            ("plain", {"near": 1.0, "twin": 1.0, "far": 1.0}),
+            ("met", {"near": 1.1, "twin": 1.0, "far": 0.5}),
+        )
+        for labels, each in trials(count)
+    ]
+    axes = ("trial", "ends", "length", "fill")
+    declared: dict[Label, Declared] = {
+        name: {"axes": ("ends",)} for name in ("near", "twin", "far")
+    }
+    return Across(axes, tuple(entries), sources=("trial",), methods={"fill": declared})
+
+
+def test_the_better_of_two_ways_of_every_method_is_said() -> None:
+    settings: Any = {"compare": "fill", "within": ("ends", "length"), "blocks": ("trial", "gap")}
+    result = table(both_ways(8), **settings)
+    (variation,) = result.overview.verdicts.variations
+    assert (variation.axis, variation.label, variation.other) == ("ends", "met", "plain")
+    methods = result.overview.verdicts.methods
+    better, worse = ([methods[at] for at in at] for at in (variation.better, variation.worse))
+    assert (better, worse, variation.methods) == (["far"], ["near"], 3)
+    said = "Ends met: better than plain for 1 of 3 fills at every length; worse for near."
+    assert said in words(result.table)[0]
+    # too few units decide nothing, and neither does an axis that no method has
+    assert not table(both_ways(4), **settings).overview.verdicts.variations
+    unknown = replace(both_ways(8), methods={})
+    assert not table(unknown, **settings).overview.verdicts.variations
 
 
 def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
