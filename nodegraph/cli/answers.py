@@ -24,8 +24,10 @@ class Result:
     data : mapping
         What a plugin says of the value; of a table: ``columns``, ``rows`` (a list per
         row, null for a number that is missing), ``units`` and ``better`` by column, ``best`` and
-        ``tied`` (rows by column), and ``cells``: the columns that hold the interval and the p of
-        another.
+        ``tied`` (rows by column), ``cells``: the columns that hold the interval and the p of
+        another, and ``answer``: its ``sentence`` and ``scope``, and of each of its ``groups``
+        whether there is a ``verdict``, which methods are ``best``, ``tied``, ``behind`` and
+        ``first`` by the mean, and their ``mean``, ``low``, ``high`` and ``p``.
     """
 
     node: str
