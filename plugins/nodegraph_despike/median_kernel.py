@@ -52,18 +52,24 @@ def medians(positions: Floats, reach: int) -> tuple[Floats, Floats]:
     # of every two frames of the window, each with its slot as row and column
     apart = np.empty((width, width))
     for marker in range(markers):
-        track = positions[:, marker].copy()
+        track, missing = positions[:, marker].copy(), -1
         for frame in range(min(reach, frames)):
             _enter(apart, track, slots, frame)
+            missing = frame if track[frame, 0] != track[frame, 0] else missing
         for now in range(frames):
-            if now + reach < frames:
-                _enter(apart, track, slots, now + reach)
-            off[now, marker] = apart[slots[now], slots[now]]
-            count = _gather(inside, track, now, reach)
-            if count == 0:
-                continue
-            _sum_distances(total[:count], apart, slots, inside[:count])
-            median = _least(total[:count], inside[:count], now)
+            last = now + reach
+            if last < frames:
+                _enter(apart, track, slots, last)
+                missing = last if track[last, 0] != track[last, 0] else missing
+            if missing < now - reach and now >= reach and last < frames:
+                median = _of_full(apart, total, slots, now, reach)
+            else:
+                off[now, marker] = apart[slots[now], slots[now]]
+                count = _gather(inside, track, now, reach)
+                if count == 0:
+                    continue
+                _sum_distances(total[:count], apart, slots, inside[:count])
+                median = _least(total[:count], inside[:count], now)
             medians[now, marker] = track[median]
             off[now, marker] = apart[slots[now], slots[median]]
     return medians, off
@@ -106,6 +112,23 @@ def _enter(apart: Floats, track: Floats, slots: Integers, frame: int) -> None:
     for other in range(max(0, frame - len(apart) + 1), frame + 1):
         length = _apart(track[frame], track[other])
         apart[slot, slots[other]] = apart[slots[other], slot] = length
+
+
+@inlined
+def _of_full(apart: Floats, total: Floats, slots: Integers, now: int, reach: int) -> int:
+    """Return the median's frame of a window without gaps, whose slots need no list."""
+    width = len(total)
+    for row in range(width):
+        length = 0.0
+        for other in range(width):
+            length += apart[row, other]
+        total[row] = length
+    bar, best, first = total.min() * _TIE, -1, slots[now - reach]
+    for step in range(width):
+        slot = first + step if first + step < width else first + step - width
+        if total[slot] <= bar and (best < 0 or abs(step - reach) < abs(best - reach)):
+            best = step
+    return now - reach + best
 
 
 @inlined
