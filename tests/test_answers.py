@@ -68,7 +68,7 @@ class Shown:
         return value
 
 
-def shown(text: str, folder: Path) -> Shown:
+def shown(text: str, folder: Path, **choices: Any) -> Shown:
     """Run a graph in this process."""
     (folder / "graph.yaml").write_text(text, encoding="utf-8")
     (folder / "odd.py").write_text(odd_studies.NODES, encoding="utf-8")
@@ -80,7 +80,7 @@ def shown(text: str, folder: Path) -> Shown:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        graph = ng.load(folder / "graph.yaml", plugins=[folder / "odd.py"])
+        graph = ng.load(folder / "graph.yaml", plugins=[folder / "odd.py"], **choices)
         run = ng.run(graph, jobs=1)
         return Shown(run, compose(run, write=write).study, files)
 
@@ -218,3 +218,8 @@ def test_an_answer_of_the_graph_is_said_everywhere_or_refused_with_its_place(
     (note,) = (note for note in refused.study.notes if note.kind is Kind.FAILED)
     assert re.match(r".*graph\.yaml:14:27: 'answer': \{best cubic\} for length 5", note.reason)
     check_places(refused, tmp_path)
+    # the author wrote of other methods
+    fewer = shown(wrong, tmp_path, only={"fill": ["linear", "ridge"]})
+    assert fewer.study.ok
+    assert any("{best cubic}" in note.reason for note in fewer.study.notes)
+    check_places(fewer, tmp_path)

@@ -260,10 +260,18 @@ class _Shown:
         return lost
 
     def _refuse_answer(self, result: _Result, why: str) -> None:
-        """Note that the author's answer is contradicted, once for all outputs of a node."""
+        """Note that the author's answer is contradicted, once for all outputs of a node.
+
+        It is no failure where the data or the methods are not those that the author wrote of.
+        """
         message = f"{result.entry.answer_place}: 'answer': {why}"
-        if not any(note.reason == message for note in self.notes):
-            self.notes.append(StepNote(result.node, result.combination, message, Kind.FAILED))
+        if any(note.reason == message for note in self.notes):
+            return
+        settings = self._run.settings
+        is_other = bool(settings.set or settings.axis or settings.only)
+        kind = Kind.WARNING if is_other else Kind.FAILED
+        self.notes.append(StepNote(result.node, result.combination, message, kind))
+        if not is_other:
             self.not_shown.append(NotShown(result.node, plain(result.labels), message, "", ""))
 
     def _add_error(self, result: _Result, error: Exception) -> None:
