@@ -60,7 +60,7 @@ def crosstab(
         Labels that stand down the side, and along the top, in place of these. What neither names
         stands in the rows; in the columns, if only rows are named.
     most
-        The columns at which the outer labels begin to stand down the side.
+        The columns of groups from which on the outer labels stand down the side.
     in_print
         See `columns_of`.
 
@@ -87,16 +87,23 @@ def crosstab(
             columns=tuple(column.cells for column in marked),
             unit=marked[0].unit,
         )
-    side, top = _layout(labels, rows, columns, most)
+    more = bool(info.overall)
+    side, top = _layout(labels, rows, columns, None if most is None else most + more)
     order = _order(labels)
     row_of, head_of = (_texts(labels[name] for name in names) for names in (side, top))
+    groups = {*list(labels)[:-1]}
+    # what is over all groups has no place where some stand down the side, some along the top
+    left_out = info.overall if groups & {*side} and groups & {*top} else ()
+    pairs = enumerate(zip(row_of, head_of, strict=True))
+    at = {pair: place for place, pair in pairs if place not in left_out}
     sides = sorted(
-        set(row_of), key=lambda row: [order[n][t] for n, t in zip(side, row, strict=True)]
+        {row for row, _ in at},
+        key=lambda row: [order[n][t] for n, t in zip(side, row, strict=True)],
     )
     tops = sorted(
-        set(head_of), key=lambda head: [order[n][t] for n, t in zip(top, head, strict=True)]
+        {head for _, head in at},
+        key=lambda head: [order[n][t] for n, t in zip(top, head, strict=True)],
     )
-    at = {pair: place for place, pair in enumerate(zip(row_of, head_of, strict=True))}
     value = marked[0]
     return Crosstab(
         side=side,

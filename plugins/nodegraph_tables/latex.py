@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from nodegraph import listed
-from nodegraph_tables.cells import columns_of
+from nodegraph_tables.cells import ALL, columns_of
 from nodegraph_tables.crosstab import Crosstab, crosstab
 from nodegraph_tables.info import info_of
 
@@ -237,9 +237,10 @@ def _heads(crossed: Crosstab, wide: int) -> Iterable[str]:
         rules, at = [], stub + 1
         for labels, alike in groupby(head[: level + 1] for head in crossed.heads):
             width = wide * len(list(alike))
-            text = _text(labels[level])
+            over_all = labels[level] == ALL and not last  # stands in the last line alone
+            text = "" if over_all else _text(labels[level])
             cells.append(rf"\multicolumn{{{width}}}{{c}}{{{text}}}" if width > 1 else text)
-            rules.append(rf"\cmidrule(lr){{{at}-{at + width - 1}}}")
+            rules += [] if over_all else [rf"\cmidrule(lr){{{at}-{at + width - 1}}}"]
             at += width
         yield _line(cells)
         yield r"\midrule" if last else " ".join(rules)

@@ -176,6 +176,18 @@ def test_over_all_groups_stands_last_and_a_method_that_a_group_lacks_has_an_empt
     ]
 
 
+def test_over_all_groups_is_left_out_where_groups_are_down_the_side_and_along_the_top() -> None:
+    table = comparison()
+    rows = table.iloc[:3].assign(ends=None, length=np.nan, mean=[0.7, 0.8, 0.9])
+    whole = pd.concat([pd.DataFrame(table), pd.DataFrame(rows)], ignore_index=True)
+    info = replace(info_of(table), overall=(18, 19, 20))
+    whole = with_info(whole.astype({"length": "Int64"}), info)
+    assert [row[-1] for row in body(latex_of(whole, "t"))[:3]] == ["", "all", "0.70"]
+    chosen = latex_of(whole, "t", ["ends", "fill"], ["length"])
+    assert body(chosen)[0] == ["ends", "fill", *(f"length {length}" for length in LENGTHS)]
+    assert "0.70" not in chosen
+
+
 def test_a_column_of_text_that_is_the_same_throughout_stands_in_the_caption() -> None:
     table = pd.DataFrame({"marker": ["lip", "jaw"], "rmse": [0.5, -1.5], "rule": ["mid", "mid"]})
     latex = latex_of(table, "Errors of markers")
