@@ -45,6 +45,7 @@ FLOORS = (  # from the top
         "import_time",
         "kernels",
         "state",
+        "supervisor",
         "validation_errors",
     },
 )

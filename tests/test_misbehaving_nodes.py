@@ -104,8 +104,9 @@ def thread_stays(x: np.ndarray) -> float:
 
 @node("bad.holds")
 def holds(x: np.ndarray, *, sign: str = "") -> float:
+    sys.setswitchinterval(1000)
     if sign:
-        Path(sign).write_text("holds the lock")
+        ctypes.PyDLL(None).creat(sign.encode(), 0o600)  # and the lock is not released meanwhile
     re.match("(a+)+$", "a" * 40 + "b")
     return 1.0
 
@@ -116,6 +117,10 @@ def segfaults(x: np.ndarray) -> float:
 @node("bad.dies")
 def dies(x: np.ndarray) -> float:
     ctypes.CDLL(None).exit(0)
+
+@node("bad.dies_at_once")
+def dies_at_once(x: np.ndarray) -> float:
+    ctypes.CDLL(None)._exit(0)
 
 @node("bad.sleeps")
 def sleeps(x: np.ndarray, *, sign: str) -> float:
@@ -301,13 +306,23 @@ def test_memory_that_cannot_be_limited_is_refused(tmp_path: Path) -> None:
     assert "memory cannot be limited with executor 'dask'" in ended.err
 
 
-def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(tmp_path: Path) -> None:
-    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, good.sum", "good.sum, bad.dies"))
+@pytest.mark.parametrize(
+    ("bad", "status", "how"),
+    [
+        ("bad.dies", 1, "has ended with exit status 0"),
+        ("bad.dies_at_once", 1, "has ended with exit status 0"),
+        ("bad.segfaults", -signal.SIGSEGV, "was ended by signal SIGSEGV"),
+    ],
+)
+def test_a_node_that_ends_the_program_loses_nothing_that_was_finished(
+    tmp_path: Path, bad: str, status: int, how: str
+) -> None:
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD, good.sum", f"good.sum, {bad}"))
     for _ in range(2):
         process = started(tmp_path, "--executor", "serial")
         _, errors = process.communicate(timeout=60)
-        assert process.returncode == 1
-        assert "bad.dies has ended the process before the run was finished" in errors
+        assert process.returncode == status
+        assert f"the process {how} before the run was finished, while {bad} ran" in errors
     events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
     kinds = [json.loads(line)["event"] for line in events]
     assert (kinds.count("stored"), kinds.count("done")) == (2, 0)
@@ -317,6 +332,20 @@ CONTINUES = "the same command continues from there"
 LET_GO = "ended with a step that does not let go; finished steps are stored"
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_program_that_is_ended_ends_whole(tmp_path: Path, number: signal.Signals) -> None:
+    sign = tmp_path / "sign"
+    bad = f"{{bad: {{use: bad.sleeps, with: {{sign: {sign}}}}}}}"
+    (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
+    process = started(tmp_path)
+    while not sign.exists():
+        assert process.poll() is None, process.stderr and process.stderr.read()
+        time.sleep(0.01)
+    process.send_signal(number)
+    process.communicate(timeout=60)  # whatever was left of it would keep the pipe open
+    assert process.returncode == -number
+
+
 @pytest.mark.parametrize(
     ("executor", "bad", "status", "words"),
     [
@@ -324,7 +353,7 @@ LET_GO = "ended with a step that does not let go; finished steps are stored"
         ("threads", "bad.sleeps", 130, CONTINUES),
         ("processes", "bad.sleeps", 130, CONTINUES),
         ("serial", "bad.holds", 130, CONTINUES),
-        ("threads", "bad.holds", -signal.SIGKILL, LET_GO),
+        ("threads", "bad.holds", 130, LET_GO),
         ("processes", "bad.holds", 130, CONTINUES),
         ("dask", "bad.holds", 130, CONTINUES),
     ],

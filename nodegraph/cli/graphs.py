@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nodegraph import supervisor
 from nodegraph.cli.arguments import input_values, pairs
-from nodegraph.cli.ending import refuse_exits
 from nodegraph.cli.output import say
 from nodegraph.errors import GraphError, NodegraphError
-from nodegraph.execute import HowToRun, Listener, open_store
+from nodegraph.execute import Event, EventKind, HowToRun, Listener, open_store
 from nodegraph.execute.settings import read_axis, read_labels
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
@@ -120,9 +120,7 @@ def run_of(
     """
     from nodegraph.api import run_graph
     from nodegraph.cli.progress import progress
-    from nodegraph.execute.interruption import watched
 
-    refuse_exits()
     how = how_of(arguments)
     if how.timeout is not None and how.executor != "processes":
         say(
@@ -131,7 +129,23 @@ def run_of(
         )
     for line in () if quiet else left_out_lines(graph):
         say(line)
-    with progress(quiet=quiet) as display, watched():
+    with progress(quiet=quiet) as display, supervisor.in_run():
         if store is None and cache:
             store = store_of(arguments, graph, display.say)
-        return run_graph(graph, how, store=store, until=until, listeners=[display, *listeners])
+        return run_graph(
+            graph, how, store=store, until=until, listeners=[_Running(), display, *listeners]
+        )
+
+
+class _Running:
+    """Says which nodes are running, should the program end with them."""
+
+    def __init__(self) -> None:
+        self._names: dict[int, str] = {}
+
+    def __call__(self, event: Event) -> None:
+        if event.kind == EventKind.STARTED:
+            self._names[event.step] = event.detail["use"]
+        elif self._names.pop(event.step, None) is None:
+            return
+        supervisor.running(dict.fromkeys(self._names.values()))

@@ -52,7 +52,6 @@ def program() -> NoReturn:
     gc.freeze()
     gc.disable()
     ending.end_with(status)
-    sys.exit(status)
 
 
 def main(words: Sequence[str] | None = None) -> int:
