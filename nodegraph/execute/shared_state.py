@@ -88,9 +88,15 @@ def _enter(folder: str) -> None:
         os.chdir(folder)
 
 
-def _set_environment(original: dict[str, str]) -> None:
+def _environment() -> dict[Any, Any]:
+    """Return the variables as `os.environ` holds them: as texts, each would cost a read of it."""
+    data: dict[Any, Any] = vars(os.environ)["_data"]
+    return data.copy()
+
+
+def _set_environment(original: dict[Any, Any]) -> None:
     os.environ.clear()
-    os.environ.update(original)
+    os.environ.update({os.fsdecode(name): os.fsdecode(value) for name, value in original.items()})
 
 
 def _random_states() -> bytes:
@@ -172,7 +178,7 @@ SHARED = (
     SharedState(
         "changes os.environ",
         "pass what a library needs as an argument",
-        lambda: dict(os.environ),
+        _environment,
         _set_environment,
     ),
     SharedState("changes the working directory", "use whole paths", _folder, _enter),
