@@ -105,6 +105,8 @@ def alike(shown: str, stored: str, *, percent: bool) -> bool:
     """Return whether a cell says what the file says, intervals and daggers after it aside."""
     if shown == stored or (shown in ("", "all") and stored in ("", "nan")):
         return True
+    if stored in ("True", "False"):
+        return shown == {"True": "yes", "False": "no"}[stored]
     if shown == "< 0.0001":
         return float(stored) < 1e-4
     try:

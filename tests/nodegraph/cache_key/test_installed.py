@@ -28,6 +28,7 @@ MACHINE = {
     "nodegraph.node.decorator",
     "nodegraph.node.live_form",
     "nodegraph.node.ports",
+    "nodegraph.node.shared",
     "nodegraph.node.values",
     "nodegraph.plugin.formats",
     "nodegraph.plugin.hook_types",

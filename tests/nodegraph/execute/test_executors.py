@@ -98,7 +98,7 @@ PLUGIN = """
 
     CALLED = []
 
-    @node("acme.number")
+    @node("runners.number")
     def number(*, k: int = 0) -> int:
         return k
 
@@ -114,18 +114,20 @@ PLUGIN = """
 
 
 @pytest.fixture
-def acme(tmp_path: Path) -> Path:
+def runners(tmp_path: Path) -> Path:
     """A plugin file with an executor of two names, one of which is taken."""
-    path = tmp_path / "acme.py"
+    path = tmp_path / "runners.py"
     path.write_text(textwrap.dedent(PLUGIN))
     return path
 
 
-def test_a_plugin_adds_an_executor_but_replaces_none(study: Callable[..., Run], acme: Path) -> None:
-    registry = Registry.installed([acme])
+def test_a_plugin_adds_an_executor_but_replaces_none(
+    study: Callable[..., Run], runners: Path
+) -> None:
+    registry = Registry.installed([runners])
     called = registry.loaded[-1].module.CALLED
-    text = "axes: {k: [1, 2]}\nnodes: {a: {use: acme.number, with: {k: $k}}}"
-    with pytest.warns(UserWarning, match="'acme': 'serial' of nodegraph_executors is left out"):
+    text = "axes: {k: [1, 2]}\nnodes: {a: {use: runners.number, with: {k: $k}}}"
+    with pytest.warns(UserWarning, match="'runners': 'serial' of nodegraph_executors is left out"):
         run = study(text, HowToRun("noting"), nodes=registry)
     assert [value for _, value in run["a"]] == [1, 2]
     assert called == ["noting", "noting"]
@@ -133,6 +135,6 @@ def test_a_plugin_adds_an_executor_but_replaces_none(study: Callable[..., Run], 
     assert called == ["noting", "noting"]
 
 
-def test_the_name_of_the_built_in_plugin_is_taken(acme: Path) -> None:
+def test_the_name_of_the_built_in_plugin_is_taken(runners: Path) -> None:
     with pytest.raises(NodegraphError, match="'nodegraph' is already registered"):
-        Registry.installed([acme.rename(acme.with_name("nodegraph.py"))])
+        Registry.installed([runners.rename(runners.with_name("nodegraph.py"))])
