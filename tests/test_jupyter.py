@@ -81,7 +81,7 @@ def lab(tmp_path: Path) -> Iterator[str]:
     finally:
         server.send_signal(signal.SIGTERM)  # which ends its kernels, too
         try:
-            server.wait(20)
+            server.wait()  # its test has a limit of time
         finally:
             _end(server.pid)
 
