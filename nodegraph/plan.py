@@ -340,10 +340,10 @@ class _Planner:
     def _data_of(self, node: str) -> _Read:
         """Return what the nodes say of themselves that a node has its data from."""
         if node not in self._read:  # needed for every combination of a node
-            indices = dict.fromkeys(
+            indices = {
                 index for name in self._graph.sources(node) for index in self._cells[name].values()
-            )
-            steps = [self._steps[index] for index in indices]
+            }
+            steps = [self._steps[index] for index in sorted(indices)]
             self._read[node] = _Read(
                 all(step.method.node.is_synthetic(step.settings) for step in steps),
                 tuple(dict.fromkeys(name for step in steps for name in _file_names(step))),

@@ -97,11 +97,11 @@ def crosstab(
     pairs = enumerate(zip(row_of, head_of, strict=True))
     at = {pair: place for place, pair in pairs if place not in left_out}
     sides = sorted(
-        {row for row, _ in at},
+        dict.fromkeys(row for row, _ in at),
         key=lambda row: [order[n][t] for n, t in zip(side, row, strict=True)],
     )
     tops = sorted(
-        {head for _, head in at},
+        dict.fromkeys(head for _, head in at),
         key=lambda head: [order[n][t] for n, t in zip(top, head, strict=True)],
     )
     value = marked[0]

@@ -90,12 +90,20 @@ def test_a_plugin_file_that_does_not_import_is_reported() -> None:
 @pytest.mark.parametrize(
     ("file", "name", "reason"),
     [
-        ("", "acme.none", "has no plugin 'acme', which defines acme.none; install it there"),
-        ("from nodegraph import node", "acme.none", "has no node acme.none in its plugin 'acme'"),
+        (
+            "",
+            "elsewhere.none",
+            "has no plugin 'elsewhere', which defines elsewhere.none; install it there",
+        ),
+        (
+            "from nodegraph import node",
+            "elsewhere.none",
+            "has no node elsewhere.none in its plugin 'elsewhere'",
+        ),
     ],
 )
 def test_a_missing_node_is_reported(file: str, name: str, reason: str) -> None:
-    assert ask("acme", name, file)[0] == {"missing": reason}
+    assert ask("elsewhere", name, file)[0] == {"missing": reason}
 
 
 def test_values_that_cannot_be_unpacked_are_reported() -> None:
