@@ -19,11 +19,6 @@ from tests.studies import FEW, GRAPHS, ONE, ROOT, Studies
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
 SMALL = (*ONE, "--only", FILLS)
-UNORDERED = (
-    *("--only", "recording=face_1", "--only", "condition=usual", "--only", "ends=as_published"),
-    *("--only", "fill=muscle,lin_ouhyoung,guenter,linear,waters,rigid,cubic"),
-)
-"""Methods whose places are the same on average, and sources of several nodes."""
 Again = Callable[..., dict[str, object]]
 
 
@@ -92,25 +87,3 @@ def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(
     edit(fills / "stepwise.py", *helper)
     changed = {f"{node} {name}" for node in ("fill", "error") for name in STEPWISE}
     assert computed(again()) == {*changed, "table"}
-
-
-def test_keys_and_files_do_not_depend_on_the_order_of_sets(tmp_path: Path) -> None:
-    path = os.pathsep.join([str(ROOT / "plugins"), str(ROOT)])
-    words = ("run", str(ROOT / "graphs" / "fill.yaml"), "--until", "table", "--out", "made")
-    kept = []
-    for seed in ("1", "2"):
-        folder = tmp_path / seed
-        folder.mkdir()
-        subprocess.run(
-            [sys.executable, "-m", "nodegraph.cli.main", *words, "--store", "store", *UNORDERED],
-            env={**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed},
-            cwd=folder, capture_output=True, check=True,
-        )  # fmt: skip
-        files = {
-            file.name: file.read_bytes()
-            for file in (folder / "made").iterdir()
-            if file.suffix in (".csv", ".tex", ".svg")
-        }
-        steps = read_record(folder / "made")["steps"]
-        kept.append(([step["key"] for step in steps], files))
-    assert kept[0] == kept[1]

@@ -139,3 +139,37 @@ def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
         for seed in ("1", "2")
     }
     assert result == {answers["compare:compare.table"].digest}
+
+
+GRAPH = """
+nodegraph: 1
+axes: {recording: ["sample:face_1", "sample:face_2"]}
+nodes:
+  truth: {use: read.truth, with: {path: $recording}}
+  take: {use: read.recording, with: {path: "sample:face_3"}}
+  fill: {in: take, alternatives: [fill.linear, fill.cubic]}
+  error: {use: score.distance, in: {estimate: fill, reference: truth}}
+  table: {use: compare.table, in: error, with: {compare: fill}}
+"""
+
+
+def test_another_process_gathers_the_same(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(GRAPH)
+    script = (
+        "import nodegraph as ng\n"
+        "from nodegraph.plan import plan\n"
+        "step = plan(ng.load('study.yaml')).steps[-1]\n"
+        "print(step.name, *(source.files for source in step.inputs.values()))"
+    )
+    result = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=tmp_path,
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
+        ).stdout.strip()
+        for seed in "1234"
+    }
+    assert result == {"table ('face_1', 'face_2', 'face_3')"}

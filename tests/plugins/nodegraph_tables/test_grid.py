@@ -31,6 +31,17 @@ def test_a_row_per_mean_becomes_methods_by_groups() -> None:
     assert (set(grid.best), set(grid.tied)) == ({(0, 1), (0, 2)}, {(1, 2)})
 
 
+def test_methods_with_the_same_mean_place_stand_as_listed() -> None:
+    methods = [f"method_{number}" for number in range(12)]
+    listed = [*methods, *reversed(methods)]
+    groups = ["5"] * 12 + ["45"] * 12
+    table = pd.DataFrame({"length": groups, "fill": listed, "mean": [*range(24)]})
+    info = TableInfo(labels=("length", "fill"), best={"mean": (0,)})
+    grid = render_table(with_info(table, info), "rmse").grid
+    assert grid is not None
+    assert [row[0] for row in grid.rows] == methods
+
+
 def test_a_table_of_several_marked_columns_stays_as_it_is() -> None:
     table = pd.DataFrame({"fill": ["b", "a"], "usual": [2.0, 1.0], "noisy": [3.0, None]})
     info = TableInfo(labels=("fill",), best={"usual": (1,), "noisy": (0,)})
