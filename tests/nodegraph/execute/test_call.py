@@ -330,7 +330,8 @@ def test_a_call_that_begins_in_changed_state_does_not_bring_it_back() -> None:
     outcomes.append(perform(foreign(begins_meanwhile)))
     now, sys.path[:] = sys.path.copy(), path
     assert now == path
-    assert [bool(outcome.warnings) for outcome in outcomes] == [True, False]
+    # threads that other tests have left may change something else meanwhile
+    assert ["sys.path" in " ".join(each.warnings) for each in outcomes] == [True, False]
 
 
 def test_state_that_is_changed_after_a_call_was_given_up_stays(
