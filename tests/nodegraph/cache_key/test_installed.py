@@ -121,6 +121,21 @@ def test_the_order_of_asking_does_not_count(
         assert code.of(functions[name]) == answers[name]
 
 
+def printed(script: str, *, seeds: str, folder: Path | None = None) -> set[str]:
+    """Return what a script prints in processes that order sets in different ways."""
+    return {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=folder,
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
+        ).stdout.strip()
+        for seed in seeds
+    }
+
+
 def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
     script = (
         "from nodegraph.cache_key import Code, followed\n"
@@ -128,17 +143,7 @@ def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
         "registry = default_registry()\n"
         "print(Code(followed(registry)).of(registry.find('compare.table').node.function).digest)"
     )
-    result = {
-        subprocess.run(
-            [sys.executable, "-c", script],
-            capture_output=True,
-            text=True,
-            check=True,
-            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
-        ).stdout.strip()
-        for seed in ("1", "2")
-    }
-    assert result == {answers["compare:compare.table"].digest}
+    assert printed(script, seeds="12") == {answers["compare:compare.table"].digest}
 
 
 GRAPH = """
@@ -161,15 +166,5 @@ def test_another_process_gathers_the_same(tmp_path: Path) -> None:
         "step = plan(ng.load('study.yaml')).steps[-1]\n"
         "print(step.name, *(source.files for source in step.inputs.values()))"
     )
-    result = {
-        subprocess.run(
-            [sys.executable, "-c", script],
-            capture_output=True,
-            text=True,
-            check=True,
-            cwd=tmp_path,
-            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
-        ).stdout.strip()
-        for seed in "1234"
-    }
+    result = printed(script, seeds="1234", folder=tmp_path)
     assert result == {"table ('face_1', 'face_2', 'face_3')"}
