@@ -20,7 +20,7 @@ from nodegraph.import_time import LOADED, STARTED
 from nodegraph.plugin.hook_types import Format
 
 _PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
-_FORM = f"3 {_PYTHON}"
+_FORM = f"4 {_PYTHON}"
 """Version of the remembered digests; it must change when sources are read in another way."""
 _FORMATS = "nodegraph.plugin.formats"
 _PLAIN = (NoneType, bool, int, float, complex, str, range, type(...))
@@ -122,10 +122,10 @@ def _edited(reach: Reach, loaded: Mapping[str, int]) -> Iterator[str]:
 
     A module that was imported later may be up to date all the same; that is not known.
     """
-    for name, file in sorted(reach.files.items()):
+    for name, (file, time) in sorted(reach.edited.items()):
         module = sys.modules.get(name)
         since = loaded.get(file) or (module and vars(module).get(LOADED, STARTED))
-        if since and os.path.exists(file) and os.stat(file).st_mtime_ns > since:
+        if since and time > since:
             yield f"{name} was edited after it was imported; start the program again"
 
 

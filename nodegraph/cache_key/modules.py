@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import glob
 import os
-import re
 import sys
 import sysconfig
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from email.parser import HeaderParser
 from functools import cache, cached_property
-from importlib import metadata
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, resolve_name
+from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
 from nodegraph.cache_key.files import FileMemo
 from nodegraph.cache_key.sources import ANY, ModuleSource, read_source
+from nodegraph.import_time import STARTED
 
 UNKNOWN = "unknown"
 """The version of a distribution that is not installed."""
@@ -49,8 +50,9 @@ class Reach:
     ----------
     digests : dict of module to digest
         Digests of the modules whose code counts.
-    files : dict of module to path
-        The files that decide which modules these are.
+    edited : dict of module to path and time
+        The files that decide which modules these are, as far as they were edited since the program
+        began: when they were, in nanoseconds since 1970.
     versions : dict of distribution to version
         Versions of the distributions of all others.
     troubles : list of str
@@ -58,14 +60,14 @@ class Reach:
     """
 
     digests: dict[str, str] = field(default_factory=dict)
-    files: dict[str, str] = field(default_factory=dict)
+    edited: dict[str, tuple[str, int]] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     troubles: list[str] = field(default_factory=list)
 
     def add(self, other: Reach) -> None:
         """Add what another one has."""
         self.digests |= other.digests
-        self.files |= other.files
+        self.edited |= other.edited
         self.versions |= other.versions
         self.troubles += other.troubles
 
@@ -131,13 +133,7 @@ class Modules:
         parent = module.rpartition(".")[0]
         if parent:
             yield parent, None
-        source = ModuleSource("")
-        if place.file:
-            own.files[module] = place.file
-            try:
-                source = ModuleSource(*self._memo.get(place.file, read_source))
-            except OSError as error:
-                own.troubles.append(f"{module}: its file cannot be read: {error.strerror or error}")
+        source = self._source(module, place.file, own)
         package = module if place.folders else parent
         if place.folders and name != "" and not source.acts:
             passed = list(self._passed(module, name, source)) if name else []
@@ -155,6 +151,19 @@ class Modules:
             else:
                 text = f"{module} imports a module whose name is known only when it runs"
                 own.troubles.append(text)
+
+    def _source(self, module: str, file: str, own: Reach) -> ModuleSource:
+        if not file:
+            return ModuleSource("")
+        try:
+            source = ModuleSource(*self._memo.get(file, read_source))
+            time = os.stat(file).st_mtime_ns
+        except OSError as error:
+            own.troubles.append(f"{module}: its file cannot be read: {error.strerror or error}")
+            return ModuleSource("")
+        if time > STARTED:
+            own.edited[module] = file, time
+        return source
 
     def _passed(self, package: str, name: str, source: ModuleSource) -> Iterator[At]:
         """Yield where a package takes a name from; nothing if it may be of the package itself."""
@@ -235,19 +244,26 @@ class Modules:
 def _installed(folder: str) -> Mapping[str, list[str]]:
     """Return files about the distributions that install each top-level module in a folder."""
     result: defaultdict[str, list[str]] = defaultdict(list)
-    for about in sorted(Path(folder).glob("*.*-info/*")):
-        if about.name in ("METADATA", "PKG-INFO"):
-            distribution = metadata.Distribution.at(about.parent)
-            tops = (distribution.read_text("top_level.txt") or "").split()
-            files = (distribution.read_text("RECORD") or "").splitlines()
-            for top in tops or {re.split(r"[/.]", file)[0] for file in files}:
-                result[top].append(f"{about.parent.name}/{about.name}")
+    for name in ("METADATA", "PKG-INFO"):
+        for about in sorted(glob.glob(f"*.*-info/{name}", root_dir=folder)):
+            where = os.path.join(folder, os.path.dirname(about))
+            files = _content(os.path.join(where, "top_level.txt")).split()
+            files = files or _content(os.path.join(where, "RECORD")).splitlines()
+            tops = {file.partition(b"/")[0].partition(b".")[0] for file in files}
+            for top in tops:
+                result[top.decode("utf-8", "replace")].append(about)
     return result
+
+
+def _content(file: str) -> bytes:
+    with suppress(OSError), open(file, "rb") as opened:
+        return opened.read()
+    return b""
 
 
 def _name_and_version(about: str) -> tuple[str, str]:
     with open(about, encoding="utf-8", errors="replace") as opened:
-        headers = HeaderParser().parse(opened)
+        headers = HeaderParser().parsestr("".join(takewhile(str.strip, opened)))
     return headers["Name"], headers["Version"]
 
 

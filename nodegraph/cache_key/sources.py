@@ -7,7 +7,8 @@ import hashlib
 import threading
 import warnings
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
@@ -20,9 +21,9 @@ PARSER = threading.Lock()
 counts the depth of all threads' trees together, and fails where two of them meet (python/cpython
 issue 106905)."""
 _IMPORTERS = {"import_module", "__import__", "spec_from_file_location", "run_path", "run_module"}
-_IMPORTS = {ast.Import, ast.ImportFrom, ast.Call}
-_IDLE = {ast.Expr, ast.Pass}
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+_BLOCKS = {"body", "orelse", "finalbody"}
+"""Fields of statements that hold statements."""
 
 
 class ModuleSource(NamedTuple):
@@ -71,11 +72,9 @@ def read_source(file: str) -> ModuleSource:
     for statement in tree.body:
         is_definition = isinstance(statement, _DEFINITIONS)
         for part in [statement] if is_definition else ast.walk(statement):
-            for name, reference in (*_imported(part), *((name, "") for name in _own_names(part))):
+            for name, reference in _bound(part):
                 names[name].append(reference)
-        acts = acts or (
-            not is_definition and not _is_idle(statement) and any(map(_acts, ast.walk(statement)))
-        )
+            acts = acts or (_acts(part) and not _is_idle(statement))
     return ModuleSource(*_code(tree), names, acts)
 
 
@@ -85,27 +84,51 @@ def _code(tree: ast.AST) -> tuple[str, list[str]]:
     imports: set[str] = set()
     waiting: list[Any] = [tree]
     while waiting:
-        node = waiting.pop()
-        kind = type(node)
-        if kind is list:
-            waiting += (list, *node)  # the class marks the end
-        elif not isinstance(node, ast.AST):
-            text.append(hex(node) if kind is int else repr(node))  # of any length
-        elif kind is ast.If and _is_for_types(node):
-            waiting += node.orelse
-        elif kind not in _IDLE or not _is_idle(node):
-            if kind in _IMPORTS:
-                imports.update(reference for _, reference in _imported(node))
-            text.append(kind.__name__)
-            waiting += [getattr(node, name, None) for name in node._fields]
+        part = waiting.pop()
+        kind: type = type(part)
+        fields = _fields(kind)
+        if fields is None:
+            text.append(hex(part) if kind is int else repr(part))  # of any length
+            continue
+        if kind is ast.Import or kind is ast.ImportFrom:
+            imports.update(reference for _, reference in _imported(part))
+        elif kind is ast.Call and _last_name(part.func) in _IMPORTERS:
+            imports.add(_loaded(part))
+        text.append(kind.__name__)
+        for name in fields:
+            value = getattr(part, name)
+            if type(value) is list:
+                value = list(_run(value)) if name in _BLOCKS else value
+                text.append(str(len(value)))
+                waiting += value
+            else:
+                waiting.append(value)
     return digest_of("\n".join(text)), sorted(imports)
 
 
-def _is_idle(node: ast.AST) -> bool:
+@cache
+def _fields(kind: type) -> tuple[str, ...] | None:
+    """Return the fields of a node but for those that follow from the others; None for no node."""
+    if not issubclass(kind, ast.AST):
+        return None
+    return tuple(name for name in kind._fields if name not in ("ctx", "type_comment"))
+
+
+def _run(statements: Iterable[ast.AST]) -> Iterator[ast.AST]:
+    """Yield the statements that do something when they run."""
+    for statement in statements:
+        if _is_for_types(statement):
+            yield from _run(statement.orelse)
+        elif not _is_idle(statement):
+            yield statement
+
+
+def _is_idle(statement: ast.AST) -> bool:
     """Whether a statement does nothing: a text by itself, such as a docstring, or ``pass``."""
-    if isinstance(node, ast.Expr):
-        return isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
-    return isinstance(node, ast.Pass)
+    if isinstance(statement, ast.Expr):
+        value = statement.value
+        return isinstance(value, ast.Constant) and isinstance(value.value, str)
+    return isinstance(statement, ast.Pass)
 
 
 def _is_for_types(node: ast.AST) -> TypeGuard[ast.If]:
@@ -113,8 +136,9 @@ def _is_for_types(node: ast.AST) -> TypeGuard[ast.If]:
 
 
 def _last_name(expression: ast.expr) -> str:
-    name = getattr(expression, "attr", None) or getattr(expression, "id", "")
-    return str(name)
+    if isinstance(expression, ast.Name):
+        return expression.id
+    return expression.attr if isinstance(expression, ast.Attribute) else ""
 
 
 def _acts(part: ast.AST) -> bool:
@@ -124,26 +148,33 @@ def _acts(part: ast.AST) -> bool:
     )
 
 
-def _own_names(part: ast.AST) -> Iterator[str]:
-    if isinstance(part, _DEFINITIONS):
-        yield part.name
-    elif isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
-        yield part.id
+def _bound(part: ast.AST) -> Iterator[tuple[str, str]]:
+    """Yield names that code binds, with references to what they are imported from."""
+    if isinstance(part, ast.Name):
+        if isinstance(part.ctx, ast.Store):
+            yield part.id, ""
+    elif isinstance(part, _DEFINITIONS):
+        yield part.name, ""
+    elif isinstance(part, (ast.Import, ast.ImportFrom)):
+        yield from _imported(part)
 
 
-def _imported(node: ast.AST) -> Iterator[tuple[str, str]]:
+def _imported(statement: ast.Import | ast.ImportFrom) -> Iterator[tuple[str, str]]:
     """Yield the names that an import binds, with references to what they stand for."""
-    if isinstance(node, ast.Import):
-        for alias in node.names:
+    if isinstance(statement, ast.Import):
+        for alias in statement.names:
             top = alias.name.partition(".")[0]
             yield alias.asname or top, f"{alias.name}:"
             if not alias.asname:
                 yield top, f"{top}:"
-    elif isinstance(node, ast.ImportFrom):
-        module = "." * node.level + (node.module or "")
-        for alias in node.names:
+    else:
+        module = "." * statement.level + (statement.module or "")
+        for alias in statement.names:
             yield alias.asname or alias.name, f"{module}:{alias.name}"
-    elif isinstance(node, ast.Call) and (function := _last_name(node.func)) in _IMPORTERS:
-        name = str(getattr(node.args[0], "value", ".")) if node.args else "."
-        is_known = function in ("import_module", "__import__") and not name.startswith(".")
-        yield "", f"{name}:" if is_known else ANY
+
+
+def _loaded(call: ast.Call) -> str:
+    """Return a reference to the module that a function is called to import."""
+    name = str(getattr(call.args[0], "value", ".")) if call.args else "."
+    is_known = _last_name(call.func) in ("import_module", "__import__")
+    return f"{name}:" if is_known and not name.startswith(".") else ANY
