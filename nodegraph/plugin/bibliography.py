@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pybtex.database import Entry
+    from pybtex.style.formatting import BaseStyle
 
 
 def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
@@ -16,17 +22,13 @@ def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
         that cannot be parsed is left out with a warning.
     keys
     """
-    from pybtex import format_from_string
-    from pybtex.database import BibliographyData
+    from pybtex.backends.plaintext import Backend
 
     entries = _entries(bibtex)
     wanted = list(dict.fromkeys(keys))
     known = [key for key in wanted if key in entries]
-    texts: list[str] = []
-    if known:
-        source = BibliographyData({key: entries[key] for key in known}).to_string("bibtex")
-        text = format_from_string(source, "unsrt", citations=known, output_backend="plaintext")
-        texts = [line.partition("] ")[2] for line in text.splitlines() if line.startswith("[")]
+    formatted = _style().format_entries([entries[key] for key in known]) if known else ()
+    texts = [each.text.render(Backend()) for each in formatted]
     missing = {key: f"{key} (no BibTeX entry is installed)" for key in wanted}
     return missing | dict(zip(known, texts, strict=True))
 
@@ -45,23 +47,42 @@ def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
         As for `references`.
     """
     from pybtex.database import BibliographyData
+    from pybtex.database.output.bibtex import Writer
 
     entries = _entries(bibtex)
     known = {key: entries[key] for key in sorted(set(keys)) if key in entries}
-    return str(BibliographyData(known).to_string("bibtex")) if known else ""
+    return str(Writer().to_string(BibliographyData(known))) if known else ""
 
 
-def _entries(bibtex: Iterable[str]) -> dict[str, object]:
-    # not parse_string, which looks through all installed packages for a parser each time
-    from pybtex.database.input.bibtex import Parser
+def _entries(bibtex: Iterable[str]) -> dict[str, Entry]:
     from pybtex.exceptions import PybtexError
 
-    entries: dict[str, object] = {}
+    entries: dict[str, Entry] = {}
     for text in bibtex:
         try:
-            parsed = Parser().parse_string(text).entries
+            parsed = _parsed(text)
         except PybtexError as error:
             warnings.warn(f"BibTeX of a plugin cannot be read: {error}", stacklevel=3)
             continue
         entries = {**parsed, **entries}
     return entries
+
+
+# by their classes: for a name, pybtex looks through all installed packages each time
+
+
+@cache
+def _parsed(text: str) -> dict[str, Entry]:
+    from pybtex.database.input.bibtex import Parser
+
+    return dict(Parser().parse_string(text).entries)
+
+
+@cache
+def _style() -> BaseStyle:
+    from pybtex.style.formatting.unsrt import Style
+    from pybtex.style.labels.number import LabelStyle
+    from pybtex.style.names.plain import NameStyle
+    from pybtex.style.sorting.none import SortingStyle
+
+    return Style(label_style=LabelStyle, name_style=NameStyle, sorting_style=SortingStyle)

@@ -37,3 +37,10 @@ def test_the_source_of_entries_is_sorted_and_can_be_read_again() -> None:
     assert source.count("@book") == 2
     assert references([source], ["two2002"]) == references([TWO], ["two2002"])
     assert bibtex_of([ONE], ["nobody"]) == ""
+
+
+def test_escapes_are_the_characters_that_they_stand_for() -> None:
+    escaped = (
+        r"@book{both2003, author={M. M{\"u}ller}, title={Q \& A\_1}, publisher={P}, year=2003}"
+    )
+    assert "Müller. Q & A_1." in references([escaped], ["both2003"])["both2003"]
