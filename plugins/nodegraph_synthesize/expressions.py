@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_synthesize.manner import Manner
 from nodegraph_synthesize.muscles import CHANNELS, JAW, KINDS, PUFF, SPHINCTER, kind_of
 from nodegraph_synthesize.smooth_noise import rest_of, rising, smooth_noise
 
@@ -62,9 +63,6 @@ EXPRESSIONS: Mapping[str, Mapping[str, float]] = {
 }
 """Largest activation of each muscle, or that of one side, in each expression."""
 
-_SHORTEST = (0.3, 0.5, 0.4, 0.3)
-_LONGEST = (0.6, 1.7, 0.8, 0.5)
-"""Seconds of onset, apex, offset and the pause that follows."""
 _LATEST = 0.25
 """Seconds by which one muscle sets in later than another; shorter than any pause."""
 _KIND = np.array([KINDS.index(kind_of(name)) for name in CHANNELS])
@@ -91,28 +89,29 @@ class Held:
 
 
 def held_expressions(
-    random: np.random.Generator, lopsided: float, frames: int, rate: float
+    random: np.random.Generator, manner: Manner, lopsided: float, frames: int, rate: float
 ) -> Held:
     """Return expressions, one after the other from the end of the rest to that of the take.
 
     Parameters
     ----------
     random
+    manner
     lopsided
         How much the sides differ, 0 to 1.
     frames, rate
         Number of frames, frames per second.
     """
-    script = _script(random, lopsided, frames / rate, rest_of(frames, rate))
+    script = _script(random, manner, lopsided, frames / rate, rest_of(frames, rate))
     # Nothing is held quite still.
-    slack = 0.25 * rising(smooth_noise(random, frames, [0.6] * len(KINDS), rate), -1.0, 1.5)
+    loose = rising(smooth_noise(random, frames, [0.6] * len(KINDS), rate), -1.0, 1.5)
     seconds = np.arange(frames) / rate
     latest = np.searchsorted(script.starts, seconds, side="right") - 1
     since = np.where(latest >= 0, seconds - script.starts[latest], -np.inf)
     times = script.times[latest].T
     acting = _course(since[:, None] - script.delays[latest], times[..., None])
     return Held(
-        levels=script.levels[latest] * acting * (1.0 - slack[:, _KIND]),
+        levels=script.levels[latest] * acting * (1.0 - manner.slack * loose[:, _KIND]),
         hush=script.hush[latest] * _course(since, times),
     )
 
@@ -131,11 +130,13 @@ class _Script:
     hush: NDArray[np.float64]
 
 
-def _script(random: np.random.Generator, lopsided: float, seconds: float, rest: float) -> _Script:
-    count = 2 + int(seconds / sum(_SHORTEST))
-    times = random.uniform(_SHORTEST, _LONGEST, (count, 4))
+def _script(
+    random: np.random.Generator, manner: Manner, lopsided: float, seconds: float, rest: float
+) -> _Script:
+    count = 2 + int(seconds / sum(manner.shortest))
+    times = random.uniform(manner.shortest, manner.longest, (count, 4))
     lengths = times.sum(axis=1)
-    levels = _levels(random, lopsided, count)
+    levels = _levels(random, manner, lopsided, count)
     return _Script(
         starts=rest + random.uniform(0.1, 0.6) + np.cumsum(lengths) - lengths,
         times=times[:, :3],
@@ -153,13 +154,15 @@ def _course(since: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[n
     )
 
 
-def _levels(random: np.random.Generator, lopsided: float, count: int) -> NDArray[np.float64]:
+def _levels(
+    random: np.random.Generator, manner: Manner, lopsided: float, count: int
+) -> NDArray[np.float64]:
     """Return (n, K) levels of the channels at the apex of n expressions."""
     full = np.array(
         [[_level(muscles, name) for name in CHANNELS] for muscles in EXPRESSIONS.values()]
     )
     order = _order(random, np.array([JAW in muscles for muscles in EXPRESSIONS.values()]), count)
-    strength = random.uniform(0.9, 1.0, (count, 1))
+    strength = random.uniform(manner.faintest, 1.0, (count, 1))
     mixed = random.uniform(0.7, 1.0, (count, len(KINDS)))[:, _KIND]
     left, right = 1.0 - lopsided * random.random((2, count, 1))
     sided = np.where(_on("Left"), left, 1.0) * np.where(_on("Right"), right, 1.0)

@@ -12,6 +12,8 @@ from nodegraph_synthesize.smooth_noise import awake, red_noise, smooth_noise
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from nodegraph_synthesize.manner import Manner
+
 LARGEST_TURN = 4.9
 """Degrees; the head turns by less."""
 LARGEST_SHIFT = 0.049
@@ -20,8 +22,6 @@ _TURN = np.array([2.0, 2.5, 1.2])
 """Typical nod, turn and tilt, degrees."""
 _SHIFT = np.array([0.012, 0.012, 0.015])
 """Typical shift to the side, up and forward, of the head's length."""
-_SKIN = 0.2
-"""Standard deviation of the skin's own movement in each direction, mm."""
 _DRIFT = 0.1
 """Pace at which skin settles or drifts while no muscle moves, of the mean pace."""
 _SETTLING = 0.25
@@ -83,7 +83,11 @@ def tempo(activations: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
 
 
 def skin_movement(
-    random: np.random.Generator, points: NDArray[np.float64], frames: int, rate: float
+    random: np.random.Generator,
+    manner: Manner,
+    points: NDArray[np.float64],
+    clock: NDArray[np.float64],
+    rate: float,
 ) -> NDArray[np.float64]:
     """Return (T, N, 3) mm of small smooth movement that no muscle explains, from rest.
 
@@ -93,8 +97,12 @@ def skin_movement(
     directions = random.standard_normal((3, _PATTERNS)) * (2 * np.pi / _PATTERN_LENGTH / 1.7)
     phases = random.uniform(0.0, 2 * np.pi, (3, 1, _PATTERNS))
     waves = np.cos(points @ directions + phases)
-    courses = smooth_noise(random, frames, [1.5] * _PATTERNS, rate)
-    courses *= _SKIN * np.sqrt(2.0 / _PATTERNS) * awake(frames, rate)[:, None]
+    frames, cutoffs = len(clock), [manner.skin_pace] * _PATTERNS
+    if manner.skin_rests:
+        courses = _at(smooth_noise(random, _length(clock, rate), cutoffs, rate), clock, rate)
+    else:
+        courses = smooth_noise(random, frames, cutoffs, rate)
+    courses *= manner.skin * np.sqrt(2.0 / _PATTERNS) * awake(frames, rate)[:, None]
     return np.asarray(np.einsum("tp,cnp->tnc", courses, waves))
 
 
