@@ -170,7 +170,7 @@ def json_script(value: object, element_id: str) -> str:
     return f'<script type="application/json" id="{escape(element_id)}">{content}</script>'
 
 
-PLACEHOLDERS = ("best", "tied", "behind", "number", "scope")
+PLACEHOLDERS = ("best", "tied", "behind", "better", "worse", "number", "scope")
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,8 @@ class Placeholder:
 
     Attributes
     ----------
-    name : {"best", "tied", "behind", "number", "scope"}
+    name : str
+        One of `PLACEHOLDERS`.
     label : str
         The method that the author names; empty for those that there are.
     at : mapping of axis to text

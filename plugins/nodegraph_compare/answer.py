@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 
     from nodegraph_compare.verdict import Variation, Verdict, Verdicts
 
+    Side = Literal["lower", "higher"]
+
 ALL_BEHIND = "every other is clearly behind"
 
 _MOST_NAMES = 3
@@ -96,6 +98,7 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
         return {str(verdicts.methods[place]): float(values[place]) for place in known}
 
     paired = group.paired
+    better, worse = _sides(verdicts)
     return Finding(
         group=dict(zip(verdicts.within, group.labels, strict=True)),
         title=group_title(verdicts, shown, range(len(verdicts.within))),
@@ -103,6 +106,8 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
         best=named(group.best) if group.told else (),
         tied=named(group.tied) if marks else (),
         behind=named(group.behind),
+        better=named(group.beyond_baseline(better)),
+        worse=named(group.beyond_baseline(worse)),
         first=named(group.best),
         mean=numbers(group.mean),
         low=numbers(group.low),
@@ -132,7 +137,6 @@ def _sentence(verdicts: Verdicts) -> Text:
     more = [_absent(verdicts, known)]
     if told:
         more = [*(_varied(verdicts, each) for each in verdicts.variations), *more]
-        more = [_besides(verdicts, told), *more]
     return joined(" ", [first, *_against(verdicts, known), *more])
 
 
@@ -193,6 +197,7 @@ def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdic
     """Return which method is best where, and where that is not clear."""
     leaders = set.intersection(*(set(group.best) for group in told))
     texts = [_throughout(verdicts, told, sorted(leaders)) if leaders else _depends(verdicts, told)]
+    texts.append(_besides(verdicts, told))
     if not leaders:
         texts.append(_compromise(verdicts, told))
     rest = [group for group in known if group not in told]
@@ -357,14 +362,15 @@ def _compromise(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
         return ()
     (name,) = method_words(verdicts, [place])
     behind = max(float(worst[place]) - 1, 0.0)
-    if behind >= 1:
-        times_text = Word(f"{worst[place]:.1f} times", "number")
-        return say(
-            f"One method for all: {HERE}, never more than {HERE} the best.", name, times_text
-        )
     # rounded up: `never more than`
-    share = Word(f"{math.ceil(100 * behind)} %", "number")
-    return say(f"One method for all: {HERE}, never more than {HERE} behind the best.", name, share)
+    far = (
+        say(f"{HERE} the best", Word(f"{worst[place]:.1f} times", "number"))
+        if behind >= 1
+        else say(f"{HERE} behind the best", Word(f"{math.ceil(100 * behind)} %", "number"))
+    )
+    besides = listing(_beside_means(verdicts, [(group, place) for group in told]))
+    also = say(f" ({HERE})", besides) if besides else ()
+    return say(f"One method for all: {HERE}, never more than {HERE}{HERE}.", name, far, also)
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:
@@ -416,12 +422,18 @@ def _steps(verdicts: Verdicts, stands: Sequence[Verdict]) -> Text:
 
 def _besides(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     """Return what else the best methods do."""
+    texts = _beside_means(verdicts, [(group, group.best[0]) for group in told])
+    return say(f"Of the best: {HERE}.", listing(texts)) if texts else ()
+
+
+def _beside_means(verdicts: Verdicts, of: Sequence[tuple[Verdict, int]]) -> list[Text]:
+    """Return, of a method in each of some groups, the means of what else is asked."""
     texts = []
     for metric in verdicts.beside:
-        means = [float(group.beside[metric.name][group.best[0]]) for group in told]
+        means = [float(group.beside[metric.name][place]) for group, place in of]
         span = Word(beside_text([min(means), max(means)], metric), "number")
         texts.append(say(f"{metric.name} {HERE}", span))
-    return say(f"Of the best: {HERE}.", listing(texts)) if texts else ()
+    return texts
 
 
 def _values(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
@@ -473,10 +485,14 @@ def _against(verdicts: Verdicts, known: Sequence[Verdict]) -> list[Text]:
     return [*texts[:_MOST_CLAUSES], *more]
 
 
+def _sides(verdicts: Verdicts) -> tuple[Side, Side]:
+    """Return on which side of a number the better ones are, and the worse ones."""
+    return ("higher", "lower") if verdicts.metric.better == "higher" else ("lower", "higher")
+
+
 def _beside_baseline(verdicts: Verdicts, place: int, groups: Sequence[Verdict]) -> str:
     """Return in which groups a method is better than the baseline, worse, or neither."""
-    worse: Literal["lower", "higher"] = "lower" if verdicts.metric.better == "higher" else "higher"
-    better: Literal["lower", "higher"] = "higher" if worse == "lower" else "lower"
+    better, worse = _sides(verdicts)
     where: dict[str, list[Verdict]] = {"better": [], "worse": [], "": []}
     for group in groups:
         is_better = place in group.beyond_baseline(better)
@@ -547,6 +563,8 @@ def _held(verdicts: Verdicts) -> str:
     of = f"{count} {kind}{'s' * (scope.clusters != 1)}"
     described = ", ".join(filter(None, [of, recordings.names, sizes]))
     further = scope_text(scope).replace("this recording", "it")
+    if not judged and verdicts.metric.better == "none":
+        return f"{described}: it is described, and nothing is said of others."
     if not judged:
         return f"{described}: nothing is said {further}."
     return f"{described}: holds {further}, not for others."

@@ -44,7 +44,7 @@ from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from nodegraph_compare.verdict import Verdict, Verdicts
+    from nodegraph_compare.verdict import Metric, Verdict, Verdicts
 
 _MOST_NAMES = 3
 _MOST_SPOKEN = 20
@@ -206,15 +206,24 @@ def _behind(verdicts: Verdicts, group: Verdict) -> Text:
 
 
 def _beside(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
-    """Yield what else is asked of the best: its mean of other columns, and those of the rest."""
+    """Yield what else is asked: means of other columns, of the best and the tied, or the rest."""
+    tied = [place for place, kind in group.marks.items() if kind == "tied"][:_MOST_NAMES]
     for metric in verdicts.beside if group.stands else ():
         means = group.beside[metric.name]
+
+        def number(*values: float, metric: Metric = metric) -> Word:
+            return Word(beside_text(values, metric), "number")
+
+        texts = [
+            say(f"{HERE} {HERE}", name, number(means[place]))
+            for name, place in zip(plain_names(verdicts, tied), tied, strict=True)
+        ]
         others = np.delete(means, group.best[0])
         others = others[np.isfinite(others)]
-        text = beside_text([means[group.best[0]]], metric)
-        if len(others):
-            text += f" (others {beside_text([others.min(), others.max()], metric)})"
-        yield metric.name, (Word(text, "number"),)
+        if len(others) and not tied:
+            texts.append(say(f"others {HERE}", number(others.min(), others.max())))
+        rest = say(f" ({HERE})", joined(", ", texts)) if texts else ()
+        yield metric.name, say(f"{HERE}{HERE}", number(means[group.best[0]]), rest)
 
 
 def _grounds(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:

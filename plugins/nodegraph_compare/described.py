@@ -7,8 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.words import group_title
-from nodegraph_tables.answer import HERE, MOST_CARDS, Answer, Card, Text, Word, listing, say
-from nodegraph_tables.numbers import number_text, shares_text, span_text
+from nodegraph_tables.answer import (
+    HERE,
+    MOST_CARDS,
+    Answer,
+    Card,
+    Text,
+    Word,
+    joined,
+    listing,
+    say,
+)
+from nodegraph_tables.numbers import number_text, shares_text, span_text, without_rounding
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -48,11 +58,14 @@ def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
         Card(
             label, (_span(values, unit),),
             facts=tuple(
-                (group_title(verdicts, group, every), (_span([value], unit),))
+                (
+                    group_title(verdicts, group, every),
+                    joined(", ", [_span([value], unit), *_interval(group, place, unit)]),
+                )
                 for group, value in zip(groups, values, strict=True)
             ),
         )
-        for label, values in zip(labels, spans, strict=True)
+        for place, (label, values) in enumerate(zip(labels, spans, strict=True))
     )  # fmt: skip
     most = max(range(len(labels)), key=lambda place: np.nansum(spans[place]))
     rest = [value for place, values in enumerate(spans) if place != most for value in values]
@@ -71,10 +84,7 @@ def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
     """Return the answer of a single group, with the intervals of its means."""
     known, unit = group.known, verdicts.metric.unit
     labels = [str(verdicts.methods[place]) for place in known]
-    values = [float(group.mean[place]) for place in known]
-    # what is left of a number by rounding is none
-    largest = max(map(abs, values))
-    values = [0.0 if abs(each) < 1e-12 * largest else each for each in values]
+    values = without_rounding([float(group.mean[place]) for place in known])
     is_share = unit == "share"
     texts = [_span([each], unit) if is_share else number_text(each) for each in values]
     cards = tuple(

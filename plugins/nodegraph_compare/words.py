@@ -182,7 +182,10 @@ def number_name(verdicts: Verdicts, unit: str = "") -> str:
     unit
         Of the metric, as a reader sees it.
     """
-    mean = f"Mean {verdicts.metric.name}{f' ({unit})' if unit else ''}"
+    name = f"{verdicts.metric.name}{f' ({unit})' if unit else ''}"
+    if all(group.of_blocks == 1 for group in verdicts.groups):
+        return f"{name[:1].upper()}{name[1:]}"
+    mean = f"Mean {name}"
     clusters = max((group.scope.clusters for group in verdicts.groups), default=1)
     if clusters == 1:
         return f"{mean} over {verdicts.blocks}"

@@ -13,7 +13,7 @@ from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_score.steps_answer import BETTER, WORSE, absences, answer_of, left_out, worse
-from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables import TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -120,6 +120,7 @@ def steps(
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
         sequences=("step",),
+        poses=poses_of(truth.markers, truth.positions, truth.rate),
     )
     return with_info(table, info)
 

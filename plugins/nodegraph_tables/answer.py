@@ -17,8 +17,16 @@ from typing import TYPE_CHECKING, Literal
 from markupsafe import Markup, escape
 
 from nodegraph import Label, NodegraphError, Value, listed
-from nodegraph_tables.numbers import LARGEST, MINUS, SMALLEST, number_text, span_text
-from nodegraph_tables.style import scale_of, unit_text
+from nodegraph_tables.numbers import (
+    LARGEST,
+    MINUS,
+    SMALLEST,
+    number_text,
+    shares_text,
+    span_text,
+    without_rounding,
+)
+from nodegraph_tables.style import SHARE, scale_of, unit_text
 
 if TYPE_CHECKING:
     from nodegraph import Placeholder
@@ -169,6 +177,8 @@ class Finding(Value):
         Whether there is one.
     best, tied, behind : tuple of str
         Methods, as the verdict has them; none without one.
+    better, worse : tuple of str
+        Methods that are clearly so than the baseline, if there is one.
     first : tuple of str
         The methods with the best mean, which no verdict need have found best.
     mean, low, high, p : mapping of str to float
@@ -183,6 +193,8 @@ class Finding(Value):
     best: tuple[str, ...]
     tied: tuple[str, ...]
     behind: tuple[str, ...]
+    better: tuple[str, ...] = ()
+    worse: tuple[str, ...] = ()
     first: tuple[str, ...] = ()
     mean: Mapping[str, float] = field(default_factory=dict)
     low: Mapping[str, float] = field(default_factory=dict)
@@ -285,7 +297,7 @@ def _filled(answer: Answer, part: Placeholder) -> Text:
         raise NodegraphError(f"{part.text} is about no group; there are: {groups}")
     if part.name == "number":
         return _number_in(found, part)
-    for finding in found:
+    for finding in found if part.name not in ("better", "worse") else ():
         if not finding.verdict:
             where = f" for {finding.title}" if finding.title else ""
             raise NodegraphError(f"{part.text} says what there is no verdict on{where}")
@@ -318,13 +330,15 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
     if part.label and not all(part.label in finding.mean for finding in found):
         raise NodegraphError(f"{part.text}: {part.label} has no number there")
     means = [
-        finding.mean[part.label or finding.first[0]]
+        dict(zip(finding.mean, without_rounding([*finding.mean.values()]), strict=True))[name]
         for finding in found
-        if part.label or finding.first
+        for name in ([part.label] if part.label else finding.first[:1])
     ]
     if not means:
         raise NodegraphError(f"{part.text}: no method comes first")
-    return (Word(span_text(sorted({min(means), max(means)}), found[0].unit), "number"),)
+    ends, unit = sorted({min(means), max(means)}), found[0].unit
+    text = shares_text(ends) if unit == SHARE else span_text(ends, unit)
+    return (Word(text, "number"),)
 
 
 def answer_html(answer: Answer) -> Markup:

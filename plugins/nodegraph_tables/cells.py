@@ -9,7 +9,7 @@ from statistics import median_low
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph_tables.info import info_of, with_info
-from nodegraph_tables.numbers import chance_digits
+from nodegraph_tables.numbers import chance_digits, without_rounding
 from nodegraph_tables.style import CHANCE, SHARE, scale_of, unit_text
 
 if TYPE_CHECKING:
@@ -166,8 +166,8 @@ def _column(table: pd.DataFrame, at: int, parts: Mapping[Part, str], form: _Form
 
 
 def _scaled(column: pd.Series, scale: float) -> list[Any]:
-    """Return multiples without what rounding adds: 100 x 0.07 is 7."""
-    values: list[Any] = column.tolist()
+    """Return multiples without what rounding adds: 100 x 0.07 is 7, and 1e-31 beside 30 is 0."""
+    values = without_rounding(column.tolist())
     return values if scale == 1.0 else [round(scale * float(value), 12) for value in values]
 
 

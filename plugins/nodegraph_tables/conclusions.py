@@ -79,11 +79,12 @@ def _answer_data(answer: Answer) -> dict[str, object]:
 
 
 def _finding_data(finding: Finding) -> dict[str, object]:
+    methods = ("best", "tied", "behind", "better", "worse", "first")
     numbers = ("mean", "low", "high", "p")
     return {
         "group": dict(finding.group),
         "verdict": finding.verdict,
-        **{name: list(getattr(finding, name)) for name in ("best", "tied", "behind", "first")},
+        **{name: list(getattr(finding, name)) for name in methods},
         **{name: dict(getattr(finding, name)) for name in numbers},
     }
 

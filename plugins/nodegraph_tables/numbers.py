@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nodegraph_tables.style import SMALLEST_CHANCE, scale_of, unit_text
 
@@ -14,6 +14,9 @@ MINUS = "\N{MINUS SIGN}"
 SPACE = "\N{NO-BREAK SPACE}"
 SMALLEST, LARGEST = 1e-3, 1e6
 """Smaller and larger numbers are shown with a power of ten."""
+
+ROUNDING = 1e-15
+"""Share of the largest number that is no more than the last digit of its sum."""
 
 
 def number_text(value: float, unit: str = "") -> str:
@@ -33,6 +36,13 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
     """Return numbers from first to last with their unit; equal ones once, shares in percent."""
     texts = dict.fromkeys(_digits(scale_of(unit) * value) for value in values)
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
+
+
+def without_rounding(values: Sequence[Any]) -> list[Any]:
+    """Return numbers of one kind, with 0 for what rounding has left of them: 1e-31 beside 30."""
+    sizes = [abs(value) for value in values if isinstance(value, float) and math.isfinite(value)]
+    least = ROUNDING * max(sizes, default=0.0)
+    return [0.0 if isinstance(value, float) and abs(value) < least else value for value in values]
 
 
 def chance_text(p: float) -> str:

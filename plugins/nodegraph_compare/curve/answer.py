@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from html import escape
+from statistics import median_high
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from nodegraph_compare.ties import at_most
-from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, dot, say, svg
+from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, dot, joined, say, svg
 from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def answer_of(curves: Curves) -> Answer:
         return Answer((f"No point has a number for {curves.axes.metric}.",))
     scales = _scales(curves)
     cards = tuple(_card(points, curves, scales) for points in drawn)
-    return Answer(_sentence(curves), (_scope(curves),), cards)
+    return Answer(_sentence(curves), _scope(curves), cards)
 
 
 def _sentence(curves: Curves) -> Text:
@@ -66,17 +67,19 @@ def _sentence(curves: Curves) -> Text:
         for points in drawn
         if marked.kinds.get(points.label) == "minimum"
     ]
-    of_all = "" if len(drawn) == 1 else f" ({_of(len(knees), len(drawn), 'curve')})"
+    of_all = "" if len(drawn) == 1 else _of(len(knees), len(drawn), "curve")
     if marked.shared is not None:
         place = Word(f"{marked.shared:g} {axes.x}")
         start = say(
             f"All {len(drawn)} curves have a minimum within {curves.tolerance:g} of {HERE}", place
         )
     elif knees:
-        place = Word(f"{_between(knees)} {axes.x}")
+        place = Word(f"{median_high(knees):g} {axes.x}")
+        several = f"median of {of_all}: {_between(knees)}" if len({*knees}) > 1 else of_all
         start = say(
-            f"From {HERE} on, more of them help less{of_all}{HERE}", place, _above_noise(curves)
-        )
+            f"From {HERE} on, more of them help less{f' ({several})' if several else ''}{HERE}",
+            place, _above_noise(curves),
+        )  # fmt: skip
     elif minima:
         start = say(f"Lowest at {HERE}", Word(f"{_between(minima)} {axes.x}"))
     else:
@@ -128,7 +131,6 @@ def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
         aside=(_numbers(curves, [float(points.value[place])]),),
         picture=_picture(points, curves, place, scales),
         facts=noise if math.isfinite(floor) else (),
-        best=bool(kind),
     )
 
 
@@ -170,8 +172,8 @@ def _scales(curves: Curves) -> _Scales:
     return _Scales(scale, float(x.min()), float(x.max()), float(y.min()), float(y.max()))
 
 
-def _scope(curves: Curves) -> str:
-    axes, drawn = curves.axes, curves.drawn
+def _scope(curves: Curves) -> Text:
+    axes, drawn, recordings = curves.axes, curves.drawn, curves.recordings
     parts = [f"{axes.metric} over {axes.x}, lower is better"]
     if curves.scale.logarithmic:
         parts[0] += ", on a logarithmic scale"
@@ -179,12 +181,15 @@ def _scope(curves: Curves) -> str:
         parts.append("shaded: what measurement noise alone does")
     if "knee" in curves.marked.kinds.values():
         parts.append("knee: where a curve turns, so that more help less")
-    several = f"{len(drawn)} curves" if len(drawn) > 1 else "one curve"
-    if axes.blocks:
-        of = f"{several}, means over {' and '.join(axes.blocks)}"
-    else:
-        of = f"{several}; each point is one result, and another draw may differ"
-    return f"Scope: {of}. Curves: {'; '.join(parts)}."
+    several = f"{len(drawn)} curves" if len(drawn) > 1 else "One curve"
+    kind = " of synthetic recordings" if recordings.synthetic else ""
+    data = ", ".join(filter(None, [recordings.names, recordings.sizes]))
+    point = f"mean over {' and '.join(axes.blocks)}" if axes.blocks else "single result"
+    held = (
+        f"{several}{kind}{f' ({data})' if data else ''}, each point a {point}: described, not "
+        "tested; other draws may differ."
+    )
+    return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])
 
 
 def _reached(points: Points, floor: float) -> float | None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.curve.marks import Mark, Marks
     from nodegraph_compare.curve.points import Axes, Points
     from nodegraph_compare.curve.scale import Scale
+    from nodegraph_compare.recordings import Recordings
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -35,6 +36,8 @@ class Curves:
         As set.
     unit : str
         Of the metric.
+    recordings : Recordings
+        That the scores are of.
     """
 
     axes: Axes
@@ -45,6 +48,7 @@ class Curves:
     mark: Mark
     tolerance: float
     unit: str
+    recordings: Recordings
 
     @property
     def drawn(self) -> Sequence[Points]:

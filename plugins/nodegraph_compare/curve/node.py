@@ -29,6 +29,7 @@ from nodegraph_compare.question import (
     check_numbers,
     unit_of,
 )
+from nodegraph_compare.recordings import recordings_of
 from nodegraph_compare.ties import at_most
 from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_mocap import Figure, Table
@@ -285,6 +286,7 @@ def curve(
         mark=mark,
         tolerance=tolerance,
         unit=unit,
+        recordings=recordings_of(scores),
     )
     frame = _frame(curves)
     valued = (axes.metric, "low", "high", "floor")

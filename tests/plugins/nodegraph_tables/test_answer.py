@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -92,6 +93,10 @@ def found(length: int, best: tuple[str, ...], behind: tuple[str, ...]) -> Findin
 SAME = (found(5, ("ridge",), ("linear", "pca")), found(15, ("ridge",), ("linear", "pca")))
 OTHER = (SAME[0], found(15, ("pca",), ("linear", "ridge")))
 NONE = (SAME[0], found(15, (), ("linear", "ridge", "pca")))
+TO_BASELINE = (
+    replace(NONE[0], better=("pca",), worse=("linear",)),
+    replace(NONE[1], better=("pca",)),
+)
 
 
 def holes(text: str) -> tuple[str | Placeholder, ...]:
@@ -107,6 +112,7 @@ def holes(text: str) -> tuple[str | Placeholder, ...]:
         (SAME, "{tied} and {behind}: {scope}", "none and linear and pca: 8 faces: all"),
         (OTHER, "{best at length=5}, {best at length=15}, ridge", "ridge, pca, ridge"),
         (NONE, "{number linear at length=15}", "1.50 mm"),
+        (TO_BASELINE, "{better pca}; {worse at length=5}", "pca; linear"),
         ((), "Our words.", "Our words."),
     ],
 )  # fmt: skip
@@ -129,6 +135,7 @@ def test_an_answer_in_the_authors_words(
         (OTHER, "{best}", "differs: ridge for length 5; pca for length 15; write {best at"),
         (NONE, "{best}", "says what there is no verdict on for length 15"),
         (NONE, "{number cubic}", "cubic has no number there"),
+        (TO_BASELINE, "{worse linear}", "{worse linear} for length 15: worse is none"),
         ((), "{best}", "is about no group; there are: none"),
     ],
 )  # fmt: skip

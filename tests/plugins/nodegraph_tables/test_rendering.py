@@ -259,14 +259,22 @@ def test_an_interval_and_a_p_stand_in_the_cell_of_their_mean_and_the_best_is_mar
     ]
 
 
-def test_the_points_of_a_column_meet_and_tiny_numbers_have_a_power_of_ten() -> None:
+def test_points_meet_tiny_numbers_have_a_power_of_ten_and_what_is_left_by_rounding_is_zero() -> (
+    None
+):
     table = pd.DataFrame(
-        {"small": [0.0359, 1.134, 0.0], "wide": [213.0, 30.0, 3.5e-31], "whole": [2.0, 5.0, 1e5]}
+        {
+            "small": [0.0359, 1.134, 0.0],
+            "wide": [213.0, 30.0, 3.5e-10],
+            "rounded": [213.0, 30.5, 3.5e-31],
+            "whole": [2.0, 5.0, 1e5],
+        }
     )
     columns = {column.name: [str(cell) for cell in column.cells] for column in columns_of(table)}
     assert columns == {
         "small": ["0.0359", "1.1340", "0"],
-        "wide": ["213.0", "30.0", "3.50e-31"],
+        "wide": ["213.0", "30.0", "3.50e-10"],
+        "rounded": ["213.0", "30.5", "0"],
         "whole": ["2", "5", "100000"],
     }
 
