@@ -237,6 +237,7 @@ class _Calls:
 
     def __init__(self) -> None:
         self.collect: Callable[..., None] | None = None
+        self._filters: list[Any] = []  # of warnings, with which they were collected
         self._lock = threading.Lock()
         self._count = 0
 
@@ -259,13 +260,16 @@ class _Calls:
         for category in _COLLECTED:
             warnings.simplefilter("always", category)
         warnings.showwarning = self.collect  # type: ignore[assignment]
+        self._filters = [*warnings.filters]
 
     def _are_collected(self) -> bool:
-        return warnings.showwarning is self.collect and all(
-            next((each[0] for each in warnings.filters if _is_for_all(each, category)), "")
-            == "always"
+        filters = warnings.filters
+        if filters != self._filters and all(
+            next((each[0] for each in filters if _is_for_all(each, category)), "") == "always"
             for category in _COLLECTED
-        )
+        ):
+            self._filters = [*filters]
+        return warnings.showwarning is self.collect and filters == self._filters
 
 
 def _is_for_all(filtered: Any, category: type[Warning]) -> bool:

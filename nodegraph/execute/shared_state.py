@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import io
 import os
 import pickle
@@ -52,8 +53,10 @@ class Kept:
         """Note that a call begins."""
         with self._lock:
             if not self._calls:
-                _copy_descriptors()
-                self._before = [state.read() for state in SHARED]
+                before = [state.read() for state in SHARED]
+                if before != self._before:
+                    _copy_descriptors()
+                self._before = before
             self._calls.add(id(call))
 
     def put_back(self, call: object) -> list[str]:
@@ -99,13 +102,48 @@ def _set_environment(original: dict[Any, Any]) -> None:
     os.environ.update({os.fsdecode(name): os.fsdecode(value) for name, value in original.items()})
 
 
-def _random_states() -> bytes:
-    return pickle.dumps((random.getstate(), np.random.get_state(legacy=False)))  # noqa: NPY002
+_PYTHON: Any = vars(random)["getstate"].__self__
+_NUMPY: Any = vars(np.random)["get_state"].__self__
+_get_engine: Callable[[], Any] = vars(np.random)["get_bit_generator"]
+_set_engine: Callable[[Any], None] = vars(np.random)["set_bit_generator"]
+_WORDS = 625
+"""Words of four bytes in the state of a Mersenne Twister."""
+_random: tuple[tuple[object, ...], tuple[object, bytes]] = ((), (None, b""))
+"""The memory of the generators when they were last read, and what was read."""
 
 
-def _set_random_states(original: bytes) -> None:
-    own, numpy = pickle.loads(original)
+def _random_states() -> tuple[object, bytes]:
+    """Return numpy's engine and the states of the generators, read only if their memory differs.
+
+    Such a read takes 0.2 ms, which is longer than most nodes of a chain.
+    """
+    global _random
+    memory = _memory_of_generators()
+    if memory != _random[0]:
+        states = random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
+        _random = memory, (_get_engine(), pickle.dumps(states))
+    return _random[1]
+
+
+def _memory_of_generators() -> tuple[object, ...]:
+    engine = _get_engine()
+    if type(engine) is not np.random.MT19937:
+        return (object(),)  # the memory of other engines is not known
+    words = ctypes.string_at(engine.ctypes.state_address, 4 * _WORDS)
+    return engine, words, _memory(_NUMPY), _memory(_PYTHON), _PYTHON.gauss_next
+
+
+def _memory(value: object) -> bytes:
+    """Return the bytes of an object, without its count of references."""
+    head = object.__basicsize__
+    return ctypes.string_at(id(value) + head, type(value).__basicsize__ - head)
+
+
+def _set_random_states(original: tuple[object, bytes]) -> None:
+    engine, states = original
+    own, numpy = pickle.loads(states)
     random.setstate(own)
+    _set_engine(engine)
     np.random.set_state(numpy)  # noqa: NPY002
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import random
 import sys
 import threading
 import warnings
@@ -347,6 +348,41 @@ def test_state_that_is_changed_after_a_call_was_given_up_stays(
     ended.set()
     assert perform(foreign(waits)).warnings == ()
     assert os.environ["CHANGED"] == "1"
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        random.random,
+        random.gauss,
+        lambda: np.random.random(),  # noqa: NPY002
+        lambda: np.random.standard_normal(),  # noqa: NPY002
+        lambda: np.random.seed(1),  # noqa: NPY002
+        lambda: np.random.set_bit_generator(np.random.PCG64(1)),  # type: ignore[attr-defined]
+    ],
+)
+@pytest.mark.parametrize("before", [0, 1], ids=["", "the second of a pair"])
+def test_every_change_of_global_random_states_is_seen_and_put_back(
+    draw: Callable[[], object], before: int
+) -> None:
+    for _ in range(before):
+        random.gauss()
+        np.random.standard_normal()  # noqa: NPY002
+
+    def draws() -> float:
+        return float(draw() is None)
+
+    def plain() -> float:
+        return 1.0
+
+    own, numpy = random.getstate(), repr(np.random.get_state(legacy=False))  # noqa: NPY002
+    outcomes = [perform(foreign(draws)) for _ in range(2)]
+    now = random.getstate(), repr(np.random.get_state(legacy=False))  # noqa: NPY002
+    assert [each.warnings[0].partition(",")[0] for each in outcomes] == [
+        "it draws from the global random state"
+    ] * 2
+    assert now == (own, numpy)
+    assert perform(foreign(plain)).warnings == ()
 
 
 def test_other_warnings_are_shown_as_before() -> None:
