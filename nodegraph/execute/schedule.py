@@ -1,4 +1,4 @@
-"""The order of steps: which may run next; values are dropped after their last reader."""
+"""The order of steps: which may run next, and which are computed again."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from dataclasses import replace
 from typing import Protocol
 
 from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
+from nodegraph.execute.pool import Pool
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.gc_pause import gc_paused
-from nodegraph.node.ports import Absent, Across
-from nodegraph.plan import Gathered, Output, Plan, Step
-from nodegraph.state import State
+from nodegraph.plan import Plan, Step
 from nodegraph.store import Packer
 
 
@@ -57,8 +56,6 @@ class Schedule:
         The plugins that define the nodes.
     packer : Packer
     outcomes : mapping of step index to Outcome
-    values : mapping of step index to values
-        Values of the steps to keep, and of those that are still to be read.
     """
 
     def __init__(
@@ -77,21 +74,23 @@ class Schedule:
         self.registry = plan.graph.registry
         self.packer = packer or Packer()
         self.outcomes = dict(known or {})
-        self.values: dict[int, tuple[object, ...]] = {}
         self._cache = cache
+        self._pool = Pool(self.packer, cache, frozenset(keep))
         self._observer = observer
         self._timeout = timeout
-        self._keep = frozenset(keep)
         # a heap of steps with their keys: calls are handed out in the order of the plan,
         # whichever of them became possible first
         self._ready: list[tuple[int, str]] = []
         self._waiting: dict[int, int] = {}  # how many steps each still waits for
         self._readers: dict[int, list[int]] = {}  # which steps wait for each
-        self._unread: dict[int, int] = {}  # how many steps have yet to read each
         self._first_of_key: dict[str, int] = {}
         self._recompute = set(wanted or ())  # not to be taken from the store
-        self._partial: set[int] = set()  # in memory, but some values are stand-ins
-        self._demand([*(_last_steps(plan) if wanted is None else wanted), *self._keep])
+        self._demand([*(_last_steps(plan) if wanted is None else wanted), *self._pool.keep])
+
+    @property
+    def values(self) -> dict[int, tuple[object, ...]]:
+        """Values of the steps to keep, and of those that are still to be read."""
+        return self._pool.values
 
     @property
     def left(self) -> Collection[int]:
@@ -105,20 +104,12 @@ class Schedule:
             step = self.plan.steps[index]
             if key and not self._is_first_of_key(index, key):
                 continue
-            if self._cache is not None:
-                lost = [needed for needed in step.needed if not self._load(step, needed)]
-                if lost:
-                    self._compute_again(index, lost)
-                    continue
+            if lost := self._pool.load(step, self.outcomes):
+                self._compute_again(index, lost)
+                continue
             if self._observer is not None:
                 self._observer.started(step)
-            inputs = {
-                port: self._lend(source) if isinstance(source, Output) else self._gather(source)
-                for port, source in step.inputs.items()
-            }
-            for needed in step.needed:  # a copy takes the place of what nothing else reads
-                if self._unread[needed] == 1 and needed not in self._keep:
-                    self._drop(needed)
+            inputs = self._pool.take(step, self.outcomes)
             method = step.method
             return Call(
                 index,
@@ -187,8 +178,9 @@ class Schedule:
             if index in self._waiting:
                 continue
             unsettled = 0
-            for needed in self.plan.steps[index].needed:
-                self._unread[needed] = self._unread.get(needed, 0) + 1
+            step = self.plan.steps[index]
+            self._pool.expect(step)
+            for needed in step.needed:
                 if needed not in self.outcomes:
                     unsettled += 1
                     self._readers.setdefault(needed, []).append(index)
@@ -235,87 +227,25 @@ class Schedule:
         self._wait(index, [first])
         return False
 
-    def _load(self, reader: Step, needed: int) -> bool:
-        """Whether what a reader takes from a step is in memory; load it if it is stored."""
-        in_memory = needed in self.values
-        if self._cache is None or (in_memory and needed not in self._partial):
-            return True
-        outcome = self.outcomes.get(needed)
-        if outcome is None:
-            return False
-        if outcome.state is not State.DONE:
-            return True
-        positions = {output.position for output in reader.reads() if output.step == needed}
-        if not self._cache.gives(needed, positions):
-            return False
-        if in_memory:
-            return True
-        values = self._cache.load(needed)
-        if values is None:
-            return False
-        self.values[needed] = values
-        if not self._cache.gives(needed, range(len(values))):
-            self._partial.add(needed)
-        return True
-
     def _compute_again(self, reader: int, lost: Collection[int]) -> None:
         """Have steps computed whose stored values cannot be used; a reader waits for them."""
         for needed in lost:
             if self.outcomes.pop(needed, None) is not None:
                 self._recompute.add(needed)
-                self._drop(needed)
+                self._pool.drop(needed)
         self._wait(reader, lost)
         self._demand(lost)
-
-    def _drop(self, index: int) -> None:
-        self.values.pop(index, None)
-        self._partial.discard(index)
 
     def _settle(self, index: int, outcome: Outcome) -> None:
         self._waiting.pop(index, None)
         if outcome.values:
-            if self._unread.get(index) or index in self._keep:
-                self.values[index] = outcome.values
+            self._pool.add(index, outcome.values)
             outcome.values = ()  # else they would live as long as the outcome
         self.outcomes[index] = outcome
         step = self.plan.steps[index]
-        for needed in step.needed:
-            if unread := self._unread.get(needed):
-                self._unread[needed] = unread - 1
-                if unread == 1 and (needed not in self._keep or needed in self._partial):
-                    self._drop(needed)
+        self._pool.release(step)
         if self._observer is not None:
             self._observer.settled(step, outcome)
-
-    def _gather(self, source: Gathered) -> Across[object]:
-        entries = []
-        unused: list[tuple[str, ...]] = []
-        absent = list(source.skipped())
-        for index, (combination, output) in enumerate(source.entries):
-            labels = dict(zip(source.axes, combination, strict=True))
-            outcome = self.outcomes[output.step]
-            if outcome.state is State.DONE:
-                entries.append((labels, self._lend(output)))
-                unused += source.unused[index : index + 1]
-            else:
-                absent.append(Absent(labels, outcome.root.value, outcome.reason))
-        known = dict(zip(source.axes, source.known, strict=True))
-        return Across(
-            source.axes,
-            tuple(entries),
-            tuple(absent),
-            known,
-            source.sources,
-            tuple(unused),
-            source.methods,
-            source.fields,
-            source.synthetic,
-            source.units,
-            source.files,
-        )
-
-    def _lend(self, output: Output) -> object:
-        return self.packer.lend(self.values[output.step][output.position])
 
 
 def _last_steps(plan: Plan) -> Iterator[int]:
