@@ -82,9 +82,10 @@ def store_figure(figure: Figure) -> StoredFigure:
 
     with _DRAWING, mpl.rc_context(_SETTINGS):
         show_broken_formulas_as_text(figure)
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox().padded(mpl.rcParams["savefig.pad_inches"])
         engine = figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(figure)
+        box = figure.get_tightbbox().padded(mpl.rcParams["savefig.pad_inches"])
         figure.set_layout_engine(None)
         try:
             svg, pdf = (_saved(figure, format, box) for format in ("svg", "pdf"))
