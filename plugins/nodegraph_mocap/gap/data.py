@@ -170,7 +170,8 @@ def _positions(
     if truth is None or marker not in truth.markers:
         return None
     true = truth.positions[:, [truth.markers.index(marker)]]
-    common = (recording.positions == true).all(axis=2).sum(axis=0)
+    x, y, z = np.moveaxis(recording.positions == true, 2, 0)
+    common = np.count_nonzero(x & y & z, axis=0)
     if not common.any():
         return None
     return recording.positions[:, int(np.argmax(common))]
