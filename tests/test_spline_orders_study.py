@@ -50,7 +50,8 @@ def test_with_impulses_the_repair_brings_it_nearest_to_the_truth(built_in: Path)
 
 def test_without_noise_or_impulses_every_order_costs_more_movement(studies: Studies) -> None:
     words = ("--axis", "share=0", "--set", "sigma=0", "--only", "recording=face_1")
-    (result,) = means(studies.run("spline_orders", *words), "error-to-truth").values()
+    folder = studies.run("spline_orders", *words, "--until", "error_to_truth")
+    (result,) = means(folder, "error-to-truth").values()
     assert result["captured"] == 0.0
     errors = [result[order] for order in ORDERS]
     assert errors == sorted(errors)

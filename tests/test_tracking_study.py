@@ -12,7 +12,7 @@ from tests.studies import DATA, ROOT, Studies, command, needs_recordings, table
 
 GRAPH = str(ROOT / "graphs" / "tracking.yaml")
 TRACKERS = {"assignment", "nearest", "neighbours"}
-FEW = ("--only", "dropout=0.02,0.1")
+FEW = ("--only", "dropout=0.02,0.1", "--until", "table")
 
 
 def wrong_of(folder: Path) -> dict[tuple[str, float, float], float]:
