@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import pluggy
@@ -142,7 +143,7 @@ class HookResults:
 
     @cached_property
     def _manager(self) -> pluggy.PluginManager:
-        manager = pluggy.PluginManager(GROUP)
+        manager = _Manager(GROUP)
         manager.add_hookspecs(specifications())
         for plugin in self.plugins:
             try:
@@ -153,6 +154,15 @@ class HookResults:
             else:
                 _warn_of_unknown_hooks(manager, plugin)
         return manager
+
+
+class _Manager(pluggy.PluginManager):
+    def parse_hookimpl_opts(self, plugin: object, name: str) -> Any:
+        """Return the options of a hook; None for any other name, without pluggy's long look."""
+        value = vars(plugin).get(name)
+        function = value.__func__ if isinstance(value, staticmethod) else value
+        is_hook = isinstance(function, FunctionType) and hasattr(function, f"{GROUP}_impl")
+        return super().parse_hookimpl_opts(plugin, name) if is_hook else None
 
 
 def _of_type(
