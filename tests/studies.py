@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import shutil
 import time
 from contextlib import chdir, redirect_stderr, redirect_stdout
@@ -13,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from nodegraph.cli.main import main
+from nodegraph.errors import NodegraphError
+from nodegraph.remote import remote_file
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
@@ -28,6 +31,10 @@ FILLS = "fill=muscle,lin_ouhyoung,guenter,linear,cubic,ridge,pca,rigid,bilinear,
 FEW = {
     "alignment": ("--axis", "actor=0,1", "--only", "data=take,scans"),
     "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual", "--only", FILLS),
+    "fill_real": (
+        *("--axis", "recording=sample:face_1,sample:face_2", "--only", "length=5,45"),
+        *("--only", "trial=0", "--only", FILLS),
+    ),
     "impulses": TWO,
     "marker_selection": (
         *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),
@@ -40,6 +47,23 @@ FEW = {
 """A few combinations of each graph that takes longer."""
 
 needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
+
+
+def needs_fetched(name: str) -> pytest.MarkDecorator:
+    """Return the mark of tests that read what a shipped graph names by addresses."""
+    text = (ROOT / "graphs" / f"{name}.yaml").read_text()
+    addresses = re.findall(r"https://\S+#sha256=\w+", text)
+    return pytest.mark.skipif(
+        not all(map(_is_here, addresses)), reason=f"needs `nodegraph fetch graphs/{name}.yaml`"
+    )
+
+
+def _is_here(address: str) -> bool:
+    try:
+        remote_file(address)
+    except NodegraphError:
+        return False
+    return True
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ import pytest
 
 import nodegraph as ng
 from nodegraph.cli.main import main
+from nodegraph.graphfile.yaml_text import read_yaml
 from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node, same
@@ -81,7 +82,9 @@ def test_every_shipped_graph_is_listed_with_its_question() -> None:
     files = {path.name: path for path in (ROOT / "graphs").glob("*.yaml")}
     assert questions.keys() == files.keys()
     for name, path in files.items():
-        assert ng.load(path).title.split(",")[0].rstrip("?") in questions[name]
+        # not loaded: the files that a graph names by their addresses need not be here
+        title = read_yaml(path.read_text(), name).plain()["title"]
+        assert title.split(",")[0].rstrip("?") in questions[name]
 
 
 def test_the_code_that_is_shown_works(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

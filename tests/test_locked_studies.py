@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from nodegraph.lock.lockfile import read_lock
-from tests.studies import GRAPHS, ONE, ROOT, Studies
+from tests.studies import GRAPHS, ONE, ROOT, Studies, needs_fetched
 
 LOCKS = sorted((ROOT / "graphs").glob("*.lock"))
 FILL = (ROOT / "graphs" / "fill.yaml").read_text().partition("  ranks:\n")[0]
@@ -55,7 +55,11 @@ def test_every_shipped_graph_has_a_lock() -> None:
     assert [path.stem for path in LOCKS] == [path.stem for path in GRAPHS]
 
 
-@pytest.mark.parametrize("lock", LOCKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "lock",
+    [pytest.param(path, marks=needs_fetched(path.stem)) for path in LOCKS],
+    ids=lambda path: path.stem,
+)
 def test_a_shipped_lock_is_of_its_graph_and_holds(
     lock: Path, studies: Studies, tmp_path: Path
 ) -> None:
