@@ -102,13 +102,9 @@ def _set_environment(original: dict[Any, Any]) -> None:
     os.environ.update({os.fsdecode(name): os.fsdecode(value) for name, value in original.items()})
 
 
-_PYTHON: Any = vars(random)["getstate"].__self__
-_NUMPY: Any = vars(np.random)["get_state"].__self__
-_get_engine: Callable[[], Any] = vars(np.random)["get_bit_generator"]
-_set_engine: Callable[[Any], None] = vars(np.random)["set_bit_generator"]
 _WORDS = 625
 """Words of four bytes in the state of a Mersenne Twister."""
-_random: tuple[tuple[object, ...], tuple[object, bytes]] = ((), (None, b""))
+_last_read: tuple[tuple[object, ...], tuple[object, bytes]] = ((), (None, b""))
 """The memory of the generators when they were last read, and what was read."""
 
 
@@ -117,20 +113,27 @@ def _random_states() -> tuple[object, bytes]:
 
     Such a read takes 0.2 ms, which is longer than most nodes of a chain.
     """
-    global _random
+    global _last_read
     memory = _memory_of_generators()
-    if memory != _random[0]:
+    if memory != _last_read[0]:
         states = random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
-        _random = memory, (_get_engine(), pickle.dumps(states))
-    return _random[1]
+        _last_read = memory, (_numpy().get_bit_generator(), pickle.dumps(states))
+    return _last_read[1]
 
 
 def _memory_of_generators() -> tuple[object, ...]:
-    engine = _get_engine()
+    python: Any = vars(random)["getstate"].__self__
+    numpy = _numpy().get_state.__self__
+    engine = _numpy().get_bit_generator()
     if type(engine) is not np.random.MT19937:
         return (object(),)  # the memory of other engines is not known
     words = ctypes.string_at(engine.ctypes.state_address, 4 * _WORDS)
-    return engine, words, _memory(_NUMPY), _memory(_PYTHON), _PYTHON.gauss_next
+    return engine, words, _memory(numpy), _memory(python), python.gauss_next
+
+
+def _numpy() -> Any:
+    """Return a module with more than its declarations say; importing it here would take 20 ms."""
+    return np.random
 
 
 def _memory(value: object) -> bytes:
@@ -143,7 +146,7 @@ def _set_random_states(original: tuple[object, bytes]) -> None:
     engine, states = original
     own, numpy = pickle.loads(states)
     random.setstate(own)
-    _set_engine(engine)
+    _numpy().set_bit_generator(engine)
     np.random.set_state(numpy)  # noqa: NPY002
 
 
