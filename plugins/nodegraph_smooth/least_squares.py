@@ -9,6 +9,8 @@ from nodegraph_smooth.knots import fit
 from nodegraph_smooth.present_runs import smooth_runs
 
 DEGREE = 3
+_NEAREST = 1.1
+"""Frames between knots; nearer ones leave the coefficients of a long run undetermined."""
 
 
 @node("smooth.least_squares", cite="deboor1978", lookahead=None)
@@ -42,14 +44,14 @@ def least_squares(recording: Trajectories, *, spacing: Seconds = 0.05) -> Trajec
     Raises
     ------
     Refusal
-        If knots would lie no farther apart than frames, or every run is too short.
+        If knots would lie less than 1.1 frames apart, or every run is too short.
     """
     frames = frames_of(spacing, recording.rate)
-    if not frames > 1.0:
+    if not frames >= _NEAREST:
         raise Refusal(
             f"knots {spacing:g} s apart are {frames:g} frames apart at {recording.rate:g} Hz: "
-            "the spline would go through every sample; take a spacing of more than "
-            f"{1.0 / recording.rate:g} s"
+            "the spline would go through nearly every sample; take at least "
+            f"{_NEAREST:g} frames, such as {2.0 / recording.rate:.3g} s for 2"
         )
     return smooth_runs(
         recording, lambda block: fit(block, frames, degree=DEGREE), shortest=DEGREE + 2

@@ -29,7 +29,18 @@ def test_a_cubic_stays_as_it_is() -> None:
     )
 
 
-def test_knots_no_farther_apart_than_frames_are_refused() -> None:
+@pytest.mark.parametrize(("spacing", "frames"), [(0.05, "1"), (0.0545, r"1\.09")])
+def test_knots_hardly_farther_apart_than_frames_are_refused(spacing: float, frames: str) -> None:
     take = make_recording(np.zeros((50, 1, 3)), rate=20.0)
-    with pytest.raises(Refusal, match=r"knots 0\.05 s apart are 1 frames apart at 20 Hz"):
-        least_squares(take)
+    pattern = rf"apart are {frames} frames apart at 20 Hz.* at least 1\.1 frames, such as 0\.1 s"
+    with pytest.raises(Refusal, match=pattern):
+        least_squares(take, spacing=spacing)
+
+
+def test_knots_that_are_just_far_enough_apart_settle_a_long_run() -> None:
+    rng = np.random.default_rng(0)
+    take = make_recording(rng.normal(size=(4000, 1, 3)), rate=20.0)
+    once = least_squares(take, spacing=0.055)
+    assert np.abs(once.positions).max() < 5
+    again = least_squares(once, spacing=0.055).positions
+    np.testing.assert_allclose(again, once.positions, rtol=0, atol=1e-10)
