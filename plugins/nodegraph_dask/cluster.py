@@ -27,6 +27,8 @@ SECONDS_WITHOUT_WORKERS = 30.0
 """After which a run gives up."""
 _SECONDS_TO_ANSWER = 3.0
 """Seconds in which a machine must accept a connection, and a scheduler must answer."""
+_SECONDS_TO_RECONNECT = 10.0
+"""Seconds after which a scheduler is gone whose connection was lost; a busy one keeps its own."""
 _SECONDS_TO_CLOSE = 3.0
 
 _ADDRESS = re.compile(
@@ -208,7 +210,9 @@ def _client(address: str) -> Iterator[object]:
     with warnings.catch_warnings():
         # responses report the differences of versions that matter
         warnings.simplefilter("ignore")
-        client = Client(address, set_as_default=False)  # type: ignore[no-untyped-call]
+        client = Client(  # type: ignore[no-untyped-call]
+            address, set_as_default=False, timeout=_SECONDS_TO_RECONNECT
+        )
     try:
         yield client
     finally:
