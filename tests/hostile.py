@@ -193,10 +193,13 @@ def samples(registry: Registry, folder: Path) -> Iterator[tuple[str, str, Read, 
             (folder / name).write_bytes(content)
             with suppress(ValueError):
                 reader.node.function(path=folder / name)
-                known.add(Path(name).suffix)
+                known.add(name)
                 yield name, reader.node.name, reader.node.function, content
+    unread = {"netcdf4.nc", *TEXTS} - known
+    assert not unread, f"nothing reads {', '.join(sorted(unread))}"
+    suffixes = {Path(name).suffix for name in known}
     for each in registry.hooks.formats:
-        assert not known.isdisjoint(each.suffixes), f"no file of the format {each.name}"
+        assert not suffixes.isdisjoint(each.suffixes), f"no file of the format {each.name}"
 
 
 def read_damaged(folder: Path, seed: int, count: int = 2000) -> Counter[str]:
