@@ -28,8 +28,8 @@ from nodegraph.state import State
 from nodegraph.store import Entry, Upkeep
 
 AXES = {"i": (1, 2), "j": (3, 4, 5)}
-WAYS = [HowToRun("serial"), HowToRun("threads", 3)]
-SEEDS = range(14)
+THREADS = HowToRun("threads", 3)
+SEEDS = range(16)
 
 
 @dataclass(frozen=True)
@@ -127,6 +127,7 @@ class Study:
     def __init__(self, seed: int, folder: Path) -> None:
         self.chance = random.Random(seed)
         self.folder = folder
+        self.how = THREADS if seed % 2 else HowToRun("serial")
         self.registry = Registry.of(NODES, plugin="words")
         self.registry.loaded.append(Plugin("sketches", MODULE))
         self.drawn = self._drawn()
@@ -144,7 +145,6 @@ class Study:
 
     def run(
         self,
-        how: HowToRun,
         say: Callable[[str], None] = pytest.fail,
         listeners: Iterable[Callable[[Event], None]] = (),
     ) -> tuple[Run, list[int]]:
@@ -154,13 +154,13 @@ class Study:
         keep = [name for name in steps.graph.nodes if self.chance.random() < 0.3]
         self.kept = {index for name in keep for index in steps.cells[name].values()}
         every = [events.append, *listeners]
-        run = execute(steps, how=how, store=store, keep=keep, listeners=every)
+        run = execute(steps, how=self.how, store=store, keep=keep, listeners=every)
         assert sum(events[-1].detail.values()) == len(steps.steps)
         return run, [event.step for event in events if event.kind == "started"]
 
     def alone(self) -> Run:
         steps = self.plan()
-        return execute(steps, how=WAYS[0], keep=list(steps.graph.nodes))
+        return execute(steps, how=HowToRun("serial"), keep=list(steps.graph.nodes))
 
     def change(self) -> None:
         at = self.chance.randrange(len(self.drawn))
@@ -276,39 +276,36 @@ def study(request: pytest.FixtureRequest, tmp_path: Path) -> Study:
     return Study(request.param, tmp_path)
 
 
-@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
-def test_stored_results_change_nothing(study: Study, how: HowToRun) -> None:
+def test_stored_results_change_nothing(study: Study) -> None:
     alone = study.alone()
-    first, called = study.run(how)
+    first, called = study.run()
     same(first, alone)
     assert len(called) == len(set(called))
     same_values(first, alone)
     keys = keys_in(study.folder)
-    second, called = study.run(how)
+    second, called = study.run()
     same(second, alone)
     assert set(called) == Needed(alone, there(second, keys), study.kept).called
     same_values(second, alone)
 
 
-@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
-def test_a_setting_has_its_dependants_computed_and_no_others(study: Study, how: HowToRun) -> None:
-    study.run(how)
+def test_a_setting_has_its_dependants_computed_and_no_others(study: Study) -> None:
+    study.run()
     study.change()
     alone, keys = study.alone(), keys_in(study.folder)
-    run, called = study.run(how)
+    run, called = study.run()
     same(run, alone)
     assert set(called) == Needed(alone, there(run, keys), study.kept).called
     same_values(run, alone)
 
 
-@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
-def test_damage_is_reported_and_repaired(study: Study, how: HowToRun) -> None:
+def test_damage_is_reported_and_repaired(study: Study) -> None:
     alone = study.alone()
-    study.run(how)
+    study.run()
     damaged = damage(study)
     keys = keys_in(study.folder) - {path.stem for path in damaged}
     messages: list[str] = []
-    run, called = study.run(how, messages.append)
+    run, called = study.run(messages.append)
     same(run, alone, unneeded=True)
     for path, content in damaged.items():
         if "entries" in path.parts and content is not None and read(path) != content:
@@ -321,8 +318,7 @@ def test_damage_is_reported_and_repaired(study: Study, how: HowToRun) -> None:
     same_values(run, alone)
 
 
-@pytest.mark.parametrize("how", WAYS, ids=["serial", "threads"])
-def test_a_run_continues_where_it_was_interrupted(study: Study, how: HowToRun) -> None:
+def test_a_run_continues_where_it_was_interrupted(study: Study) -> None:
     alone = study.alone()
     events: list[Event] = []
     most = study.chance.randrange(4 * len(alone.outcomes))
@@ -333,18 +329,19 @@ def test_a_run_continues_where_it_was_interrupted(study: Study, how: HowToRun) -
             raise KeyboardInterrupt
 
     with suppress(KeyboardInterrupt):
-        study.run(how, listeners=[count])
+        study.run(listeners=[count])
     finished = {event.step for event in events if event.kind in ("done", "refused")}
-    run, called = study.run(how)
+    run, called = study.run()
     same(run, alone)
     assert not {index for index in finished.intersection(called) if not is_sketch(alone, index)}
     same_values(run, alone)
 
 
 def test_two_runs_may_use_a_store_at_once(study: Study) -> None:
+    study.how = THREADS
     alone = study.alone()
     runs: list[Run] = []
-    both = [threading.Thread(target=lambda: runs.append(study.run(WAYS[1])[0])) for _ in range(2)]
+    both = [threading.Thread(target=lambda: runs.append(study.run()[0])) for _ in range(2)]
     for thread in both:
         thread.start()
     for thread in both:
