@@ -91,6 +91,7 @@ class Modules:
         self._places: dict[str, Place | None] = {}
         self._versions: dict[str, Mapping[str, str] | None] = {}
         self._known: dict[At, tuple[Reach, list[At]]] = {}
+        self._sources: dict[str, tuple[ModuleSource, Reach]] = {}
 
     def add(self, file: str, name: str) -> str:
         """Make a file known as a module of that name, and return the name that it has here."""
@@ -133,7 +134,10 @@ class Modules:
         parent = module.rpartition(".")[0]
         if parent:
             yield parent, None
-        source = self._source(module, place.file, own)
+        if module not in self._sources:
+            self._sources[module] = self._read(module, place.file)
+        source, found = self._sources[module]
+        own.add(found)
         package = module if place.folders else parent
         if place.folders and name != "" and not source.acts:
             passed = list(self._passed(module, name, source)) if name else []
@@ -152,18 +156,17 @@ class Modules:
                 text = f"{module} imports a module whose name is known only when it runs"
                 own.troubles.append(text)
 
-    def _source(self, module: str, file: str, own: Reach) -> ModuleSource:
+    def _read(self, module: str, file: str) -> tuple[ModuleSource, Reach]:
+        """Return the source of a module, and whether it can be read and was edited."""
         if not file:
-            return ModuleSource("")
+            return ModuleSource(""), Reach()
         try:
             source = ModuleSource(*self._memo.get(file, read_source))
             time = os.stat(file).st_mtime_ns
         except OSError as error:
-            own.troubles.append(f"{module}: its file cannot be read: {error.strerror or error}")
-            return ModuleSource("")
-        if time > STARTED:
-            own.edited[module] = file, time
-        return source
+            trouble = f"{module}: its file cannot be read: {error.strerror or error}"
+            return ModuleSource(""), Reach(troubles=[trouble])
+        return source, Reach(edited={module: (file, time)} if time > STARTED else {})
 
     def _passed(self, package: str, name: str, source: ModuleSource) -> Iterator[At]:
         """Yield where a package takes a name from; nothing if it may be of the package itself."""
