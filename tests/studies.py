@@ -35,6 +35,7 @@ FEW = {
         *("--axis", "recording=sample:face_1,sample:face_2", "--only", "length=5,45"),
         *("--only", "trial=0", "--only", FILLS),
     ),
+    "fill_conditions": ("--axis", "actor=0,1", "--only", "length=15"),
     "impulses": TWO,
     "marker_selection": (
         *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),
