@@ -7,19 +7,21 @@ package is uninstalled, and what remains of the folder looks like a package.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
+from inspect import signature
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.sigutils import normalize_signature
 from platformdirs import user_cache_path
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
 
-def kernel(**options: object) -> Callable[[_Function], _Function]:
+def kernel(*written: str, **options: object) -> Callable[[_Function], _Function]:
     """Return a decorator that compiles a function with numba, to run without the GIL.
 
     The machine code is kept in ``nodegraph/kernels`` in the user's cache folder, or in
@@ -28,8 +30,14 @@ def kernel(**options: object) -> Callable[[_Function], _Function]:
     a change of what a kernel takes from other files of its package, such as constants, options or
     other kernels, goes unnoticed.
 
+    Arrays are best written entry by entry: where one is assigned to a slice, numba compiles the
+    message of an error as well, which takes seconds.
+
     Parameters
     ----------
+    *written
+        Names of the arguments whose arrays the function writes to. Others are read-only to it,
+        so that it is compiled once for arrays that may be written to and arrays that may not.
     **options
         Options of `numba.njit`, such as ``fastmath``; with ``no_cpython_wrapper=True`` only other
         kernels can call the function, which takes a fifth less time to compile.
@@ -39,10 +47,40 @@ def kernel(**options: object) -> Callable[[_Function], _Function]:
         # a tenth of the time to compile would go into a wrapper by which C calls the function
         dispatcher: _Function = numba.njit(nogil=True, no_cfunc_wrapper=True, **options)(function)
         if not numba.config.DISABLE_JIT:
+            _lock(dispatcher, written)
             _keep(dispatcher)
         return dispatcher
 
     return compiled
+
+
+def _lock(dispatcher: Any, written: Collection[str]) -> None:
+    """Make all arrays but some read-only to a kernel, whether they are or not."""
+    names = list(signature(dispatcher.py_func).parameters)
+    compiled, known = dispatcher.compile, set[tuple[Any, ...]]()
+
+    def compile_locked(given: Any) -> object:
+        types, _ = normalize_signature(given)
+        locked = tuple(
+            kind if name in written else _locked(kind)
+            for name, kind in zip(names, types, strict=True)
+        )
+        entry = compiled(locked)
+        if types != locked and types not in known:
+            known.add(types)
+            dispatcher._insert([kind._code for kind in types], entry, False)
+        return entry
+
+    dispatcher.compile = compile_locked
+
+
+def _locked(kind: Any) -> Any:
+    if isinstance(kind, numba.types.Array):
+        return kind.copy(readonly=True)
+    if isinstance(kind, numba.types.BaseTuple):
+        parts = [_locked(part) for part in kind]
+        return numba.types.BaseTuple.from_types(parts, getattr(kind, "instance_class", None))
+    return kind
 
 
 def _keep(dispatcher: Any) -> None:

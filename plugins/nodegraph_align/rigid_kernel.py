@@ -7,6 +7,7 @@ helper in another one. A missing sample is NaN, and does not equal itself.
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel(fastmath={"contract"})
-inlined = kernel(fastmath={"contract"}, forceinline=True)
+compiled = partial(kernel, fastmath={"contract"})
+inlined = partial(kernel, fastmath={"contract"}, forceinline=True)
 
 Vector = tuple[float, float, float]
 
@@ -37,7 +38,7 @@ ROUNDING = 1e-15
 SWEEPS = 10
 
 
-@compiled
+@compiled()
 def fit(
     positions: Floats,
     columns: Integers,
@@ -80,12 +81,14 @@ def fit(
             scaling, reflection,
         )  # fmt: skip
         if states[frame] >= FEW:
-            rotations[frame] = np.eye(3)
-            centres[frame] = goals[frame] = 0.0
+            for i in range(3):
+                centres[frame, i] = goals[frame, i] = 0.0
+                for j in range(3):
+                    rotations[frame, i, j] = 1.0 if i == j else 0.0
     return rotations, scales, centres, goals, states
 
 
-@compiled
+@compiled("out")
 def move(
     out: Floats,
     positions: Floats,
@@ -131,7 +134,7 @@ def move(
     return back, offsets, shrinkage
 
 
-@compiled
+@compiled("out")
 def move_into(out: Floats, positions: Floats, matrices: Floats, offsets: Floats) -> None:
     """Write ``matrix x + offset`` for every point x of a frame.
 
@@ -145,7 +148,7 @@ def move_into(out: Floats, positions: Floats, matrices: Floats, offsets: Floats)
         _move(out[frame], positions[frame], matrices[frame], offsets[frame])
 
 
-@inlined
+@inlined("out")
 def _move(out: Floats, points: Floats, a: Floats, b: Floats) -> None:
     """Write ``a x + b`` for every point x."""
     for marker in range(len(points)):
@@ -155,7 +158,7 @@ def _move(out: Floats, points: Floats, a: Floats, b: Floats) -> None:
         out[marker, 2] = a[2, 0] * x + a[2, 1] * y + a[2, 2] * z + b[2]
 
 
-@inlined
+@inlined("points", "weights")
 def _gather(points: Floats, weights: Floats, frame: Floats, columns: Integers, own: Floats) -> None:
     """Write a frame's landmarks and their weights; a missing one is at 0 with weight 0."""
     for landmark in range(len(columns)):
@@ -167,7 +170,7 @@ def _gather(points: Floats, weights: Floats, frame: Floats, columns: Integers, o
         points[landmark, 2] = z if there else 0.0
 
 
-@inlined
+@inlined("rotation", "centre", "goal")
 def _pose(
     rotation: Floats,
     centre: Floats,
@@ -205,7 +208,7 @@ def _pose(
     return scale, MIRRORED if inside_out else FITTED
 
 
-@inlined
+@inlined()
 def _mean(points: Floats, weights: Floats, total: float) -> Vector:
     x, y, z = 0.0, 0.0, 0.0
     for i in range(len(weights)):
@@ -215,7 +218,7 @@ def _mean(points: Floats, weights: Floats, total: float) -> Vector:
     return x / total, y / total, z / total
 
 
-@inlined
+@inlined()
 def _covariance(
     points: Floats, shape: Floats, weights: Floats, centre: Vector, goal: Vector
 ) -> tuple[Vector, Vector, Vector, float, float]:
@@ -235,12 +238,12 @@ def _covariance(
     return (xu, yu, zu), (xv, yv, zv), (xw, yw, zw), size, aim
 
 
-@inlined
+@inlined()
 def _is_small(size: float, total: float, middle: Vector) -> bool:
     return bool(size <= IN_ONE_PLACE * IN_ONE_PLACE * total * _dot(middle, middle))
 
 
-@inlined
+@inlined("rotation")
 def _rotation(
     rotation: Floats, a: Vector, b: Vector, c: Vector, reflection: bool
 ) -> tuple[float, float, float]:
@@ -282,7 +285,7 @@ def _rotation(
     return first, second, third
 
 
-@inlined
+@inlined()
 def _orthogonal(
     a: Vector, b: Vector, p: Vector, q: Vector, floor: float
 ) -> tuple[Vector, Vector, Vector, Vector, bool]:
@@ -303,21 +306,21 @@ def _orthogonal(
     )
 
 
-@inlined
+@inlined()
 def _sum(s: float, a: Vector, t: float, b: Vector) -> Vector:
     return s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]
 
 
-@inlined
+@inlined()
 def _times(s: float, a: Vector) -> Vector:
     return s * a[0], s * a[1], s * a[2]
 
 
-@inlined
+@inlined()
 def _dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inlined
+@inlined()
 def _cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -8,6 +8,7 @@ with them holds.
 from __future__ import annotations
 
 import math
+from functools import partial
 from heapq import heappop, heappush
 from typing import TYPE_CHECKING
 
@@ -20,11 +21,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-compiled = kernel()
-inlined = kernel(forceinline=True)
+inlined = partial(kernel, forceinline=True)
 
 
-@compiled
+@kernel("repaired")
 def simultaneous(repaired: Floats, positions: Floats, bar: Floats, first: int) -> None:
     """Find bad samples and put each at the midpoint of its neighbours as they came.
 
@@ -42,22 +42,24 @@ def simultaneous(repaired: Floats, positions: Floats, bar: Floats, first: int) -
     _sweep(repaired, positions, bar, first)
 
 
-@compiled
+@kernel("repaired")
 def in_place(repaired: Floats, positions: Floats, bar: Floats, first: int) -> None:
     """Go through the frames once, each judged and repaired after the one before it."""
     _sweep(repaired, repaired, bar, first)
 
 
-@compiled
+@kernel("repaired")
 def redetect(repaired: Floats, positions: Floats, bar: Floats, first: int) -> None:
     """Repair a marker's worst sample, detect again, until none is left; each at most once."""
     for marker in range(positions.shape[1]):
         track = positions[:, marker : marker + 1].copy()
         _repair_worst_first(track, bar[marker], first)
-        repaired[:, marker] = track[:, 0]
+        for now in range(len(track)):
+            for axis in range(3):
+                repaired[now, marker, axis] = track[now, 0, axis]
 
 
-@inlined
+@inlined("repaired")
 def _sweep(repaired: Floats, source: Floats, bar: Floats, first: int) -> None:
     for now in range(first, len(source) - 1):
         for marker in range(len(bar)):
@@ -65,7 +67,7 @@ def _sweep(repaired: Floats, source: Floats, bar: Floats, first: int) -> None:
                 _to_midpoint(repaired, source, now, marker)
 
 
-@inlined
+@inlined("track")
 def _repair_worst_first(track: Floats, bar: float, first: int) -> None:
     """Repair one marker, (T, 1, 3), in place."""
     frames = len(track)
@@ -87,7 +89,7 @@ def _repair_worst_first(track: Floats, bar: float, first: int) -> None:
                 heappush(waiting, (-_deviation(track, beside), beside))
 
 
-@compiled
+@kernel()
 def bars(positions: Floats, factor: float) -> Floats:
     """Return (M,), the length from which a marker's step is long; infinite where none is.
 
@@ -112,13 +114,13 @@ def bars(positions: Floats, factor: float) -> Floats:
     return bar
 
 
-@inlined
+@inlined()
 def _is_bad(positions: Floats, bar: float, now: int, marker: int) -> bool:
     long: bool = _step(positions, now, marker) >= bar and _step(positions, now + 1, marker) >= bar
     return long
 
 
-@inlined
+@inlined()
 def _step(positions: Floats, now: int, marker: int) -> float:
     """Return the distance of a sample from the one before it; NaN where one is missing."""
     x = positions[now, marker, 0] - positions[now - 1, marker, 0]
@@ -127,14 +129,14 @@ def _step(positions: Floats, now: int, marker: int) -> float:
     return math.sqrt(x * x + y * y + z * z)
 
 
-@inlined
+@inlined("repaired")
 def _to_midpoint(repaired: Floats, positions: Floats, now: int, marker: int) -> None:
     for axis in range(3):
         before, after = positions[now - 1, marker, axis], positions[now + 1, marker, axis]
         repaired[now, marker, axis] = (before + after) / 2.0
 
 
-@inlined
+@inlined()
 def _deviation(track: Floats, now: int) -> float:
     """Return the distance of a sample from the midpoint of its neighbours."""
     x = track[now, 0, 0] - (track[now - 1, 0, 0] + track[now + 1, 0, 0]) / 2.0

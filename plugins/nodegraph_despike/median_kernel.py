@@ -7,6 +7,7 @@ helper in another one.
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,14 +20,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel()
-inlined = kernel(forceinline=True)
+inlined = partial(kernel, forceinline=True)
 
 _TIE = 1.0 + 1e-9
 """Sums this close are equal, so that rounding does not choose between them."""
 
 
-@compiled
+@kernel()
 def medians(positions: Floats, reach: int) -> tuple[Floats, Floats]:
     """Return the vector median of each sample's window, and the sample's distance from it.
 
@@ -47,7 +47,9 @@ def medians(positions: Floats, reach: int) -> tuple[Floats, Floats]:
     frames, markers = positions.shape[:2]
     medians, off = positions.copy(), np.empty((frames, markers))
     width = min(2 * reach + 1, frames)
-    slots, inside = np.arange(frames) % width, np.empty(width, np.int64)
+    slots, inside = np.empty(frames, np.int64), np.empty(width, np.int64)
+    for frame in range(frames):
+        slots[frame] = frame % width
     total = np.empty(width)
     # of every two frames of the window, each with its slot as row and column
     apart = np.empty((width, width))
@@ -70,12 +72,13 @@ def medians(positions: Floats, reach: int) -> tuple[Floats, Floats]:
                     continue
                 _sum_distances(total[:count], apart, slots, inside[:count])
                 median = _least(total[:count], inside[:count], now)
-            medians[now, marker] = track[median]
+            for axis in range(3):
+                medians[now, marker, axis] = track[median, axis]
             off[now, marker] = apart[slots[now], slots[median]]
     return medians, off
 
 
-@compiled
+@kernel()
 def spreads(positions: Floats, medians: Floats, reach: int) -> Floats:
     """Return the median distance of each window's samples from the window's vector median.
 
@@ -105,7 +108,7 @@ def spreads(positions: Floats, medians: Floats, reach: int) -> Floats:
     return spread
 
 
-@inlined
+@inlined("apart")
 def _enter(apart: Floats, track: Floats, slots: Integers, frame: int) -> None:
     """Write the distances of a frame from itself and from those before it in its windows."""
     slot = slots[frame]
@@ -114,7 +117,7 @@ def _enter(apart: Floats, track: Floats, slots: Integers, frame: int) -> None:
         apart[slot, slots[other]] = apart[slots[other], slot] = length
 
 
-@inlined
+@inlined("total")
 def _of_full(apart: Floats, total: Floats, slots: Integers, now: int, reach: int) -> int:
     """Return the median's frame of a window without gaps, whose slots need no list."""
     width = len(total)
@@ -123,7 +126,7 @@ def _of_full(apart: Floats, total: Floats, slots: Integers, now: int, reach: int
         for other in range(width):
             length += apart[row, other]
         total[row] = length
-    bar, best, first = total.min() * _TIE, -1, slots[now - reach]
+    bar, best, first = _lowest(total) * _TIE, -1, slots[now - reach]
     for step in range(width):
         slot = first + step if first + step < width else first + step - width
         if total[slot] <= bar and (best < 0 or abs(step - reach) < abs(best - reach)):
@@ -131,7 +134,7 @@ def _of_full(apart: Floats, total: Floats, slots: Integers, now: int, reach: int
     return now - reach + best
 
 
-@inlined
+@inlined("inside")
 def _gather(inside: Integers, track: Floats, now: int, reach: int) -> int:
     """Collect the present frames of a window; none if there is none before or after its middle."""
     frames = len(track)
@@ -147,7 +150,7 @@ def _gather(inside: Integers, track: Floats, now: int, reach: int) -> int:
     return count if before and after else 0
 
 
-@inlined
+@inlined("total")
 def _sum_distances(total: Floats, apart: Floats, slots: Integers, inside: Integers) -> None:
     for row in range(len(inside)):
         line, length = apart[slots[inside[row]]], 0.0
@@ -156,10 +159,10 @@ def _sum_distances(total: Floats, apart: Floats, slots: Integers, inside: Intege
         total[row] = length
 
 
-@inlined
+@inlined()
 def _least(total: Floats, inside: Integers, now: int) -> int:
     """Return the frame with the least sum; of equal ones the nearest to `now`, the earlier one."""
-    bar, best = total.min() * _TIE, -1
+    bar, best = _lowest(total) * _TIE, -1
     for index in range(len(inside)):
         nearer = best < 0 or abs(inside[index] - now) < abs(best - now)
         if total[index] <= bar and nearer:
@@ -167,7 +170,15 @@ def _least(total: Floats, inside: Integers, now: int) -> int:
     return best
 
 
-@inlined
+@inlined()
+def _lowest(values: Floats) -> float:
+    lowest = np.inf
+    for value in values:
+        lowest = min(lowest, value)
+    return lowest
+
+
+@inlined("values")
 def _middle(values: Floats) -> float:
     """Return the median of a few values, which are sorted in place."""
     for index in range(1, len(values)):
@@ -181,7 +192,7 @@ def _middle(values: Floats) -> float:
     return middle if len(values) % 2 else 0.5 * (values[half - 1] + middle)
 
 
-@inlined
+@inlined()
 def _apart(point: Floats, other: Floats) -> float:
     x, y, z = point[0] - other[0], point[1] - other[1], point[2] - other[2]
     return math.sqrt(x * x + y * y + z * z)

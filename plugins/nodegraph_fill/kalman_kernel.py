@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +16,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel(fastmath={"reassoc", "contract"})
-inner = kernel(fastmath={"reassoc", "contract"}, no_cpython_wrapper=True)  # for kernels only
+compiled = partial(kernel, fastmath={"reassoc", "contract"})
+inner = partial(
+    kernel, fastmath={"reassoc", "contract"}, no_cpython_wrapper=True
+)  # for kernels only
 
 
-@compiled
+@compiled("states", "covariances")
 def smooth(
     missing: Flags,
     basis: Floats,
@@ -82,7 +85,7 @@ def smooth(
                 back[i, k] += change[i, k]
 
 
-@compiled
+@compiled()
 def information(missing: Flags, basis: Floats, weighted: Floats, total: Floats) -> Floats:
     """Return I of a frame, the sum over the coordinates that it has, from that over all."""
     # what it has is added up, or what it lacks is taken off, whichever is less
@@ -103,7 +106,7 @@ def information(missing: Flags, basis: Floats, weighted: Floats, total: Floats) 
     return known
 
 
-@inner
+@inner()
 def _equal(flags: Flags, others: Flags) -> bool:
     equal = True
     for j in range(len(flags)):
@@ -111,7 +114,7 @@ def _equal(flags: Flags, others: Flags) -> bool:
     return equal
 
 
-@compiled
+@compiled()
 def spread(rows: Integers, columns: Integers, covariances: Floats, basis: Floats) -> Floats:
     """Return ``c' P c`` of entries, (E,), P being the covariance of the row's state."""
     spread = np.empty(len(rows))
@@ -126,7 +129,7 @@ def spread(rows: Integers, columns: Integers, covariances: Floats, basis: Floats
     return spread
 
 
-@inner
+@inner("matrix")
 def _invert(matrix: Floats) -> None:
     """Invert a symmetric positive definite matrix in place, by sweeps of its lower half."""
     size, column = len(matrix), np.empty(len(matrix))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,11 +16,13 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel(fastmath={"reassoc", "contract"})
-inner = kernel(fastmath={"reassoc", "contract"}, no_cpython_wrapper=True)  # for kernels only
+compiled = partial(kernel, fastmath={"reassoc", "contract"})
+inner = partial(
+    kernel, fastmath={"reassoc", "contract"}, no_cpython_wrapper=True
+)  # for kernels only
 
 
-@compiled
+@compiled()
 def factorize(start: Integers, columns: Integers, precision: Floats) -> tuple[Floats, Integers]:
     """Return Cholesky's factors of ``K_mm`` row by row, m being the row's missing entries.
 
@@ -58,7 +61,7 @@ def factorize(start: Integers, columns: Integers, precision: Floats) -> tuple[Fl
     return factors, where
 
 
-@inner
+@inner()
 def _equal(places: Integers, others: Integers) -> bool:
     equal = len(places) == len(others)
     if equal:
@@ -67,7 +70,7 @@ def _equal(places: Integers, others: Integers) -> bool:
     return equal
 
 
-@inner
+@inner("factor")
 def _factorize(precision: Floats, places: Integers, factor: Floats) -> None:
     for i in range(len(places)):
         line, first = precision[places[i]], i * (i + 1) // 2
@@ -79,7 +82,7 @@ def _factorize(precision: Floats, places: Integers, factor: Floats) -> None:
             factor[first + j] = 1.0 / math.sqrt(rest) if i == j else rest * diagonal
 
 
-@compiled
+@compiled()
 def solve(start: Integers, factors: Floats, where: Integers, values: Floats) -> Floats:
     """Return ``inv(K_mm) v`` row by row, from the factors of all K_mm and v, (E,)."""
     solution = np.empty_like(values)
@@ -89,7 +92,7 @@ def solve(start: Integers, factors: Floats, where: Integers, values: Floats) -> 
     return solution
 
 
-@inner
+@inner("solution")
 def _solve(factor: Floats, values: Floats, solution: Floats) -> None:
     size = len(values)
     for i in range(size):
@@ -104,7 +107,7 @@ def _solve(factor: Floats, values: Floats, solution: Floats) -> None:
             solution[k] -= factor[first + k] * solution[i]
 
 
-@compiled
+@compiled()
 def gather(
     sources: Integers,
     targets: Integers,
@@ -129,7 +132,7 @@ def gather(
     return gathered
 
 
-@compiled
+@compiled()
 def product(
     rows: Integers, columns: Integers, scores: NDArray[np.floating], matrix: NDArray[np.floating]
 ) -> NDArray[np.floating]:

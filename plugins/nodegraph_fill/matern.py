@@ -98,7 +98,7 @@ class Courses:
             np.array([process.length]),
             np.array([process.variance]),
             np.array([process.noise]),
-            self.rows[:, [marker]],
+            np.ascontiguousarray(self.rows[:, [marker]]),
             self.seen[:, [marker]],
             0,
             len(self.rows),

@@ -5,6 +5,7 @@ Written out entry by entry: what numba makes of expressions of arrays takes long
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +18,10 @@ if TYPE_CHECKING:
     Flags = NDArray[np.bool_]
     Floats = NDArray[np.float64]
 
-compiled = kernel(fastmath={"reassoc", "contract"})
-inner = kernel(fastmath={"reassoc", "contract"}, no_cpython_wrapper=True)  # for kernels only
+compiled = partial(kernel, fastmath={"reassoc", "contract"})
+inner = partial(
+    kernel, fastmath={"reassoc", "contract"}, no_cpython_wrapper=True
+)  # for kernels only
 
 _STEADY = 1e-6
 """Change of the variance of a prediction, relative to that of the sample, that is none."""
@@ -28,7 +31,7 @@ _STEPS = (0.8, 2.0, 0.15)
 """First steps of both logarithms, and the step of the first at which the search ends."""
 
 
-@inner
+@inner("moves", "drift", "still")
 def _set_process(length: float, moves: Floats, drift: Floats, still: Floats) -> None:
     """Write transition, covariance of its noise and stationary covariance, (3, 3) each.
 
@@ -61,7 +64,7 @@ def _set_process(length: float, moves: Floats, drift: Floats, still: Floats) -> 
             drift[i, j], still[i, j] = drift[i, j] - still[i, j], drift[i, j]
 
 
-@inner
+@inner("matrix")
 def _turn(left: Floats, right: Floats, matrix: Floats) -> None:
     """Replace S by ``L S R'``, (3, 3) each."""
     for j in range(3):
@@ -74,7 +77,7 @@ def _turn(left: Floats, right: Floats, matrix: Floats) -> None:
             matrix[i, j] = right[j, 0] * x + right[j, 1] * y + right[j, 2] * z
 
 
-@inner
+@inner("moves", "gains")
 def _set_gains(seen: Flags, length: float, noise: float, moves: Floats, gains: Floats) -> float:
     """Write how the next state follows from the error of predicting a sample.
 
@@ -114,7 +117,7 @@ def _set_gains(seen: Flags, length: float, noise: float, moves: Floats, gains: F
     return total
 
 
-@inner
+@inner()
 def _predict(
     moves: Floats, gain: Floats, value: float, x: float, y: float, z: float
 ) -> tuple[float, float, float, float]:
@@ -128,7 +131,7 @@ def _predict(
     )
 
 
-@compiled
+@compiled("rows")
 def whiten(rows: Floats, seen: Flags, length: float, noise: float) -> float:
     """Turn rows, (T, C), into errors of prediction over their deviations, 0 where not seen.
 
@@ -147,7 +150,7 @@ def whiten(rows: Floats, seen: Flags, length: float, noise: float) -> float:
     return total
 
 
-@inner
+@inner("gains")
 def _deviance(
     rows: Floats, seen: Flags, length: float, noise: float, gains: Floats
 ) -> tuple[float, float]:
@@ -168,7 +171,7 @@ def _deviance(
     return total + count * np.log(variance), variance
 
 
-@compiled
+@compiled()
 def fit(rows: Floats, seen: Flags, length: float, noise: float) -> tuple[float, float, float]:
     """Return the length, the noise relative to the variance, and the variance most likely.
 
@@ -194,7 +197,7 @@ def fit(rows: Floats, seen: Flags, length: float, noise: float) -> tuple[float, 
     return np.exp(x), np.exp(y), variance
 
 
-@compiled
+@compiled()
 def smooth(
     lengths: Floats,
     variances: Floats,
@@ -253,7 +256,7 @@ def smooth(
     return mean, variance
 
 
-@inner
+@inner("back", "drift", "still")
 def _scale(variance: float, moves: Floats, back: Floats, drift: Floats, still: Floats) -> None:
     """Give a process its variance, and transpose its transition."""
     for i in range(3):
@@ -263,7 +266,7 @@ def _scale(variance: float, moves: Floats, back: Floats, drift: Floats, still: F
             still[i, j] *= variance
 
 
-@inner
+@inner("states", "covariances")
 def _copy(state: Floats, covariance: Floats, states: Floats, covariances: Floats) -> None:
     for c in range(len(state)):
         for i in range(3):
@@ -275,7 +278,7 @@ def _copy(state: Floats, covariance: Floats, states: Floats, covariances: Floats
                     covariances[c, d, i, j] = covariance[c, d, i, j]
 
 
-@inner
+@inner("state", "covariance")
 def _move(moves: Floats, state: Floats, covariance: Floats) -> None:
     """Replace states s, as columns, by ``M s`` and a matrix S by ``M S M'``, block by block."""
     for c in range(len(moves)):
@@ -287,7 +290,7 @@ def _move(moves: Floats, state: Floats, covariance: Floats) -> None:
             _turn(moves[c], moves[d], covariance[c, d])
 
 
-@inner
+@inner("covariance")
 def _add(covariance: Floats, drift: Floats) -> None:
     """Add to the blocks of the diagonal."""
     for c in range(len(drift)):
@@ -296,7 +299,7 @@ def _add(covariance: Floats, drift: Floats) -> None:
                 covariance[c, c, i, j] += drift[c, i, j]
 
 
-@inner
+@inner("matrix")
 def _add_outer(matrix: Floats, column: Floats, row: Floats, factor: float) -> None:
     """Add the product of a column and a row times a factor, (3, 3)."""
     for i in range(3):
@@ -305,7 +308,7 @@ def _add_outer(matrix: Floats, column: Floats, row: Floats, factor: float) -> No
             matrix[i, j] += along * row[j]
 
 
-@inner
+@inner("product")
 def _times(matrix: Floats, column: Floats, product: Floats) -> None:
     """Add ``M v`` to a product, M being made of blocks."""
     for c in range(len(matrix)):
@@ -315,7 +318,7 @@ def _times(matrix: Floats, column: Floats, product: Floats) -> None:
                     product[c, i] += matrix[c, d, i, j] * column[d, j]
 
 
-@inner
+@inner("state", "covariance", "gain", "error")
 def _observe(
     channel: int,
     noise: float,
@@ -345,7 +348,7 @@ def _observe(
     return weight
 
 
-@inner
+@inner("along")
 def _set_along(covariance: Floats, channel: int, along: Floats) -> None:
     """Write the covariance of the state with what a channel observes."""
     for c in range(len(covariance)):
@@ -355,7 +358,7 @@ def _set_along(covariance: Floats, channel: int, along: Floats) -> None:
                 along[c, i] += covariance[c, d, i, 0]
 
 
-@inner
+@inner("error", "pull", "precision")
 def _look_back(
     channel: int, gain: Floats, error: Floats, weight: float, pull: Floats, precision: Floats
 ) -> None:
@@ -379,7 +382,7 @@ def _look_back(
             precision[c, d, 0, 0] += weight
 
 
-@inner
+@inner("mean")
 def _known(
     state: Floats, covariance: Floats, pull: Floats, precision: Floats, mean: Floats
 ) -> float:

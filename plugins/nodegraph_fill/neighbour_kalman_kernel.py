@@ -13,10 +13,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-compiled = kernel()
 
-
-@compiled
+@kernel()
 def follow(observations: Floats, variance: Floats, seconds: float, acceleration: float) -> Floats:
     """Return a marker's position in every frame, filtered from it and the frames before.
 
@@ -47,7 +45,7 @@ def follow(observations: Floats, variance: Floats, seconds: float, acceleration:
     return path
 
 
-@compiled
+@kernel("position", "velocity", "spread")
 def advance(
     position: Floats,
     velocity: Floats,
@@ -75,7 +73,7 @@ def advance(
         )
 
 
-@kernel(no_cpython_wrapper=True)
+@kernel("position", "velocity", "spread", no_cpython_wrapper=True)
 def _follow(
     position: Floats,
     velocity: Floats,

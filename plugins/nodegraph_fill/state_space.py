@@ -69,6 +69,7 @@ class StateSpace:
         """Return the state in every frame, (T, D), and its covariance, (T, D, D)."""
         from nodegraph_fill import kalman_kernel
 
+        missing = np.ascontiguousarray(missing)
         basis, identity = self._basis, np.eye(len(self.first))
         weighted = basis / self.noise[:, None]
         total = basis.T @ weighted

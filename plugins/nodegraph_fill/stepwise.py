@@ -162,7 +162,7 @@ class _Pass:
 
     @staticmethod
     def over(recording: Trajectories) -> _Pass:
-        return _Pass(recording.positions.copy(), _STATES[recording.origin])
+        return _Pass(recording.positions.copy(), _STATES.take(recording.origin))
 
     def run(self, gaps: Gaps, rule: Rule, *, backward: bool) -> None:
         from nodegraph_fill import stepwise_kernel

@@ -9,6 +9,7 @@ the frame that it is for.
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,8 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel()
-inner = kernel(no_cpython_wrapper=True)  # for kernels only
+inner = partial(kernel, no_cpython_wrapper=True)  # for kernels only
 
 MEAN, COSINE, MUSCLE, MUSCLE_NORMALIZED, WATERS = range(5)
 WEIGHTS = {
@@ -40,7 +40,7 @@ MISSING, MEASURED, FILLED = range(3)
 """The state of a sample. Filled ones serve as neighbours after all measured ones."""
 
 
-@compiled
+@kernel("positions", "state")
 def run(
     positions: Floats,
     state: Codes,
@@ -135,7 +135,7 @@ def run(
     return still
 
 
-@compiled
+@kernel()
 def predict_returns(
     positions: Floats,
     state: Integers,
@@ -185,7 +185,7 @@ def predict_returns(
     return predicted
 
 
-@inner
+@inner("targets")
 def _find_targets(targets: Integers, wanted: Flags, before: Codes) -> int:
     """List the markers to fill that have a last position, in their order."""
     count = 0
@@ -195,7 +195,7 @@ def _find_targets(targets: Integers, wanted: Flags, before: Codes) -> int:
     return count
 
 
-@inner
+@inner("tier")
 def _set_tiers(tier: Codes, before: Codes, now: Codes, use_filled: bool) -> None:
     """Write which markers are usable: present at both frames, MEASURED only if at both."""
     for marker in range(len(tier)):
@@ -205,7 +205,7 @@ def _set_tiers(tier: Codes, before: Codes, now: Codes, use_filled: bool) -> None
         tier[marker] = MISSING if unusable else worse
 
 
-@inner
+@inner("places", "who")
 def _gather(
     places: Floats, who: Integers, then: Floats, tier: Codes, lowest: int, highest: int
 ) -> int:
@@ -220,7 +220,7 @@ def _gather(
     return size
 
 
-@inner
+@inner("rank", "squared", "distances")
 def _nearest(
     then: Floats,
     marker: int,
@@ -281,7 +281,7 @@ def _nearest(
     return count
 
 
-@inner
+@inner()
 def _bound(
     then: Floats, marker: int, rank: Integers, tier: Codes, lowest: int, highest: int
 ) -> float:
@@ -303,7 +303,7 @@ def _bound(
     return farthest * (1.0 + 1e-9) + 1e-300
 
 
-@inner
+@inner("place")
 def _move(
     place: Floats,
     then: Floats,
@@ -323,7 +323,7 @@ def _move(
     place[0], place[1], place[2] = x, y, z
 
 
-@inner
+@inner("weight")
 def _weigh(weight: Floats, count: int, kind: int, full: float, end: float) -> None:
     """Replace the neighbours' squared distances by their weights."""
     for index in range(count):
@@ -340,7 +340,7 @@ def _weigh(weight: Floats, count: int, kind: int, full: float, end: float) -> No
         _weigh_muscle(weight, kind == MUSCLE_NORMALIZED)
 
 
-@inner
+@inner("weight")
 def _weigh_cosine(weight: Floats, count: int) -> None:
     nearest, farthest = np.inf, 0.0
     for index in range(count):
@@ -357,7 +357,7 @@ def _weigh_cosine(weight: Floats, count: int) -> None:
         weight[index] /= total
 
 
-@inner
+@inner("weight")
 def _weigh_muscle(weight: Floats, normalize: bool) -> None:
     every = weight[0] + weight[1] + weight[2]
     if every == 0.0:
@@ -372,7 +372,7 @@ def _weigh_muscle(weight: Floats, normalize: bool) -> None:
             weight[index] /= total
 
 
-@inner
+@inner("weight")
 def _weigh_inverse(weight: Floats, count: int) -> None:
     """Weight one or two neighbours by the inverse of their distance, the sum being 1."""
     if count == 1:
@@ -383,7 +383,7 @@ def _weigh_inverse(weight: Floats, count: int) -> None:
     weight[0], weight[1] = nearer, 1.0 - nearer
 
 
-@inner
+@inner()
 def _fall_off(distance: float, full: float, end: float) -> float:
     factor = 0.0
     if distance <= full:
@@ -393,7 +393,7 @@ def _fall_off(distance: float, full: float, end: float) -> float:
     return factor
 
 
-@inner
+@inner("rings", "usable", "mean", "places", "who", "squared", "distances")
 def _set_rings(
     rings: Integers,
     usable: Integers,
@@ -420,7 +420,7 @@ def _set_rings(
         usable[marker] = _count_usable(ring, count, tier)
 
 
-@inner
+@inner()
 def _mean_distance(squared: Floats, count: int) -> float:
     total = 0.0
     for index in range(count):
@@ -428,7 +428,7 @@ def _mean_distance(squared: Floats, count: int) -> float:
     return total / count if count > 0 else np.inf
 
 
-@inner
+@inner()
 def _count_usable(ring: Integers, size: int, tier: Codes) -> int:
     count = 0
     for slot in range(size):
@@ -436,7 +436,7 @@ def _count_usable(ring: Integers, size: int, tier: Codes) -> int:
     return count
 
 
-@inner
+@inner("usable")
 def _count_new(usable: Integers, rings: Integers, targets: Integers, filled: int) -> None:
     """Count a sample just filled for those yet to come whose ring it is in."""
     for marker in targets:
@@ -444,7 +444,7 @@ def _count_new(usable: Integers, rings: Integers, targets: Integers, filled: int
             usable[marker] += rings[marker, slot] == filled
 
 
-@inner
+@inner("targets")
 def _bring_first(targets: Integers, usable: Integers, mean: Floats, turn: int, count: int) -> None:
     """Move the target that goes first to place `turn`; the others keep their order."""
     first = turn

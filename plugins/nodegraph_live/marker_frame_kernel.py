@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@kernel()
+@kernel("positions", "origin")
 def read_markers(
     numbers: NDArray[np.floating],
     zeros_missing: bool,

@@ -104,7 +104,8 @@ def _no_frames(recording: Trajectories) -> Trajectories:
 
 def _marker_frames(recording: Trajectories) -> list[MarkerFrame]:
     sigma = [None] * recording.frames if recording.sigma is None else recording.sigma
-    columns = zip(recording.positions, recording.origin, sigma, strict=True)
+    positions = np.ascontiguousarray(recording.positions)
+    columns = zip(positions, recording.origin, sigma, strict=True)
     return [MarkerFrame(*column) for column in columns]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +13,7 @@ from nodegraph import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-compiled = kernel()
-inlined = kernel(forceinline=True)
+inlined = partial(kernel, forceinline=True)
 
 FRAMES, PRESENT, SQUARES, SUM, LARGEST, X, Y, Z = range(8)
 """What is kept of a marker: of its gap, and its error in the frame before."""
@@ -21,7 +21,7 @@ GAPS, FILLED, WHOLE, RMSE, MAE, MAX, JUMPS, JUMP = range(8)
 """What is kept of all closed gaps: three counts, of which `FILLED` is of shares, and sums."""
 
 
-@compiled
+@kernel()
 def first_unknown(
     truth: NDArray[np.float64], hidden: NDArray[np.bool_], of_hidden: NDArray[np.intp]
 ) -> int:
@@ -32,7 +32,7 @@ def first_unknown(
     return -1
 
 
-@compiled
+@kernel("open_gaps", "closed")
 def advance(
     open_gaps: NDArray[np.float64],
     closed: NDArray[np.float64],
@@ -75,12 +75,12 @@ def advance(
     return _means(total)
 
 
-@inlined
+@inlined()
 def _length(x: float, y: float, z: float) -> float:
     return math.sqrt(x**2 + y**2 + z**2)
 
 
-@inlined
+@inlined("gap")
 def _extend(gap: NDArray[np.float64], length: float) -> None:
     """Count a hidden sample, and how long its error is."""
     gap[FRAMES] += 1.0
@@ -91,7 +91,7 @@ def _extend(gap: NDArray[np.float64], length: float) -> None:
         gap[LARGEST] = max(gap[LARGEST], length)
 
 
-@inlined
+@inlined()
 def _means(total: NDArray[np.float64]) -> NDArray[np.float64]:
     numbers = np.full(6, np.nan)
     numbers[0] = total[GAPS]
@@ -106,7 +106,7 @@ def _means(total: NDArray[np.float64]) -> NDArray[np.float64]:
     return numbers
 
 
-@inlined
+@inlined("total")
 def _add(total: NDArray[np.float64], gap: NDArray[np.float64]) -> None:
     """Count a gap as it is."""
     frames = gap[FRAMES]

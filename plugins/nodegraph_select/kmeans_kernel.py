@@ -7,6 +7,7 @@ graphs have other steps that can run meanwhile.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
 
-compiled = kernel(error_model="numpy")
-inlined = kernel(forceinline=True)
+compiled = partial(kernel, error_model="numpy")
+inlined = partial(kernel, forceinline=True)
 
 CAP = 300
 """Rounds after which a run stops, settled or not; runs on recorded faces take about ten."""
@@ -35,7 +36,7 @@ _NEAR, _SMALL = 1e-9, 1e-13
 equally far from their mean, and rounding must not choose between them."""
 
 
-@compiled
+@compiled()
 def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     """Cluster rows by k-means from a random start per run.
 
@@ -72,7 +73,9 @@ def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     inertia, rounds = np.empty(runs), np.empty(runs, np.int64)
     order, cluster = np.empty(p, np.int64), np.empty(p, np.int64)
     columns = _aligned(_filled_up(q, _DIMENSIONS), _filled_up(p, _PLACES))
-    columns[:q, :p] = rows.T
+    for place in range(p):
+        for dimension in range(q):
+            columns[dimension, place] = rows[place, dimension]
     rows = columns.T[:p].copy()
     squared = _aligned(_filled_up(k, 2), columns.shape[1])
     squared[k:] = np.inf
@@ -80,19 +83,20 @@ def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     for run in range(runs):
         _draw(order, draws[run])
         for index in range(k):
-            means[index] = rows[order[index]]
+            for dimension in range(len(columns)):
+                means[index, dimension] = rows[order[index], dimension]
         rounds[run] = _settle(rows, columns, means, squared, cluster, least)
         inertia[run] = least[:p].sum()
         _find_nearest(nearest[run], cluster, np.sqrt(least[:p]))
     return nearest, inertia, rounds
 
 
-@inlined
+@inlined()
 def _filled_up(count: int, unit: int) -> int:
     return -(-count // unit) * unit
 
 
-@inlined
+@inlined()
 def _aligned(height: int, width: int) -> Floats:
     """Return zeros that begin where a cache line does, of 64 bytes or 8 numbers."""
     room = np.zeros(height * width + 8)
@@ -100,7 +104,7 @@ def _aligned(height: int, width: int) -> Floats:
     return room[first : first + height * width].reshape((height, width))
 
 
-@inlined
+@inlined("order")
 def _draw(order: Integers, draws: Floats) -> None:
     """Put as many different numbers as there are draws, each equally likely, first."""
     count = len(order)
@@ -111,7 +115,7 @@ def _draw(order: Integers, draws: Floats) -> None:
         order[place], order[other] = order[other], order[place]
 
 
-@compiled
+@compiled("means", "squared", "cluster", "least")
 def _settle(
     rows: Floats, columns: Floats, means: Floats, squared: Floats, cluster: Integers, least: Floats
 ) -> int:
@@ -139,7 +143,7 @@ def _settle(
     return CAP
 
 
-@inlined
+@inlined("squared")
 def _measure(squared: Floats, columns: Floats, mean: Floats) -> None:
     """Measure the squared distances of all rows from a mean; infinite from one of no rows."""
     squared[:] = 0.0 if mean[0] == mean[0] else np.inf
@@ -151,7 +155,7 @@ def _measure(squared: Floats, columns: Floats, mean: Floats) -> None:
             squared[place] = (((squared[place] + along * along) + up * up) + out * out) + on * on
 
 
-@inlined
+@inlined("nearest", "least")
 def _assign(nearest: Integers, least: Floats, squared: Floats) -> None:
     """Find the nearest mean of each row, the first of equals."""
     least[:] = np.inf
@@ -167,7 +171,7 @@ def _assign(nearest: Integers, least: Floats, squared: Floats) -> None:
             nearest[place] = cluster + 1 if closer else who
 
 
-@compiled
+@compiled("totals", "count")
 def _add(totals: Floats, count: Integers, rows: Floats, cluster: Integers) -> None:
     """Add up the rows of each cluster, and count them."""
     totals[:] = 0.0
@@ -179,7 +183,7 @@ def _add(totals: Floats, count: Integers, rows: Floats, cluster: Integers) -> No
         count[cluster[place]] += 1
 
 
-@compiled
+@compiled("means", "moved")
 def _move(means: Floats, moved: Flags, totals: Floats, count: Integers) -> None:
     """Put the means where their clusters' are, NaN where no row is left; note which moved."""
     for cluster in range(len(means)):
@@ -192,7 +196,7 @@ def _move(means: Floats, moved: Flags, totals: Floats, count: Integers) -> None:
         moved[cluster] = others > 0 and not was_left
 
 
-@inlined
+@inlined("nearest")
 def _find_nearest(nearest: Integers, cluster: Integers, apart: Floats) -> None:
     """Find the row of each cluster that is nearest to its mean, the first of equals."""
     least = np.full(len(nearest), np.inf)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Window, WindowForm, node, read_only
+from nodegraph import Window, WindowForm, node
 from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.bspline_weights import Ends, all_rows, first_rows, irregular, middle
 from nodegraph_smooth.present_runs import Runs, long_enough, smoothed, smoothed_at
@@ -101,7 +101,7 @@ def bspline(
 
 
 def _curve(recording: Trajectories, order: int, ends: Ends) -> NDArray[np.float64]:
-    positions = read_only(np.ascontiguousarray(recording.positions))
+    positions = np.ascontiguousarray(recording.positions)
     smoothed = np.empty_like(positions)
     curve_into(smoothed, positions, long_enough(Runs.of(recording), 1), order, ends)
     return smoothed

@@ -9,6 +9,7 @@ five bands that do not change along it, and is split into ``L D L'``.
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,8 +21,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-compiled = kernel()
-inlined = kernel(forceinline=True)
+inlined = partial(kernel, forceinline=True)
 
 LEAST, MOST = 1e-4, 1e10
 """Between which lambda is looked for: goes through the samples; the limit of what is accurate."""
@@ -31,7 +31,7 @@ NARROWINGS = 30
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
-@inlined
+@inlined("diagonal", "first", "second")
 def _split(penalty: float, diagonal: Floats, first: Floats, second: Floats) -> None:
     """Write D and the bands of L: ``first[i]``, ``second[i]`` are ``L[i+1, i]``, ``L[i+2, i]``."""
     middle, beside, apart = 2.0 / 3.0 + 6.0 * penalty, 1.0 / 6.0 - 4.0 * penalty, penalty
@@ -45,7 +45,7 @@ def _split(penalty: float, diagonal: Floats, first: Floats, second: Floats) -> N
         diagonal[i], first[i], second[i] = value, next_to / value, apart / value
 
 
-@compiled
+@kernel()
 def freedom(length: int, penalty: float) -> float:
     """Return the trace of I - A, where A y is the spline at the samples y.
 
@@ -65,7 +65,7 @@ def freedom(length: int, penalty: float) -> float:
     return penalty * total
 
 
-@compiled
+@kernel("curve")
 def spline(values: Floats, penalty: float, curve: Floats) -> float:
     """Write the spline at the samples, and return the sum of its squared residuals.
 
@@ -98,7 +98,7 @@ def spline(values: Floats, penalty: float, curve: Floats) -> float:
     return residuals
 
 
-@inlined
+@inlined("right")
 def _solve(right: Floats, diagonal: Floats, first: Floats, second: Floats) -> None:
     """Replace a right-hand side by the solution, the matrix being split."""
     size = len(right)
@@ -114,7 +114,7 @@ def _solve(right: Floats, diagonal: Floats, first: Floats, second: Floats) -> No
             right[i] -= second[i] * right[i + 2]
 
 
-@compiled
+@kernel("curve")
 def criterion(values: Floats, penalty: float, curve: Floats) -> float:
     """Return ``T sum(residuals^2) / trace(I - A)^2``, and write the spline."""
     left: float = freedom(len(values), penalty)
@@ -122,7 +122,7 @@ def criterion(values: Floats, penalty: float, curve: Floats) -> float:
     return len(values) * residuals / (left * left)
 
 
-@compiled
+@kernel()
 def smooth(values: Floats) -> tuple[Floats, Floats]:
     """Return the smoothing splines of runs of one length, each with the best lambda of its own.
 
@@ -158,11 +158,13 @@ def smooth(values: Floats) -> tuple[Floats, Floats]:
         begin, end = low + max(best - 1, 0) * step, low + min(best + 1, count - 1) * step
         penalties[run] = math.exp(_narrow(track, begin, end, fitted))
         spline(track, penalties[run], fitted)
-        curves[:, run] = fitted
+        for t in range(length):
+            for axis in range(3):
+                curves[t, run, axis] = fitted[t, axis]
     return curves, penalties
 
 
-@inlined
+@inlined("fitted")
 def _narrow(values: Floats, begin: float, end: float, fitted: Floats) -> float:
     """Return the logarithm of the best lambda between two, by golden section."""
     first, second = end - _GOLDEN * (end - begin), begin + _GOLDEN * (end - begin)

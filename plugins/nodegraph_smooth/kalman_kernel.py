@@ -20,10 +20,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-compiled = kernel()
 
-
-@compiled
+@kernel()
 def transition(order: int, density: float) -> tuple[Floats, Floats]:
     """Return F and Q, (d, d) each, time in frames."""
     step, noise = np.eye(order), np.empty((order, order))
@@ -37,7 +35,7 @@ def transition(order: int, density: float) -> tuple[Floats, Floats]:
     return step, noise
 
 
-@compiled
+@kernel()
 def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floats, Floats]:
     """Return what does not depend on the data.
 
@@ -75,13 +73,18 @@ def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floa
     for t in range(frames - 1):
         moved = forth @ information @ back
         kept = np.linalg.inv(np.eye(order) + moved @ noise)
-        carry[t] = kept @ forth
-        inverse[t] = back @ noise @ carry[t]
-        gain[t] = carry[t].T
+        np.dot(kept, forth, carry[t])
+        np.dot(back @ noise, carry[t], inverse[t])
+        for i in range(order):
+            for j in range(order):
+                gain[t, i, j] = carry[t, j, i]
         information = kept @ moved
         information = 0.5 * (information + information.T)
         information[0, 0] += 1.0
-    inverse[frames - 1] = np.linalg.inv(information)
+    last = np.linalg.inv(information)
+    for i in range(order):
+        for j in range(order):
+            inverse[frames - 1, i, j] = last[i, j]
     covariance = inverse[frames - 1].copy()
     variance[frames - 1] = covariance[0, 0]
     for t in range(frames - 2, -1, -1):
@@ -91,7 +94,7 @@ def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floa
     return carry, inverse, gain, variance
 
 
-@compiled
+@kernel()
 def smooth(values: Floats, carry: Floats, inverse: Floats, gain: Floats) -> Floats:
     """Return the positions that runs of one length have, all frames being known.
 
@@ -121,12 +124,13 @@ def smooth(values: Floats, carry: Floats, inverse: Floats, gain: Floats) -> Floa
                 state[i] = 0.0
                 for j in range(order):
                     state[i] += inverse[t, i, j] * vector[t, j] + gain[t, i, j] * last[j]
-            last[:] = state
+            for i in range(order):
+                last[i] = state[i]
             smoothed[t, column] = state[0]
     return smoothed
 
 
-@compiled
+@kernel()
 def follow(values: Floats, gains: Floats) -> Floats:
     """Return the filtered positions of runs of one length; see `nodegraph_smooth.kalman_filter`.
 
@@ -148,7 +152,7 @@ def follow(values: Floats, gains: Floats) -> Floats:
     return filtered
 
 
-@compiled
+@kernel("state")
 def advance(state: Floats, values: Floats, age: NDArray[np.integer], gains: Floats) -> None:
     """Filter the next frame of some runs, as `follow` does.
 
@@ -169,7 +173,7 @@ def advance(state: Floats, values: Floats, age: NDArray[np.integer], gains: Floa
             _update(state[run, axis], values[run, axis], gain)
 
 
-@kernel(forceinline=True)
+@kernel("state", forceinline=True)
 def _update(state: Floats, value: float, gain: Floats) -> None:
     """Predict the state of the next frame, and correct it by the sample."""
     last = len(state) - 1

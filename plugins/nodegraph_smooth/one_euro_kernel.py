@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +15,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-compiled = kernel()
-inlined = kernel(forceinline=True)
+inlined = partial(kernel, forceinline=True)
 
 
-@compiled
+@kernel()
 def smooth(values: Floats, rate: float, least: float, slope: float, derivative: float) -> Floats:
     """Return the filtered runs, (T, R, 3); see `nodegraph_smooth.one_euro`.
 
@@ -41,7 +41,7 @@ def smooth(values: Floats, rate: float, least: float, slope: float, derivative: 
     return smoothed
 
 
-@compiled
+@kernel("smoothed", "velocity")
 def advance(
     smoothed: Floats,
     velocity: Floats,
@@ -67,7 +67,7 @@ def advance(
         _follow(at, values[run], at, velocity[run], rate, least, slope, steady)
 
 
-@inlined
+@inlined("out", "velocity")
 def _follow(
     out: Floats,
     value: Floats,

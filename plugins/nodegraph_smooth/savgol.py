@@ -93,7 +93,7 @@ def savgol(
         )
     runs = Runs.of(recording)
     long_enough(runs, 2 * half + 1)
-    positions = read_only(np.ascontiguousarray(recording.positions))
+    positions = np.ascontiguousarray(recording.positions)
     fitted = np.empty_like(positions)
     _fit_into(fitted, positions, runs, half, degree)
     return smoothed(recording, fitted)

@@ -7,6 +7,7 @@ multiply-adds, which round less often.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,14 +20,14 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel(fastmath={"contract"})
-inlined = kernel(fastmath={"contract"}, forceinline=True)
+compiled = partial(kernel, fastmath={"contract"})
+inlined = partial(kernel, fastmath={"contract"}, forceinline=True)
 
 BLOCK = 2048
 """Numbers that are worked on at a time: what a pass has touched, the next finds in the cache."""
 
 
-@compiled
+@compiled("out")
 def curve_into(
     out: Floats,
     values: Floats,
@@ -66,7 +67,7 @@ def curve_into(
     return short
 
 
-@compiled
+@compiled()
 def runs_of(
     present: NDArray[np.bool_],
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
@@ -92,7 +93,7 @@ def runs_of(
     return runs[0, :count], runs[1, :count], runs[2, :count]
 
 
-@compiled
+@compiled("out")
 def rows_into(out: Floats, values: Floats, marker: Integers, start: Integers, rows: Floats) -> None:
     """Write whole runs of one length, each sample a weighted mean of all.
 
@@ -106,7 +107,7 @@ def rows_into(out: Floats, values: Floats, marker: Integers, start: Integers, ro
         _end_into(out, values, marker[run], start[run], 1, rows)
 
 
-@compiled
+@compiled("out")
 def filter_into(out: Floats, values: Floats, stride: int, weights: Floats) -> None:
     """Write each number plus the weighted differences of those around it.
 
@@ -122,15 +123,16 @@ def filter_into(out: Floats, values: Floats, stride: int, weights: Floats) -> No
     """
     size = len(values)
     reach = min(len(weights) * stride, size)
-    out[:reach] = values[:reach]
-    out[size - reach :] = values[size - reach :]
+    for i in range(reach):
+        out[i], out[size - 1 - i] = values[i], values[size - 1 - i]
     if len(weights) == 1:
         _nearest_into(out, values, stride, weights[0])
         return
     for first in range(reach, size - reach, BLOCK):
         last = min(first + BLOCK, size - reach)
         middle, target = values[first:last], out[first:last]
-        target[:] = middle
+        for i in range(len(target)):
+            target[i] = middle[i]
         for k in range(len(weights)):
             shift, weight = (k + 1) * stride, weights[k]
             before, after = (
@@ -142,7 +144,7 @@ def filter_into(out: Floats, values: Floats, stride: int, weights: Floats) -> No
                 target[i] += weight * (both - (middle[i] + middle[i]))
 
 
-@inlined
+@inlined("out")
 def _nearest_into(out: Floats, values: Floats, stride: int, weight: float) -> None:
     """Write what has a frame before and one after, three frames at a time.
 
@@ -170,7 +172,7 @@ def _nearest_into(out: Floats, values: Floats, stride: int, weight: float) -> No
         out[i] = values[i] + weight * (both - (values[i] + values[i]))
 
 
-@inlined
+@inlined("out")
 def _end_into(
     out: Floats, values: Floats, marker: int, frame: int, step: int, rows: Floats
 ) -> None:

@@ -292,7 +292,7 @@ def _tracks_of(reference: Trajectories) -> OpenTracks:
             f"needs a reference with a frame that has all {len(reference.markers)} markers; the "
             f"fullest, frame {fullest}, lacks {listed(lacking)}"
         )
-    place = reference.positions[fullest]
+    place = np.ascontiguousarray(reference.positions[fullest])
     count = len(place)
     return OpenTracks(
         name=np.arange(count),

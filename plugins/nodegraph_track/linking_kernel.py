@@ -18,13 +18,11 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.intp]
 
-compiled = kernel()
-
 _FARTHEST = 1.7e308
 """Squared mm that are still no infinity."""
 
 
-@compiled
+@kernel()
 def spaces(points: Floats, offsets: Integers, frames: Integers) -> Floats:
     """Return the distance of each point of some frames to the nearest of its frame, (K,) mm.
 
@@ -56,7 +54,7 @@ def spaces(points: Floats, offsets: Integers, frames: Integers) -> Floats:
     return distances[:count]
 
 
-@compiled
+@kernel()
 def pairs_within(
     places: Floats, points: Floats, gate: float, wanting: Flags, free: Flags
 ) -> tuple[Integers, Integers, Floats]:
@@ -100,7 +98,7 @@ def pairs_within(
     return start, point[:count], squared[:count]
 
 
-@compiled
+@kernel()
 def nearest_first(places: Floats, points: Floats, gate: float) -> Integers:
     """Return the point of each place, (A,), -1 for none: the nearest pair of all first, and so on.
 
@@ -121,7 +119,7 @@ def nearest_first(places: Floats, points: Floats, gate: float) -> Integers:
     return of_place
 
 
-@compiled
+@kernel()
 def assigned(in_turn: Floats, points: Floats, gate: float) -> Integers:
     """Return the point of each place by which the links are cheapest, (A,), -1 for none.
 
@@ -142,7 +140,7 @@ def assigned(in_turn: Floats, points: Floats, gate: float) -> Integers:
     return of_place
 
 
-@compiled
+@kernel("of_place", "free")
 def _assign(places: Floats, points: Floats, gate: float, of_place: Integers, free: Flags) -> None:
     """Give free points to the places without one, and write both."""
     wanting = of_place < 0
@@ -160,7 +158,7 @@ def _assign(places: Floats, points: Floats, gate: float, of_place: Integers, fre
             free[partners[row]] = False
 
 
-@compiled
+@kernel("of_place", "free")
 def _take_nearest(
     start: Integers, point: Integers, squared: Floats, of_place: Integers, free: Flags
 ) -> bool:
@@ -186,7 +184,7 @@ def _take_nearest(
     return True
 
 
-@compiled
+@kernel("near")
 def assigned_by_neighbours(
     tracks: Any, points: Floats, frame: int, gate: float, rounds: int, near: Integers
 ) -> tuple[Floats, Integers]:
@@ -237,7 +235,7 @@ def assigned_by_neighbours(
     return expected, of_place
 
 
-@compiled
+@kernel()
 def cheapest(
     start: Integers, point: Integers, squared: Floats, points: int, alone: float
 ) -> Integers:
@@ -289,7 +287,7 @@ def cheapest(
     return of_row
 
 
-@compiled
+@kernel()
 def _cheapest_open(columns: Integers, cost: Floats, done: Flags) -> int:
     best = -1
     for column in columns:
@@ -298,7 +296,7 @@ def _cheapest_open(columns: Integers, cost: Floats, done: Flags) -> int:
     return best
 
 
-@compiled
+@kernel()
 def carried_by_velocity(place: Floats, steps: Floats, absent: Integers, fade: float) -> Floats:
     """Return places moved by the median of their last steps, (A, 3).
 
@@ -322,7 +320,7 @@ def carried_by_velocity(place: Floats, steps: Floats, absent: Integers, fade: fl
     return result
 
 
-@compiled
+@kernel("near")
 def carried_by_neighbours(
     place: Floats, moved: Integers, motion: Floats, near: Integers, otherwise: Floats
 ) -> Floats:
@@ -366,7 +364,7 @@ def carried_by_neighbours(
     return result
 
 
-@compiled
+@kernel("near")
 def _nearest_others(place: Floats, moved: Integers, link_of: Integers, near: Integers) -> Integers:
     """Write the nearest places that moved to each, and return how many, (A,).
 
@@ -407,7 +405,7 @@ def _nearest_others(place: Floats, moved: Integers, link_of: Integers, near: Int
     return counts
 
 
-@compiled
+@kernel("which", "smallest")
 def _smallest(values: Floats, which: Integers, smallest: Floats) -> int:
     """Put first which of some values are the smallest, the least first; return how many."""
     count, most = 0, len(smallest)
@@ -424,7 +422,7 @@ def _smallest(values: Floats, which: Integers, smallest: Floats) -> int:
     return count
 
 
-@compiled
+@kernel("columns")
 def _sort_all(columns: Floats) -> None:
     """Sort each of (N, C) columns, all at once: neighbours change places in N rounds."""
     for turn in range(len(columns)):
@@ -436,7 +434,7 @@ def _sort_all(columns: Floats) -> None:
                 second[column] = below if above < below else above
 
 
-@compiled
+@kernel("values")
 def _sort(values: Floats) -> None:
     """Sort a few values."""
     for end in range(1, len(values)):

@@ -14,10 +14,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.intp]
 
-compiled = kernel()
 
-
-@compiled
+@kernel("owner")
 def next_tracks(
     tracks: Any,
     predicted: Floats,
@@ -93,7 +91,7 @@ def next_tracks(
     )
 
 
-@compiled
+@kernel()
 def _inverse(of_track: Integers, points: int) -> Integers:
     """Return the track of each point, -1 for none."""
     of_point = np.full(points, -1)
@@ -103,7 +101,7 @@ def _inverse(of_track: Integers, points: int) -> Integers:
     return of_point
 
 
-@compiled
+@kernel()
 def in_order(points: Floats) -> Floats:
     """Return the points of a frame by x, then y, then z, as they often are already."""
     result = points.copy()
@@ -120,13 +118,14 @@ def in_order(points: Floats) -> Floats:
                 )
             )
         ):
-            result[free] = result[free - 1]
+            for axis in range(3):
+                result[free, axis] = result[free - 1, axis]
             free -= 1
         result[free, 0], result[free, 1], result[free, 2] = x, y, z
     return result
 
 
-@compiled
+@kernel("positions", "origin")
 def place(
     points: Floats, owner: Integers, positions: Floats, origin: NDArray[np.uint8], measured: int
 ) -> None:

@@ -7,9 +7,14 @@ import runpy
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
+from numba.core.errors import TypingError
+from numpy.typing import NDArray
+
+from nodegraph import kernel, read_only
 
 SOURCE = """
 from nodegraph import kernel
@@ -125,3 +130,49 @@ def test_without_compilation_a_kernel_is_the_function(
     monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
     assert load(write(tmp_path / "package", 2.0))(3.0) == 6.0
     assert not cache.exists()
+
+
+class Sums(NamedTuple):
+    once: NDArray[np.float64]
+    twice: NDArray[np.float64]
+
+
+@kernel("sums")
+def add(sums: Sums, values: NDArray[np.float64]) -> None:
+    for index in range(len(values)):
+        sums.once[index] += values[index]
+        sums.twice[index] += 2.0 * values[index]
+
+
+@kernel()
+def total(sums: Sums) -> float:
+    both: float = sums.once.sum() + sums.twice.sum()
+    return both
+
+
+def test_one_compilation_serves_for_arrays_that_may_be_written_to_and_that_may_not() -> None:
+    sums, locked = Sums(np.zeros(2), np.zeros(2)), read_only(np.ones(2))
+    for values in (np.ones(2), locked, np.ones(2)):
+        add(sums, values)
+    assert sums.once.tolist() == [3.0, 3.0]
+    for given in (sums, Sums(locked, locked), Sums(sums.once, locked)):
+        assert total(given) == given.once.sum() + given.twice.sum()
+    compiled: Any = (add, total)
+    assert [len(function.signatures) for function in compiled] == [1, 1]
+
+
+def test_nothing_is_written_to_an_array_that_is_read_only() -> None:
+    with pytest.raises(TypingError, match="Cannot modify readonly array"):
+        add(Sums(np.zeros(2), read_only(np.zeros(2))), np.ones(2))
+
+
+def test_a_kernel_writes_to_no_argument_that_it_does_not_name() -> None:
+    @kernel()
+    def doubled(values: NDArray[np.float64]) -> None:
+        for index in range(len(values)):
+            values[index] *= 2.0
+
+    values = np.ones(2)
+    with pytest.raises(TypingError, match="Cannot modify readonly array"):
+        doubled(values)
+    assert values.tolist() == [1.0, 1.0]

@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel()
 
-
-@compiled
+@kernel()
 def times(
     grams: Floats, which: Integers, coupled: Flags, smoothness: float, weights: Floats
 ) -> Floats:
@@ -40,15 +38,15 @@ def times(
     """
     product = np.empty_like(weights)
     for frame in range(len(weights)):
-        product[frame] = grams[which[frame]] @ weights[frame]
-        if coupled[frame]:
-            step = smoothness * (weights[frame] - weights[frame - 1])
-            product[frame] += step
-            product[frame - 1] -= step
+        np.dot(grams[which[frame]], weights[frame], product[frame])
+        for i in range(weights.shape[1] if coupled[frame] else 0):
+            step = smoothness * (weights[frame, i] - weights[frame - 1, i])
+            product[frame, i] += step
+            product[frame - 1, i] -= step
     return product
 
 
-@compiled
+@kernel("inverses")
 def eliminate(
     grams: Floats,
     which: Integers,
@@ -71,25 +69,34 @@ def eliminate(
     frames, count = diagonal.shape
     block = np.empty((count, count))
     for frame in range(frames):
-        block[:] = grams[which[frame]]
         both = smoothness * int(coupled[frame])
         both += smoothness * int(frame + 1 < frames and coupled[frame + 1])
         for i in range(count):
+            for j in range(count):
+                block[i, j] = grams[which[frame], i, j]
             block[i, i] += diagonal[frame, i] + both
-        if coupled[frame]:
-            block -= smoothness**2 * inverses[frame - 1]
-        inverses[frame] = np.linalg.inv(block)
+            for j in range(count if coupled[frame] else 0):
+                block[i, j] -= smoothness**2 * inverses[frame - 1, i, j]
+        inverse = np.linalg.inv(block)
+        for i in range(count):
+            for j in range(count):
+                inverses[frame, i, j] = inverse[i, j]
 
 
-@compiled
+@kernel()
 def substitute(inverses: Floats, coupled: Flags, smoothness: float, right: Floats) -> Floats:
     """Return the solution for a right-hand side."""
-    solution = right.copy()
+    solution, product = right.copy(), np.empty(right.shape[1])
     for frame in range(1, len(solution)):
         if coupled[frame]:
-            solution[frame] += smoothness * (inverses[frame - 1] @ solution[frame - 1])
+            np.dot(inverses[frame - 1], solution[frame - 1], product)
+            for i in range(len(product)):
+                solution[frame, i] += smoothness * product[i]
     for frame in range(len(solution) - 1, -1, -1):
         if frame + 1 < len(solution) and coupled[frame + 1]:
-            solution[frame] += smoothness * solution[frame + 1]
-        solution[frame] = inverses[frame] @ solution[frame]
+            for i in range(len(product)):
+                solution[frame, i] += smoothness * solution[frame + 1, i]
+        np.dot(inverses[frame], solution[frame], product)
+        for i in range(len(product)):
+            solution[frame, i] = product[i]
     return solution

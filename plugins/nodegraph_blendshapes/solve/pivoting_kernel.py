@@ -15,6 +15,7 @@ is held against the conditions for a least. Import this module only when one run
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-compiled = kernel(error_model="numpy", fastmath={"reassoc", "contract"})
+compiled = partial(kernel, error_model="numpy", fastmath={"reassoc", "contract"})
 
 PULL = 1e-14
 """A gradient is zero up to this share of ``|column| |target|``, what rounding leaves of it."""
@@ -89,7 +90,7 @@ class Work(NamedTuple):
     factor: Floats
 
 
-@compiled
+@compiled("work", "solution", "solved")
 def bounded(
     squares: Squares,
     targets: Floats,
@@ -132,7 +133,7 @@ def bounded(
                 linear[k] = linears[frame, k] + squares.ridge * weights[k]
             is_settled = _exchange(squares, linear, work, length, most)
             _refine(squares, target, weights, rest, work)
-            weights[:] = work.weights
+            _copy(weights, work.weights)
             if math.isinf(share):
                 break
             left = _left(squares, target, rest, work, length)
@@ -141,18 +142,18 @@ def bounded(
                 _factorize(squares.gram, work, _swap(squares, work))
                 _free_ones(squares, linear, work)
                 _refine(squares, target, weights, rest, work)
-                weights[:] = work.weights
+                _copy(weights, work.weights)
                 left = _left(squares, target, rest, work, length)
             solved[frame] = left <= share
             if left <= _LITTLE or not is_settled:
                 break
 
 
-@compiled
+@compiled("rest", "work")
 def _left(squares: Squares, target: Floats, rest: Floats, work: Work, length: float) -> float:
     """Return the largest gradient that pulls inwards, as a share, and write the gradient."""
     weights, reach, worst = work.weights, length, 0.0
-    rest[:] = target
+    _copy(rest, target)
     for k in range(len(weights)):
         if weights[k] != 0.0:
             _add(rest, squares.columns[k], -weights[k], len(rest))
@@ -166,7 +167,7 @@ def _left(squares: Squares, target: Floats, rest: Floats, work: Work, length: fl
     return worst / reach if reach > 0.0 else 0.0
 
 
-@compiled
+@compiled()
 def new_work(squares: Squares) -> Work:
     """Return a search that has not begun: every weight is free."""
     count = len(squares.lengths)
@@ -184,16 +185,17 @@ def new_work(squares: Squares) -> Work:
     return work
 
 
-@compiled
+@compiled("work")
 def _free_all(squares: Squares, work: Work) -> None:
     work.weights[:] = 0.0
     work.place[:] = FREE
-    work.order[:] = np.arange(len(work.order))
+    for k in range(len(work.order)):
+        work.order[k] = k
     work.size[0] = len(work.order)
     _factorize(squares.gram, work, 0)
 
 
-@compiled
+@compiled()
 def _dot(left: Floats, right: Floats, count: int) -> float:
     total = 0.0
     for k in range(count):
@@ -201,13 +203,19 @@ def _dot(left: Floats, right: Floats, count: int) -> float:
     return total
 
 
-@compiled
+@compiled("target")
+def _copy(target: Floats, other: Floats) -> None:
+    for k in range(len(target)):
+        target[k] = other[k]
+
+
+@compiled("target")
 def _add(target: Floats, other: Floats, factor: float, count: int) -> None:
     for k in range(count):
         target[k] += other[k] * factor
 
 
-@compiled
+@compiled("work")
 def _factorize(gram: Floats, work: Work, begin: int) -> None:
     """Write the factor's rows from `begin` on."""
     factor, order = work.factor, work.order
@@ -218,7 +226,7 @@ def _factorize(gram: Floats, work: Work, begin: int) -> None:
         row[i] = math.sqrt(max(entries[order[i]] - _dot(row, row, i), _NOTHING))
 
 
-@compiled
+@compiled("work")
 def _solve(work: Work) -> None:
     """Replace the right-hand side in `ahead` by the solution for the free weights."""
     factor, ahead = work.factor, work.ahead
@@ -229,7 +237,7 @@ def _solve(work: Work) -> None:
         _add(ahead, factor[i], -ahead[i], i)
 
 
-@compiled
+@compiled("work")
 def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most: int) -> bool:
     """Exchange weights that are on the wrong side; return whether none is left."""
     fewest, rounds = len(linear) + 1, _ROUNDS
@@ -246,7 +254,7 @@ def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most:
     return False
 
 
-@compiled
+@compiled("work")
 def _free_ones(squares: Squares, linear: Floats, work: Work) -> None:
     """Write the free weights, whether beyond the bounds or not, and the gradient."""
     size, weights, slope = work.size[0], work.weights, work.slope
@@ -263,7 +271,7 @@ def _free_ones(squares: Squares, linear: Floats, work: Work) -> None:
         _add(slope, squares.gram[work.order[k]], work.ahead[k], len(slope))
 
 
-@compiled
+@compiled("work")
 def _mark(squares: Squares, work: Work, length: float) -> int:
     """Mark the weights that are on the wrong side, and return how many."""
     count = 0
@@ -277,7 +285,7 @@ def _mark(squares: Squares, work: Work, length: float) -> int:
     return count
 
 
-@compiled
+@compiled("work")
 def _mark_the_last_only(work: Work) -> None:
     last = 0
     for j in range(len(work.wrong)):
@@ -287,7 +295,7 @@ def _mark_the_last_only(work: Work) -> None:
     work.wrong[last] = True
 
 
-@compiled
+@compiled("work")
 def _swap(squares: Squares, work: Work) -> int:
     """Exchange the marked weights, and return from which row on the factor is another."""
     order, kept = work.order, 0
@@ -312,10 +320,10 @@ def _swap(squares: Squares, work: Work) -> int:
     return same
 
 
-@compiled
+@compiled("rest", "work")
 def _refine(squares: Squares, target: Floats, before: Floats, rest: Floats, work: Work) -> None:
     """Take from the free weights what the normal equations have cost in accuracy."""
-    rest[:] = target
+    _copy(rest, target)
     for j in range(len(work.weights)):
         if work.weights[j] != 0.0:
             _add(rest, squares.columns[j], -work.weights[j], len(rest))

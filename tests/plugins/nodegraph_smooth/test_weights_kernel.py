@@ -41,7 +41,7 @@ def test_long_runs_get_rows_at_both_ends_and_short_ones_are_counted() -> None:
     values[[2, 9], 0] = np.nan
     rows, weights = random.uniform(0, 1, (2, 4)), np.array([0.2, 0.05])
     rows /= rows.sum(axis=1, keepdims=True)
-    marker, start, stop = np.array([[0, 0, 2], [0, 3, 9], [0, 10, 20], [1, 0, 20]]).T
+    marker, start, stop = np.array([[0, 0, 0, 1], [0, 3, 10, 0], [2, 9, 20, 20]])
     smoothed = np.zeros_like(values)
     assert curve_into(smoothed, values, weights, marker, start, stop, rows) == 1
     plain = np.empty_like(values)
