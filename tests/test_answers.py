@@ -191,6 +191,9 @@ def test_all_places_agree_with_and_without_a_verdict(tmp_path: Path, actors: int
         "untested on people.",
     }
     assert scope.replace("\N{NO-BREAK SPACE}", " ").startswith(held[actors])
+    overview = it.overview
+    data = packed(overview, overview.verdicts, excerpt_of(overview), "table", {})
+    assert data["within"][0]["times"] == "Length 5, 15 frames: 83, 250\N{NO-BREAK SPACE}ms."
     titles = [found.title.replace("\N{NO-BREAK SPACE}", " ") for found in it.answer.findings]
     assert titles == ["length 5 frames (83 ms)", "length 15 frames (250 ms)"]
 

@@ -270,6 +270,20 @@ def with_units(verdicts: Verdicts, *, times: bool = True) -> Verdicts:
     return replace(verdicts, groups=tuple(groups))
 
 
+def times_text(verdicts: Verdicts, axis: int) -> str:
+    """Return how long the labels of an axis of frames are; empty for others."""
+    rate = verdicts.recordings.rate
+    labels = dict.fromkeys(group.labels[axis] for group in verdicts.groups)
+    frames = [label for label in labels if isinstance(label, (int, float))]
+    if verdicts.axis_units[axis] != "frames" or not rate or not frames:
+        return ""
+    times = listed([f"{1000 * each / rate:.0f}" for each in frames])
+    return (
+        f"{verdicts.within[axis].capitalize()} {listed([f'{each:g}' for each in frames])} frames: "
+        f"{times}{SPACE}ms."
+    )
+
+
 def tie_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return a tied method with its distance, and in how many units it is worse."""
     (name,) = method_words(verdicts, [place])

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nodegraph_compare.words import group_title, varying
+from nodegraph_compare.words import group_title, times_text, varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -109,6 +109,7 @@ def packed(
                 "name": name,
                 "labels": list(dict.fromkeys(group.labels[axis] for group in verdicts.groups)),
                 "texts": list(dict.fromkeys(group.labels[axis] for group in named.groups)),
+                "times": times_text(verdicts, axis),
             }
             for axis, name in enumerate(verdicts.within)
         ],

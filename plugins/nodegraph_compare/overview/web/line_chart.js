@@ -146,7 +146,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       finding: finding(view),
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${log ? ", log scale" : ""}. `),
-        "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
+        ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
         ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: tied with the best there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
         log ? "Equal slopes are equal ratios. " : "", "Click a line or a name to follow it through the page.",

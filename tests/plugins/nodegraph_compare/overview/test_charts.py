@@ -540,6 +540,7 @@ def data_of(
                 "name": "heat",
                 "labels": [*range(len(groups))],
                 "texts": [f"{at} K" for at in range(len(groups))],
+                "times": "",
             }
         ],
         "methods": [{"label": each, "seconds": 0.01 + at} for at, each in enumerate(methods)],
