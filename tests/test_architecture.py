@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
     {"api"},
-    {"archive", "audit", "notebook", "serve", "site"},
+    {"archive", "audit", "edit", "notebook", "serve", "site"},
     {"lock", "report"},
     {"built_in", "testing"},
     {"live"},

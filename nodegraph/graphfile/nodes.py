@@ -185,11 +185,7 @@ class NodeReader:
     def _listed(self, item: Located) -> MethodSpec | None:
         if not self._is_word(item, "a listed alternative is a node's name"):
             return None
-        if is_graph_file(item.value):
-            return MethodSpec(PurePath(item.value).stem, item.value, item.place)
-        plugin, _, name = item.value.rpartition(":")
-        label = name.rpartition(".")[2]
-        return MethodSpec(f"{plugin}:{label}" if plugin else label, item.value, item.place)
+        return MethodSpec(label_of(item.value), item.value, item.place)
 
     def _labelled(self, key: object, place: Place, item: Located) -> MethodSpec:
         label = str(key)
@@ -299,6 +295,15 @@ class NodeReader:
 def _lacks_space(item: Located) -> bool:
     """Whether ``use:x.a`` is a key, which is noted as unknown."""
     return any(space_hint(key, ("use", "alternatives")) for key in item.value)
+
+
+def label_of(use: str) -> str:
+    """Return the label of a method in a list of alternatives."""
+    if is_graph_file(use):
+        return PurePath(use).stem
+    plugin, _, name = use.rpartition(":")
+    label = name.rpartition(".")[2]
+    return f"{plugin}:{label}" if plugin else label
 
 
 def instead_of_key(key: object, keys: Iterable[str], more: str = "") -> str:

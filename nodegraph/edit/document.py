@@ -1,0 +1,520 @@
+"""The text of a graph file as a tree with spans, and patches that change its data and no more."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import yaml
+
+from nodegraph.errors import GraphError, Place, Problem, nearest, quoted
+from nodegraph.graphfile.yaml_text import Parser, read_yaml, scalar
+
+Path = Sequence[str | int | float | bool]
+"""Keys of mappings and positions in lists, from the outermost: ``("nodes", "fill", "with")``."""
+
+_WIDTH = 100
+"""Columns up to which a new mapping or list is written in one line."""
+_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_PLAIN = re.compile(r"[\w$/.][\w$/.:+()%~^*=<>@|; -]*")
+_ESCAPED = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")
+
+
+class Patch(NamedTuple):
+    """Text that takes the place of a span."""
+
+    start: int
+    end: int
+    text: str
+
+
+class Change(NamedTuple):
+    """A word that changes in a key or in a text."""
+
+    path: Path
+    pattern: re.Pattern[str]
+    new: str
+    is_key: bool = False
+
+
+@dataclass(slots=True)
+class Node:
+    """A value in the text.
+
+    Attributes
+    ----------
+    start, end : int
+        Its span, from its anchor to its last character; of a block, to that of its last part.
+    kind : type
+        `dict`, `list`, or `str` for a scalar.
+    is_flow : bool
+        Whether brackets enclose it.
+    anchor, alias : str
+        The anchor that it has; the one that it stands for. Empty for none.
+    keys : list of Node
+        Of a mapping.
+    parts : list of Node
+    """
+
+    start: int
+    end: int
+    kind: type
+    is_flow: bool = False
+    anchor: str = ""
+    alias: str = ""
+    value: object = None
+    keys: list[Node] = field(default_factory=list)
+    parts: list[Node] = field(default_factory=list)
+
+    def walk(self) -> Iterator[Node]:
+        """Yield the node and all within it."""
+        pending = [self]
+        while pending:
+            node = pending.pop()
+            yield node
+            pending += node.parts
+
+
+class Document:
+    """The text of a graph file, and where each of its values stands.
+
+    Parameters
+    ----------
+    text
+    file
+        Its name in messages.
+
+    Raises
+    ------
+    GraphError
+        If the text is not YAML.
+    """
+
+    def __init__(self, text: str, file: str) -> None:
+        self.file = file
+        self.data: Any = read_yaml(text, file).plain()
+        self._mark = "\ufeff" if text.startswith("\ufeff") else ""
+        self.text = text.removeprefix(self._mark)
+        self._anchors: dict[str, Node] = {}
+        self._root = self._read()
+        first = _BREAK.search(self.text)
+        self._newline = first[0] if first else "\n"
+        self._shared = {node.alias for node in self._root.walk() if node.alias}
+
+    def error(self, at: Node | int, message: str, hint: str = "") -> GraphError:
+        """Return an error with its place."""
+        position = at if isinstance(at, int) else at.start
+        lines = _BREAK.split(self.text[:position])
+        place = Place(self.file, len(lines), len(lines[-1]) + 1)
+        return GraphError([Problem(place, message, hint)])
+
+    def find(self, path: Path) -> Node:
+        """Return the node at a path; an alias stands for what has its anchor."""
+        return self._resolved(self._written_at(path))
+
+    def has(self, path: Path) -> bool:
+        """Return whether there is a value at a path."""
+        node = self._root
+        for key in path:
+            inner = _inner(self._resolved(node), key)
+            if inner is None:
+                return False
+            node = inner
+        return True
+
+    def lines(self, path: Path) -> str:
+        """Return the lines of a key of a block, as they stand."""
+        key, node = self._key(path), self._written_at(path)
+        start = key.start - self._column(key.start)
+        return self.text[start : self._line_end(node.end)] + self._newline
+
+    def is_block(self, path: Path) -> bool:
+        """Return whether what is at a path has a line for each of its keys."""
+        return not self.find(path).is_flow and not self._is_in_flow(path)
+
+    def put(self, path: Path, value: object, after: object = None) -> str:
+        """Return the text with a value at a path, in place of what is there.
+
+        Mappings that are missing on the way are added. A new key stands last, or after another.
+        """
+        path = tuple(path)
+        while len(path) > 1 and (not self.has(path[:-1]) or value_at(self.data, path[:-1]) is None):
+            path, value, after = path[:-1], {path[-1]: value}, None
+        exists = self.has(path)
+        self._refuse_shared(path if exists else path[:-1], whole=exists)
+        intended = copy.deepcopy(self.data)
+        parent, key = value_at(intended, path[:-1]), path[-1]
+        if isinstance(parent, dict):
+            keys = list(parent)
+            following = keys[keys.index(after) + 1 :] if after in keys and key not in keys else []
+            moved = {name: parent.pop(name) for name in following}
+            parent.update({key: value, **moved})
+        elif isinstance(parent, list) and isinstance(key, int) and exists:
+            parent[key] = value
+        elif isinstance(parent, list) and key == len(parent):
+            parent.append(value)
+        else:
+            where = ".".join(map(str, path[:-1]))
+            raise self.error(self.find(path[:-1]), f"{where} has no place for {quoted(key)}")
+        patches = self._replace(path, value) if exists else self._insert(path, value, after)
+        return self.patched(patches, intended)
+
+    def remove(self, path: Path) -> str:
+        """Return the text without what is at a path."""
+        path = tuple(path)
+        self.find(path)
+        parent = self.find(path[:-1])
+        if len(parent.parts) == 1 and len(path) > 1:
+            return self.put(path[:-1], {} if parent.kind is dict else [])
+        self._refuse_shared(path, whole=True)
+        intended = copy.deepcopy(self.data)
+        del value_at(intended, path[:-1])[path[-1]]
+        return self.patched([self._without(path)], intended)
+
+    def reword(self, changes: Iterable[Change]) -> str:
+        """Return the text with words changed in keys and values.
+
+        What stands behind an anchor changes for all its aliases.
+        """
+        patches: dict[int, Patch] = {}
+        intended = copy.deepcopy(self.data)
+        ordered = sorted(changes, key=lambda change: (change.is_key, -len(change.path)))
+        for change in ordered:  # values before keys, and those from the inside out
+            parent, last = value_at(intended, change.path[:-1]), change.path[-1]
+            if change.is_key:
+                node = self._key(change.path)
+                word = change.pattern.sub(change.new, str(last))
+                renamed = {word if key == last else key: each for key, each in parent.items()}
+                parent.clear()
+                parent.update(renamed)
+            else:
+                node = self.find(change.path)
+                parent[last] = change.pattern.sub(change.new, parent[last])
+            start = node.start + (len(node.anchor) + 1 if node.anchor else 0)
+            written = self.text[start : node.end]
+            patches[start] = Patch(start, node.end, change.pattern.sub(change.new, written))
+        return self.patched(patches.values(), intended)
+
+    def patched(self, patches: Iterable[Patch], intended: object) -> str:
+        """Return the text with patches, if it then says what is intended, and nothing else.
+
+        Raises
+        ------
+        GraphError
+            If it would be no YAML, or say something else.
+        """
+        text = self.text
+        ordered = sorted(patches, reverse=True)
+        for start, end, new in ordered:
+            text = text[:start] + new + text[end:]
+        text = self._mark + text
+        first = ordered[-1].start if ordered else 0
+        try:
+            data = read_yaml(text, self.file).plain()
+        except GraphError as error:
+            reason = error.problems[0].message
+            raise self.error(first, f"this edit cannot be written here: {reason}") from error
+        if not _same(data, intended):
+            message = "this edit cannot be written here: the file would say something else"
+            raise self.error(first, message, "change the text by hand")
+        return text
+
+    def _read(self) -> Node:
+        """Return the root of the tree."""
+        opened: list[Node] = []
+        root: Node | None = None
+        parser = Parser(self.text)
+        while (event := parser.get_event()) is not None:
+            start, end = event.start_mark.index, event.end_mark.index
+            if isinstance(event, yaml.CollectionEndEvent):
+                node = opened.pop()
+                last = node.parts[-1].end if node.parts else node.start
+                node.end = end if node.is_flow else last
+            elif isinstance(event, yaml.NodeEvent):
+                node = self._node(event, start, end)
+                if (
+                    opened
+                    and opened[-1].kind is dict
+                    and len(opened[-1].keys) == len(opened[-1].parts)
+                ):
+                    opened[-1].keys.append(node)
+                elif opened:
+                    opened[-1].parts.append(node)
+                else:
+                    root = node
+                if isinstance(event, yaml.CollectionStartEvent):
+                    opened.append(node)
+        return root or Node(0, 0, str)
+
+    def _node(self, event: Any, start: int, end: int) -> Node:
+        if isinstance(event, yaml.AliasEvent):
+            return Node(start, end, str, alias=event.anchor or "")
+        if isinstance(event, yaml.ScalarEvent):
+            if event.style in ("|", ">"):  # up to the last line's end
+                end = start + len(self.text[start:end].rstrip("\r\n \t"))
+            value = scalar(event.value) if event.implicit[0] else event.value
+            node = Node(start, end, str, anchor=event.anchor or "", value=value)
+        else:
+            kind = dict if isinstance(event, yaml.MappingStartEvent) else list
+            node = Node(start, end, kind, bool(event.flow_style), event.anchor or "")
+        if node.anchor:
+            self._anchors[node.anchor] = node
+        return node
+
+    def _resolved(self, node: Node) -> Node:
+        return self._anchors[node.alias] if node.alias else node
+
+    def _written_at(self, path: Path) -> Node:
+        """Return the node at a path, an alias as it stands there."""
+        node = self._root
+        for depth, key in enumerate(path):
+            outer = self._resolved(node)
+            inner = _inner(outer, key)
+            if inner is None:
+                known = [each.value for each in outer.keys]
+                where = ".".join(map(str, path[:depth])) or "the graph"
+                raise self.error(outer, f"{where} has no {quoted(key)}", nearest(key, known))
+            node = inner
+        return node
+
+    def _is_empty(self, path: Path) -> bool:
+        return not self.has(path) or value_at(self.data, path) is None
+
+    def _key(self, path: Path) -> Node:
+        parent = self.find(path[:-1])
+        return parent.keys[[each.value for each in parent.keys].index(path[-1])]
+
+    def _refuse_shared(self, path: Path, *, whole: bool) -> None:
+        """Refuse to change what other places of the graph stand for, or stands for another.
+
+        Parameters
+        ----------
+        path
+        whole
+            Whether all that is at the path goes, or something is added to it.
+        """
+        node = self._root
+        for depth in range(1, len(path) + 1):
+            node = self._written_at(path[:depth])
+            if node.alias and (depth < len(path) or not whole):
+                line = self._line(self._anchors[node.alias])
+                message = f"*{node.alias} stands for what is written in line {line}"
+                raise self.error(node, message, "change it there, or write it out here")
+            if node.anchor in self._shared:
+                raise self._is_shared(node)
+        inside = [each for each in node.walk() if each.anchor in self._shared] if whole else []
+        if inside:
+            raise self._is_shared(inside[0])
+
+    def _is_shared(self, node: Node) -> GraphError:
+        again = (each for each in self._root.walk() if each.alias == node.anchor)
+        lines = ", ".join(str(line) for line in sorted(map(self._line, again)))
+        message = f"&{node.anchor} is used again in line {lines}"
+        return self.error(node, message, f"write it out there in place of *{node.anchor}")
+
+    def _line(self, node: Node) -> int:
+        return len(_BREAK.split(self.text[: node.start]))
+
+    def _line_end(self, position: int) -> int:
+        match = _BREAK.search(self.text, position)
+        return match.start() if match else len(self.text)
+
+    def _column(self, position: int) -> int:
+        return len(_BREAK.split(self.text[:position])[-1])
+
+    def _is_in_flow(self, path: Path) -> bool:
+        return any(self.find(path[:depth]).is_flow for depth in range(len(path)))
+
+    def _replace(self, path: Path, value: object) -> list[Patch]:
+        """Return the patches that give an existing key or item another value."""
+        node, parent = self._written_at(path), self.find(path[:-1])
+        if self._is_in_flow(path):
+            lead = " " if node.start == node.end else ""
+            return [Patch(node.start, node.end, lead + _flow(value))]
+        if parent.kind is dict:
+            key = self._key(path)
+            column, mark = self._column(key.start), self.text.index(":", key.end) + 1
+        else:
+            mark = self._dash(node) + 1
+            column = self._column(mark - 1)
+        head, body = _written(value, column, self._column(mark) + 1)
+        lines = self._below(head, body, self._line_end(node.end))
+        begins_below = bool(_BREAK.search(self.text, mark, node.start))
+        if not body and not begins_below:
+            lead = " " if node.start == node.end else ""
+            return [Patch(node.start, node.end, lead + head)]
+        end = self._line_end(mark)
+        if begins_below:
+            between = self.text[end : node.start]
+            if between.strip():
+                raise self.error(end, "a comment stands before what would be replaced")
+            head = f" {head}" if head else ""
+            return [Patch(mark, mark, head), Patch(end, node.end, lines)]
+        end = self._line_end(node.end)
+        head = f" {head}" if head else ""
+        return [Patch(mark, node.end, head), Patch(end, end, lines)]
+
+    def _insert(self, path: Path, value: object, after: object) -> list[Patch]:
+        """Return the patches that add a key to a mapping, or an item to the end of a list."""
+        parent = self.find(path[:-1])
+        entry = f"{_scalar(path[-1], is_flow=True)}: " if parent.kind is dict else ""
+        known = [each.value for each in parent.keys]
+        place = known.index(after) if after in known else len(parent.parts) - 1
+        if self._is_in_flow((*path[:-1], "")):
+            if not parent.parts:
+                end = parent.end - 1
+                return [Patch(end, end, entry + _flow(value))]
+            end = parent.parts[place].end
+            return [Patch(end, end, f", {entry}{_flow(value)}")]
+        last = parent.parts[place]
+        if parent.kind is dict:
+            column, mark = self._column(parent.keys[0].start), f"{_scalar(path[-1], is_flow=True)}:"
+        else:
+            column, mark = self._column(self._dash(last)), "-"
+        head, body = _written(value, column, column + len(mark) + 1)
+        end = self._line_end(last.end)
+        first = f"{' ' * column}{mark}{' ' if head else ''}{head}"
+        return [Patch(end, end, self._below(head, [first, *body], end))]
+
+    def _below(self, head: str, lines: Sequence[str], position: int) -> str:
+        """Return lines as they stand below a position."""
+        # breaks at the end of a text count, which the end of the file would hide
+        counts = head in ("|", "|+") and position == len(self.text)
+        return "".join(f"{self._newline}{line}" for line in lines) + self._newline * counts
+
+    def _dash(self, item: Node) -> int:
+        """Return the position of the dash before an item of a list."""
+        return self.text.rindex("-", 0, item.start)
+
+    def _without(self, path: Path) -> Patch:
+        """Return the patch that removes one of several entries of a mapping or list."""
+        parent = self.find(path[:-1])
+        place = (
+            [each.value for each in parent.keys].index(path[-1])
+            if parent.kind is dict
+            else int(path[-1])
+        )
+        starts = [each.start for each in (parent.keys or parent.parts)]
+        last = place == len(starts) - 1
+        if self._is_in_flow(path):
+            end = parent.parts[place].end
+            patch = (
+                Patch(parent.parts[place - 1].end, end, "")
+                if last
+                else Patch(starts[place], starts[place + 1], "")
+            )
+            gap = (patch.start, starts[place]) if last else (end, patch.end)
+            self._refuse_comment(*gap)
+            return patch
+        start = starts[place] if parent.kind is dict else self._dash(parent.parts[place])
+        end = self._line_end(parent.parts[place].end)
+        column = self._column(start)
+        before = self.text[start - column : start]
+        if before.strip():  # the first entry, behind a dash
+            self._refuse_comment(parent.parts[place].end, starts[place + 1])
+            return Patch(start, starts[place + 1], "")
+        if start == column:  # in the first line
+            following = _BREAK.match(self.text, end)
+            return Patch(0, following.end() if following else end, "")
+        breaks = self.text[: start - column]
+        above = len(breaks) - (2 if breaks.endswith("\r\n") else 1)
+        return Patch(above, end, "")
+
+    def _refuse_comment(self, start: int, end: int) -> None:
+        if "#" in self.text[start:end]:
+            raise self.error(start, "a comment stands behind what would be removed")
+
+
+def _inner(node: Node, key: object) -> Node | None:
+    """Return what a mapping or a list has at a key."""
+    if node.kind is dict:
+        known = [each.value for each in node.keys]
+        return node.parts[known.index(key)] if key in known else None
+    if node.kind is list and isinstance(key, int) and 0 <= key < len(node.parts):
+        return node.parts[key]
+    return None
+
+
+def value_at(data: Any, path: Path) -> Any:
+    """Return what plain data have at a path."""
+    for key in path:
+        data = data[key]
+    return data
+
+
+def _same(one: object, other: object) -> bool:
+    """Return whether plain data are equal, with their types and the order of keys."""
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, dict) and isinstance(other, dict):
+        return len(one) == len(other) and all(
+            _same(key, known) and _same(value, there)
+            for (key, value), (known, there) in zip(one.items(), other.items(), strict=True)
+        )
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(_same, one, other))
+    return one == other or (one != one and other != other)
+
+
+def _scalar(value: object, is_flow: bool) -> str:
+    """Return a scalar as it is written in one line."""
+    if isinstance(value, str):
+        is_plain = (
+            _PLAIN.fullmatch(value)
+            and scalar(value) == value
+            and isinstance(scalar(value), str)
+            and not re.search(r": |:$| #|\s$|^\.\.\.$", value)
+            and not (is_flow and ":" in value)
+        )
+        if is_plain:
+            return value
+        written = json.dumps(value, ensure_ascii=False)
+        return _ESCAPED.sub(lambda match: f"\\u{ord(match[0]):04x}", written)
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if value != value else ".inf" if value > 0 else "-.inf"
+    return repr(value)
+
+
+def _flow(value: object) -> str:
+    """Return a value as it is written in one line, brackets around it."""
+    if isinstance(value, Mapping):
+        pairs = (f"{_scalar(key, is_flow=True)}: {_flow(each)}" for key, each in value.items())
+        return f"{{{', '.join(pairs)}}}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_flow, value))}]"
+    return _scalar(value, is_flow=True)
+
+
+def _written(value: object, column: int, start: int) -> tuple[str, list[str]]:
+    """Return what is written behind a key in this column, and the lines below."""
+    if isinstance(value, str) and "\n" in value and not _ESCAPED.search(value):
+        lines = value.split("\n")
+        if lines[0] and lines[0][0] not in " \t" and "\r" not in value:
+            chomping = {0: "-", 1: ""}.get(len(value) - len(value.rstrip("\n")), "+")
+            body = lines[:-1] if value.endswith("\n") else lines
+            return f"|{chomping}", [f"{' ' * (column + 2)}{line}" if line else "" for line in body]
+    flow = _flow(value) if isinstance(value, (Mapping, list, tuple)) else _scalar(value, False)
+    if start + len(flow) <= _WIDTH or not isinstance(value, (Mapping, list, tuple)):
+        return flow, []
+    return "", list(_block(value, column + 2))
+
+
+def _block(value: object, column: int) -> Iterator[str]:
+    """Yield the lines of a mapping or list, each entry in a line of its own."""
+    entries: Iterable[tuple[str, object]]
+    if isinstance(value, Mapping):
+        entries = ((f"{_scalar(key, is_flow=True)}:", each) for key, each in value.items())
+    else:
+        assert isinstance(value, (list, tuple))
+        entries = (("-", each) for each in value)
+    for mark, each in entries:
+        head, body = _written(each, column, column + len(mark) + 1)
+        yield f"{' ' * column}{mark}{' ' if head else ''}{head}"
+        yield from body
