@@ -23,7 +23,7 @@ from nodegraph.graph.namespace import Namespace
 from nodegraph.graph.settings import SettingsReader
 from nodegraph.graph.wiring import WireChecker, sorted_names, typed_network
 from nodegraph.graphfile.axes import is_label
-from nodegraph.graphfile.spec import FIRST, NodeSpec, Reference, SkipSpec
+from nodegraph.graphfile.spec import NodeSpec, Reference, SkipSpec
 from nodegraph.plugin.registry import Registry
 
 
@@ -44,7 +44,6 @@ class Assembler:
     ) -> None:
         spec = flat.spec
         self._flat = flat
-        self._spec = spec
         self._registry = registry
         self._problems = problems
         self._choices = choices
@@ -59,17 +58,12 @@ class Assembler:
             if node.has_alternatives:
                 labels = tuple(method.label for method in self._methods[name])
                 self._namespace.add_alternatives(name, labels)
-        self._sources: dict[str, list[Reference]] = {}
+        axes = self._namespace.axes
         for name, methods in self._methods.items():
-            sources = [source for method in methods for source in method.references()]
-            if any(FIRST in source.at.values() for source in sources if source.at):
-                first = [method.with_first_labels(self._namespace.axes) for method in methods]
-                self._methods[name] = first
-                sources = [source for method in first for source in method.references()]
-            self._sources[name] = sources
+            self._methods[name] = [method.with_first_labels(axes) for method in methods]
         self._spec = replace(
             spec,
-            report=tuple(at_first_labels(entry, self._namespace.axes) for entry in spec.report),
+            report=tuple(at_first_labels(entry, axes) for entry in spec.report),
         )
         self._nodes: dict[str, GraphNode] = {}
         self._wires = WireChecker(spec, self._nodes, self._namespace, problems)
@@ -79,7 +73,11 @@ class Assembler:
 
     def graph(self) -> Graph | None:
         """Return the graph, or None if there are errors, in it or in a graph that it uses."""
-        for name in sorted_names(self._sources, self._problems):
+        sources = {
+            name: [source for method in methods for source in method.references()]
+            for name, methods in self._methods.items()
+        }
+        for name in sorted_names(sources, self._problems):
             self._nodes[name] = self._node(self._spec.nodes[name])
         self._check_graph_inputs()
         self._check_sections()

@@ -1,4 +1,4 @@
-"""The axes of each node, those that its ports gather, and the number of combinations."""
+"""Axes: those of a graph as the command chooses, those of each node, and their combinations."""
 
 from __future__ import annotations
 
@@ -7,11 +7,51 @@ from functools import partial
 from math import prod
 
 from nodegraph.errors import Place, Problems, nearest, quoted
-from nodegraph.graph.model import Axis, Gather, GraphNode, Method, sources_of
-from nodegraph.graphfile.spec import NodeSpec, Reference
+from nodegraph.graph.model import Axis, Choices, Gather, GraphNode, Method, sources_of
+from nodegraph.graphfile.axes import axis_from_option
+from nodegraph.graphfile.spec import AxisSpec, NodeSpec, Reference
 
 MOST_COMBINATIONS = 5_000_000
 _MOST_DIGITS = 10**18
+
+
+def chosen_axis(name: str, spec: AxisSpec | None, choices: Choices, problems: Problems) -> Axis:
+    """Return an axis as the file has it, with the labels that the command gives it or leaves.
+
+    Parameters
+    ----------
+    name
+    spec
+        None for an input that is an axis by choice.
+    choices
+    problems
+    """
+    written = spec.labels if spec is not None else ()
+    if spec is None or name in choices.axes:
+        folder = choices.folders.get(name, choices.folder)
+        spec = axis_from_option(name, choices.axes[name], folder, problems)
+    removed = frozenset(written) - frozenset(spec.labels)
+    values = dict(zip(spec.labels, spec.values, strict=True))
+    return restricted_axis(Axis(name, spec.labels, values, removed), choices, problems)
+
+
+def restricted_axis(axis: Axis, choices: Choices, problems: Problems) -> Axis:
+    """Return an axis with the labels that ``only`` leaves."""
+    only = choices.only.get(axis.name)
+    if only is None:
+        return axis
+    place = Place(f"--only {axis.name}")
+    if not only:
+        problems.add(place, "no label is kept", nearest("", axis.labels))
+    for label in only:
+        if label not in axis.labels:
+            hint = nearest(label, axis.labels)
+            if axis.values:  # not those of a node with alternatives
+                hint += f"; for other labels, write --axis {axis.name}={label}"
+            problems.add(place, f"no label {quoted(label)}", hint)
+    labels = tuple(label for label in axis.labels if label in only)
+    removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
+    return Axis(axis.name, labels or axis.labels, axis.values, removed)
 
 
 def node_axes(

@@ -65,6 +65,8 @@ class ResolvedMethod:
 
     def with_first_labels(self, axes: Mapping[str, Axis]) -> ResolvedMethod:
         """Return the method with each `FIRST` in its wiring replaced by the label."""
+        if not any(FIRST in source.at.values() for source in self.references() if source.at):
+            return self  # as most are
         return self.rewired(lambda source: at_first_labels(source, axes))
 
 

@@ -7,8 +7,9 @@ from functools import partial
 from pathlib import Path
 
 from nodegraph.errors import Hint, Place, Problems, nearest, quoted
+from nodegraph.graph.axes import chosen_axis, restricted_axis
 from nodegraph.graph.model import Axis, Choices
-from nodegraph.graphfile.axes import FILE, axis_from_option
+from nodegraph.graphfile.axes import FILE
 from nodegraph.graphfile.spec import GraphSpec, Variable, Written
 from nodegraph.node.ports import Label, Port
 
@@ -50,7 +51,9 @@ class Namespace:
         self.inputs: dict[str, object] = defaults | overrides
         varied = [name for name in spec.inputs if name in choices.axes and name not in ports]
         self._valued = (*spec.axes, *varied)
-        self.axes = {name: self._axis(name) for name in self._valued}
+        self.axes = {
+            name: chosen_axis(name, spec.axes.get(name), choices, problems) for name in self._valued
+        }
 
     @property
     def graph_folder(self) -> Path:
@@ -62,7 +65,7 @@ class Namespace:
         if node in self._choices.axes:
             place = Place(f"--axis {node}")
             self._problems.add(place, f"{quoted(node)} is a node", f"write --only {node}=...")
-        self.axes[node] = self._restricted(Axis(node, labels))
+        self.axes[node] = restricted_axis(Axis(node, labels), self._choices, self._problems)
 
     def check_choices(self) -> None:
         """Record choices of unknown names, and axes and inputs that nothing uses."""
@@ -156,35 +159,6 @@ class Namespace:
     def _reject(self, variable: Variable, message: str, hint: Hint) -> None:
         self.invalid.add(variable)
         self._problems.add(variable.place, message, hint)
-
-    def _axis(self, name: str) -> Axis:
-        spec = self._spec.axes.get(name)
-        written = spec.labels if spec is not None else ()
-        if spec is None or name in self._choices.axes:
-            folder = self._choices.folders.get(name, self._choices.folder)
-            spec = axis_from_option(name, self._choices.axes[name], folder, self._problems)
-        labels, values = spec.labels, spec.values
-        removed = frozenset(written) - frozenset(labels)
-        axis = Axis(name, labels, dict(zip(labels, values, strict=True)), removed)
-        return self._restricted(axis)
-
-    def _restricted(self, axis: Axis) -> Axis:
-        """Return an axis with the labels that ``only`` leaves."""
-        only = self._choices.only.get(axis.name)
-        if only is None:
-            return axis
-        place = Place(f"--only {axis.name}")
-        if not only:
-            self._problems.add(place, "no label is kept", nearest("", axis.labels))
-        for label in only:
-            if label not in axis.labels:
-                hint = nearest(label, axis.labels)
-                if axis.name in self._valued:
-                    hint += f"; for other labels, write --axis {axis.name}={label}"
-                self._problems.add(place, f"no label {quoted(label)}", hint)
-        labels = tuple(label for label in axis.labels if label in only)
-        removed = axis.removed | (frozenset(axis.labels) - frozenset(labels))
-        return Axis(axis.name, labels or axis.labels, axis.values, removed)
 
     def _check_set(self, name: str, value: object) -> None:
         node, dot, setting = name.partition(".")
