@@ -14,6 +14,7 @@ from random import Random
 import pytest
 
 from tests.records import read_record, write_steps
+from tests.studies import command
 
 from . import forged
 from .forged import Change, deep, output
@@ -157,10 +158,10 @@ def in_process(module: str, *words: str, at: Path) -> subprocess.CompletedProces
     )
 
 
-def nodegraph(*words: str, at: Path) -> subprocess.CompletedProcess[str]:
-    """Give a command with the toy nodes and the store there."""
+def given(*words: str) -> tuple[str, ...]:
+    """Return the words of a command with the toy nodes and the store there."""
     nodes = () if words[0] == "cache" else ("--plugin", "toys.py")
-    return in_process("nodegraph.cli.main", *words, "--store", "kept", *nodes, at=at)
+    return (*words, "--store", "kept", *nodes)
 
 
 class Study:
@@ -174,7 +175,8 @@ class Study:
 
     def run(self, out: str) -> str:
         """Run the graph; return what it has told."""
-        ended = nodegraph("run", "forged.yaml", "--out", out, at=self.folder)
+        words = given("run", "forged.yaml", "--out", out)
+        ended = in_process("nodegraph.cli.main", *words, at=self.folder)
         assert ended.returncode == 0, ended.stderr
         return "".join(line for line in ended.stderr.splitlines(True) if "stored result" in line)
 
@@ -247,7 +249,7 @@ def test_no_other_file_is_taken_for_a_part_of_the_store(
         (("diff", "first", "other"), 1, "no longer stored"),
         (("export", "first", "a", "--at", "number=0", "--out", "a.csv"), 2, "not in the store"),
     ],
-    ids=lambda given: " ".join(given) if isinstance(given, tuple) else "",
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_every_command_reads_forged_entries(
     forgeries: tuple[Study, dict[str, Path]], words: tuple[str, ...], status: int, text: str
@@ -262,10 +264,10 @@ def test_every_command_reads_forged_entries(
     for step, (key, digests) in zip(result, results[1:] + results[:1], strict=True):
         step |= {"key": key, "digests": digests}
     write_steps(folder / "other", steps)
-    ended = nodegraph(*words, at=folder)
-    assert ended.returncode == status, ended.stderr
-    assert text in ended.stdout + ended.stderr
-    assert "mistake of the program" not in ended.stderr
+    ended = command(*given(*words), folder=folder)
+    assert ended.status == status, ended.err
+    assert text in ended.out + ended.err
+    assert "mistake of the program" not in ended.err
 
 
 def test_what_is_changed_by_chance_is_never_kept_as_a_result(tmp_path: Path) -> None:
