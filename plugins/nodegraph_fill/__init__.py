@@ -26,6 +26,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_fill.pattern import pattern
     from nodegraph_fill.pca import pca
     from nodegraph_fill.pchip import pchip
+    from nodegraph_fill.ppca import ppca
     from nodegraph_fill.ridge import ridge
     from nodegraph_fill.rigid import rigid
     from nodegraph_fill.soft_impute import soft_impute
@@ -48,6 +49,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         pattern,
         pca,
         pchip,
+        ppca,
         ridge,
         rigid,
         soft_impute,

@@ -142,7 +142,7 @@ class LowRank:
         size, settled
             The root mean square of what is known, and how little the last step may change, mm.
         """
-        missing, mixing = self._missing, _Mixing(len(rows[self._missing.mask]))
+        missing, mixing = self._missing, Mixing()
         near, before, lower = _NEAR * size, math.inf, rows[missing.mask]
         for _ in range(_MOST_ROUNDS):
             spectrum = _Spectrum.of(self._constant + rows.T @ rows, self._threshold)
@@ -172,30 +172,38 @@ class LowRank:
         )
 
 
-class _Mixing:
+class Mixing:
     """Anderson's extrapolation of a sequence, each from the latest ones and their steps.
 
     Restarted whenever a step is longer than the one before.
     """
 
-    def __init__(self, size: int) -> None:
+    def __init__(self) -> None:
         self._turn, self._length = 0, math.inf
-        # what the solution and the step have changed by, in each of the latest rounds
-        self._changes, self._latest = np.zeros((2, _MEMORY, size)), np.zeros((2, size))
 
     def extrapolated(
         self, solution: NDArray[np.float64], step: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Return where to go on from a solution that a step has led to."""
-        self._changes[:, self._turn % _MEMORY] = (solution, step) - self._latest
-        self._latest[:] = solution, step
+        """Return where to go on from a solution that a step has led to.
+
+        The solution may have more numbers than the step, those that follow from where it leads.
+        """
+        if not self._turn:
+            # what the solution and the step have changed by, in each of the latest rounds
+            self._solutions = np.zeros((_MEMORY, len(solution)))
+            self._steps = np.zeros((_MEMORY, len(step)))
+            self._latest = np.zeros(len(solution)), np.zeros(len(step))
+        place = self._turn % _MEMORY
+        self._solutions[place] = solution - self._latest[0]
+        self._steps[place] = step - self._latest[1]
+        self._latest = solution.copy(), step.copy()
         length, longest = float(step @ step), self._length
         if not self._turn or length > longest:
-            self._changes[:] = 0.0
+            self._solutions[:] = self._steps[:] = 0.0
         self._turn, self._length = self._turn + 1, length
-        solutions, steps = self._changes
+        steps = self._steps
         shares = np.linalg.lstsq(steps @ steps.T, steps @ step)[0]
-        return np.asarray(solution - shares @ solutions)
+        return np.asarray(solution - shares @ self._solutions)
 
 
 @dataclass(frozen=True)
@@ -270,6 +278,14 @@ class Entries:
 
         factors = low_rank_kernel.factorize(self._start, self._column, precision)
         return lambda values: np.asarray(low_rank_kernel.solve(self._start, *factors, values))
+
+    def inverses(self, precision: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the sum over all rows of inv(K_mm), at the columns m, (P, P)."""
+        from nodegraph_fill import low_rank_kernel
+
+        factors = low_rank_kernel.factorize(self._start, self._column, precision)
+        size = self.mask.shape[1]
+        return np.asarray(low_rank_kernel.inverses(self._start, self._column, *factors, size))
 
     def product(self, rows: NDArray[_Real], matrix: NDArray[_Real]) -> NDArray[_Real]:
         """Return the entries of ``Y D'``, from rows Y and a matrix D."""

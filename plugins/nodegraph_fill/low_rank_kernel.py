@@ -108,6 +108,26 @@ def _solve(factor: Floats, values: Floats, solution: Floats) -> None:
 
 
 @compiled()
+def inverses(
+    start: Integers, columns: Integers, factors: Floats, where: Integers, size: int
+) -> Floats:
+    """Return the sum over the rows of ``inv(K_mm)``, at m, (size, size), from the factors."""
+    total, inverse = np.zeros((size, size)), np.empty((0, 0))
+    for row in range(len(where)):
+        places = columns[start[row] : start[row + 1]]
+        if not row or where[row] != where[row - 1]:
+            inverse = np.empty((len(places), len(places)))
+            for i in range(len(places)):
+                unit = np.zeros(len(places))
+                unit[i] = 1.0
+                _solve(factors[where[row] :], unit, inverse[i])
+        for i in range(len(places)):
+            for j in range(len(places)):
+                total[places[i], places[j]] += inverse[i, j]
+    return total
+
+
+@compiled()
 def gather(
     sources: Integers,
     targets: Integers,
