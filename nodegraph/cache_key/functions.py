@@ -236,7 +236,7 @@ class _Values:
     def _bytecode(self, code: CodeType) -> object:
         documented = (
             code.co_flags & 0x4000000
-            if sys.version_info >= (3, 13)
+            if sys.version_info >= (3, 14)
             else (code.co_flags & 1 and not code.co_name.startswith("<"))
         )
         return (
