@@ -107,9 +107,8 @@ def _not_utf8(path: Path, error: UnicodeDecodeError) -> Problem:
 def _beside(path: Path) -> str:
     """Return the graph files in the folder of a file that is not there, and the nearest name."""
     files = _graph_files(path.parent)
-    same = next((file.name for file in files if file.stem == path.name), "")
-    guess = f"did you mean {quoted(same)}? " if same else ""
-    return guess + nearest(path.name, [file.name for file in files], what="in that folder there is")
+    name = next((file.name for file in files if file.stem == path.name), path.name)
+    return nearest(name, [file.name for file in files], what="in that folder there is")
 
 
 def _graph_files(folder: Path) -> list[Path]:

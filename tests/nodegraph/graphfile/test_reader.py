@@ -198,6 +198,9 @@ def test_a_missing_file_names_one_that_is_there(tmp_path: Path) -> None:
     (tmp_path / "fill.yaml").write_text(GOOD)
     with pytest.raises(GraphError, match=r"fil\.yaml: no such graph file\n.*did you mean 'fill"):
         read_graph_file(tmp_path / "fil.yaml")
+    once = r"fill: no such graph file\n +did you mean 'fill\.yaml'\? in that folder there is: fill"
+    with pytest.raises(GraphError, match=once):
+        read_graph_file(tmp_path / "fill")
     with pytest.raises(GraphError, match="no such graph file"):
         read_graph_file(tmp_path / "nowhere" / "fill.yaml")
 
