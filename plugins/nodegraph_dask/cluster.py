@@ -196,6 +196,8 @@ def _own_cluster(workers: int) -> Iterator[Cluster]:
         with Client(  # type: ignore[no-untyped-call]
             scheduler, set_as_default=False, direct_to_workers=True
         ) as client:
+            # for so long, a result is asked of a worker that has died, and no other arrives
+            client.rpc.timeout = _SECONDS_TO_ANSWER
             cluster = _OwnCluster(client, workers, certificates)
             try:
                 yield cluster
