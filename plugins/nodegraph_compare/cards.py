@@ -112,7 +112,12 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
     if group.stands:
         lowest = say(f"{EXTREME[verdicts.metric.better]}: {HERE} {HERE}", best, value)
         return Card("", (why,), aside=lowest)
-    return Card("", (why,), aside=(reason_text(verdicts, group),))
+    reason = reason_text(verdicts, group)
+    others = [each for each in verdicts.groups if each.known and each is not group]
+    is_said = bool(others) and not any(  # once, in the answer above the cards
+        each.told or each.stands or reason_text(verdicts, each) != reason for each in others
+    )
+    return Card("", (why,), aside=() if is_said else (reason,))
 
 
 def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
@@ -282,9 +287,9 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
     if not other.best:
         return say(f"{HERE}; nothing can be said without {several}", count)
     mean = Word(span_text([other.mean[other.best[0]]], verdicts.metric.unit), "number")
+    if set(other.best) == set(group.best):
+        change = change_of(verdicts, group, other)
+        return say(f"{HERE}; without them {HERE}{f'; {change}' if change else ''}", count, mean)
     names = listing(method_words(verdicts, other.best))
     verb = "lead" if len(other.best) > 1 else "leads"
-    instead = "" if set(other.best) == set(group.best) else " instead"
-    change = change_of(verdicts, group, other)
-    more = f"; {change}" if change and not instead else ""
-    return say(f"{HERE}; without them {HERE} {verb}{instead}, {HERE}{more}", count, names, mean)
+    return say(f"{HERE}; without them {HERE} {verb} instead, {HERE}", count, names, mean)
