@@ -10,8 +10,9 @@ import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from inspect import getattr_static
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any
 
 import pluggy
@@ -159,7 +160,8 @@ class HookResults:
 class _Manager(pluggy.PluginManager):
     def parse_hookimpl_opts(self, plugin: object, name: str) -> Any:
         """Return the options of a hook; None for any other name, without pluggy's long look."""
-        value = vars(plugin).get(name)
+        is_module = isinstance(plugin, ModuleType)
+        value = vars(plugin).get(name) if is_module else getattr_static(plugin, name)
         function = value.__func__ if isinstance(value, staticmethod) else value
         is_hook = isinstance(function, FunctionType) and hasattr(function, f"{GROUP}_impl")
         return super().parse_hookimpl_opts(plugin, name) if is_hook else None
