@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -85,7 +88,22 @@ def cases() -> Iterator[object]:
     for registered in sorted(INSTALLED, key=lambda registered: registered.full_name):
         for label, choice in variants(registered.node):
             settings = {**SMALL.get(registered.node.name, {}), **choice} if choice else {}
-            yield pytest.param(registered.node, settings, id=f"{registered.full_name}{label}")
+            full_name = registered.full_name
+            yield pytest.param(full_name, settings, id=f"{full_name}{label}")
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[ProcessPoolExecutor]:
+    """A process that checks nodes: where their kernels are compiled, it takes half a gigabyte."""
+    with ProcessPoolExecutor(
+        1, get_context("spawn"), initializer=warnings.simplefilter, initargs=("error",)
+    ) as pool:
+        yield pool
+
+
+def check(name: str, settings: Mapping[str, object]) -> None:
+    node = INSTALLED.find(name).node
+    check_node(node.function, settings={**required(node), **settings})
 
 
 def test_every_plugin_is_installed_and_imports() -> None:
@@ -93,9 +111,11 @@ def test_every_plugin_is_installed_and_imports() -> None:
     assert list(INSTALLED)
 
 
-@pytest.mark.parametrize(("node", "settings"), list(cases()))
-def test_node_keeps_its_promises(node: Node, settings: Mapping[str, object]) -> None:
-    check_node(node.function, settings={**required(node), **settings})
+@pytest.mark.parametrize(("name", "settings"), list(cases()))
+def test_node_keeps_its_promises(
+    process: ProcessPoolExecutor, name: str, settings: Mapping[str, object]
+) -> None:
+    process.submit(check, name, settings).result()
 
 
 def test_what_takes_and_gives_the_answer_is_marked() -> None:
