@@ -44,7 +44,7 @@ class Case:
         graph.write_text(blocks((ROOT / "README.md").read_text(encoding="utf-8"), "yaml")[0])
         few = ("--axis", "trial=0,1", "--only", "length=15")
         try:
-            run("uv", "venv", "--quiet", "--python", self.python, str(venv))
+            run("uv", "venv", "--quiet", "--seed", "--python", self.python, str(venv))
         except AssertionError as error:
             return f"there is no Python {self.python} here, and uv could not get it:\n{error}"
         for words in (
