@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from nodegraph.edit.document import Change, Document, Path
-from nodegraph.edit.names import SECTIONS, Kind, nodes_of, uses
+from nodegraph.edit.document import Change, Document, Path, value_at
+from nodegraph.edit.names import SECTIONS, Kind, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import nearest, quoted
 from nodegraph.graphfile.keys import IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL
 from nodegraph.graphfile.nodes import label_of
@@ -141,13 +141,10 @@ def rename(
         known = [name for section in SECTIONS for name in _section(document, section)]
         raise document.error(0, f"no node, axis or input {quoted(old)}", nearest(old, known))
     check_new_name(document, new)
-    word = re.compile(rf"(?<![\w.]){re.escape(old)}(?!\w)")
-    in_answer = re.compile(rf"(?<=[ ,]){re.escape(old)}(?=[\w.]*=)")
-    changes = [Change(path, word, new, is_key=True) for path in defined]
+    changes = [Change(path, pattern_of(old), new, is_key=True) for path in defined]
     for use in uses(document.data, registry or Registry.installed()):
         if use.name == old:
-            pattern = in_answer if use.path[-1] == "answer" else word
-            changes.append(Change(use.path, pattern, new, use.is_key))
+            changes.append(Change(use.path, pattern_of(old, use), new, use.is_key))
     return document.reword(changes)
 
 
@@ -188,10 +185,12 @@ def connect(
     document = Document(text, file)
     path = _wiring_path(document, node, alternative)
     value = dict(source) if isinstance(source, Mapping) else source
-    there = _get(document.data, path)
+    there = value_at(document.data, path)
     is_named = isinstance(there, dict) and "from" not in there
     if there is None and not port and not label:
         return document.put(path, value, _behind(document, path))
+    if is_named and port:
+        return document.put((*path, port, *([label] if label else [])), value)
     first = _first_port(document, node, alternative, registry or Registry.installed())
     port = port or first
     if not port:
@@ -259,29 +258,22 @@ def add_alternative(
     document = Document(text, file)
     path = ("nodes", node, "alternatives")
     document.find(path[:2])
+    known, labels = value_at(document.data, path), _labels(document, path)
+    if label in labels:
+        here = next(each for each in ((*path, label), path, path[:2]) if document.has(each))
+        raise document.error(document.find(here), f"{quoted(label)} is there already")
     entry = dict(method)
-    known = _get(document.data, path)
-    labelled: dict[str, object]
     if isinstance(known, dict):
-        if label in known:
-            raise document.error(document.find((*path, label)), f"{quoted(label)} is there already")
         return document.put((*path, label), entry)
     if isinstance(known, list):
-        if label in (label_of(str(use)) for use in known):
-            raise document.error(document.find(path), f"{quoted(label)} is there already")
         if entry.keys() == {"use"} and label_of(str(entry["use"])) == label:
             return document.put((*path, len(known)), entry["use"])
-        labelled = {label_of(str(use)): {"use": use} for use in known}
-        return document.put(path, labelled | {label: entry})
+        listed = {each: {"use": use} for each, use in zip(labels, known, strict=True)}
+        return document.put(path, {**listed, label: entry})
     if isinstance(known, str):
         return document.put(path, {known: {}, label: entry})
-    use, settings = (
-        _get(document.data, (*path[:2], "use")),
-        _get(document.data, (*path[:2], "with")),
-    )
+    use, settings = (value_at(document.data, (*path[:2], key)) for key in ("use", "with"))
     first = {"use": use} | ({"with": settings} if settings else {})
-    if label_of(str(use)) == label:
-        raise document.error(document.find(path[:2]), f"{quoted(label)} is there already")
     text = document.put(path, {label_of(str(use)): first, label: entry}, "use")
     if settings is not None:
         text = Document(text, file).remove((*path[:2], "with"))
@@ -298,11 +290,10 @@ def remove_alternative(text: str, node: str, label: str, *, file: str = "graph")
     """
     document = Document(text, file)
     path = ("nodes", node, "alternatives")
-    known = _get(document.data, path)
-    labels = [label_of(str(use)) for use in known] if isinstance(known, list) else list(known or ())
-    if isinstance(known, str) or label not in labels:
+    known, labels = value_at(document.data, path), _labels(document, path)
+    if not isinstance(known, (dict, list)) or label not in labels:
         where = document.find(path if document.has(path) else path[:2])
-        hint = nearest(label, labels) if not isinstance(known, str) else "list those to keep"
+        hint = "list those to keep" if isinstance(known, str) else nearest(label, labels)
         raise document.error(where, f"{node} does not list {quoted(label)}", hint)
     key = labels.index(label) if isinstance(known, list) else label
     return document.remove((*path, key))
@@ -331,6 +322,17 @@ def set_axis(text: str, name: str, labels: object, *, file: str = "graph") -> st
     return document.put(path, labels, _section_before(document, path))
 
 
+def _labels(document: Document, path: Path) -> list[str]:
+    """Return the labels of the alternatives at a path that are listed; of one method, its own."""
+    known = value_at(document.data, path)
+    if isinstance(known, dict):
+        return list(known)
+    if isinstance(known, str):
+        return []
+    uses_of = known or [value_at(document.data, (*path[:-1], "use"))]
+    return [label_of(str(use)) for use in uses_of]
+
+
 def check_new_name(document: Document, name: str) -> None:
     """Refuse a name that is taken, or cannot be one."""
     if not re.fullmatch(IDENTIFIER, name):
@@ -342,8 +344,7 @@ def check_new_name(document: Document, name: str) -> None:
 
 
 def _section(document: Document, section: str) -> Mapping[Any, Any]:
-    there = _get(document.data, (section,))
-    return there if isinstance(there, dict) else {}
+    return mapping(value_at(document.data, (section,)))
 
 
 def _section_before(document: Document, path: Path) -> str | None:
@@ -358,7 +359,7 @@ def _section_before(document: Document, path: Path) -> str | None:
 
 def _behind(document: Document, path: Path) -> str | None:
     """Return the key behind which ``in`` stands."""
-    there = _get(document.data, path[:-1])
+    there = value_at(document.data, path[:-1])
     return "use" if isinstance(there, dict) and "use" in there else None
 
 
@@ -370,16 +371,7 @@ def _wiring_path(document: Document, node: str, alternative: str) -> Path:
 
 def _first_port(document: Document, node: str, alternative: str, registry: Registry) -> str:
     """Return the first port of a node's method, if that is installed."""
-    entry = _get(document.data, ("nodes", node))
-    inner = _get(entry, ("alternatives", alternative)) if alternative else entry
+    entry = value_at(document.data, ("nodes", node))
+    inner = value_at(entry, ("alternatives", alternative)) if alternative else entry
     ports = (port.name for each in nodes_of(inner, registry) for port in each.inputs)
     return next(ports, "")
-
-
-def _get(data: Any, path: Path) -> Any:
-    """Return what plain data have at a path; None where there is nothing."""
-    for key in path:
-        if not isinstance(data, dict) or key not in data:
-            return None
-        data = data[key]
-    return data

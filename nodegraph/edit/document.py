@@ -54,8 +54,10 @@ class Node:
         `dict`, `list`, or `str` for a scalar.
     is_flow : bool
         Whether brackets enclose it.
-    anchor, alias : str
-        The anchor that it has; the one that it stands for. Empty for none.
+    anchor : str
+        Empty for none.
+    alias : Node or None
+        The node that it stands for.
     keys : list of Node
         Of a mapping.
     parts : list of Node
@@ -66,10 +68,21 @@ class Node:
     kind: type
     is_flow: bool = False
     anchor: str = ""
-    alias: str = ""
+    alias: Node | None = None
     value: object = None
     keys: list[Node] = field(default_factory=list)
     parts: list[Node] = field(default_factory=list)
+
+    @property
+    def target(self) -> Node:
+        """The node, or that which an alias stands for."""
+        return self.alias or self
+
+    def place(self, key: object) -> int | None:
+        """Return the place of a key, or of an item of a list, among the parts."""
+        if self.kind is list:
+            return key if isinstance(key, int) and 0 <= key < len(self.parts) else None
+        return next((at for at, each in enumerate(self.keys) if each.value == key), None)
 
     def walk(self) -> Iterator[Node]:
         """Yield the node and all within it."""
@@ -100,32 +113,23 @@ class Document:
         self.data: Any = read_yaml(text, file).plain()
         self._mark = "\ufeff" if text.startswith("\ufeff") else ""
         self.text = text.removeprefix(self._mark)
-        self._anchors: dict[str, Node] = {}
         self._root = self._read()
         first = _BREAK.search(self.text)
         self._newline = first[0] if first else "\n"
-        self._shared = {node.alias for node in self._root.walk() if node.alias}
+        self._aliases = [node for node in self._root.walk() if node.alias]
 
     def error(self, at: Node | int, message: str, hint: str = "") -> GraphError:
         """Return an error with its place."""
-        position = at if isinstance(at, int) else at.start
-        lines = _BREAK.split(self.text[:position])
-        place = Place(self.file, len(lines), len(lines[-1]) + 1)
+        place = self._place(at if isinstance(at, int) else at.start)
         return GraphError([Problem(place, message, hint)])
 
     def find(self, path: Path) -> Node:
         """Return the node at a path; an alias stands for what has its anchor."""
-        return self._resolved(self._written_at(path))
+        return self._written_at(path).target
 
     def has(self, path: Path) -> bool:
         """Return whether there is a value at a path."""
-        node = self._root
-        for key in path:
-            inner = _inner(self._resolved(node), key)
-            if inner is None:
-                return False
-            node = inner
-        return True
+        return len(self._along(path)) > len(path)
 
     def lines(self, path: Path) -> str:
         """Return the lines of a key of a block, as they stand."""
@@ -143,7 +147,7 @@ class Document:
         Mappings that are missing on the way are added. A new key stands last, or after another.
         """
         path = tuple(path)
-        while len(path) > 1 and (not self.has(path[:-1]) or value_at(self.data, path[:-1]) is None):
+        while len(path) > 1 and value_at(self.data, path[:-1]) is None:
             path, value, after = path[:-1], {path[-1]: value}, None
         exists = self.has(path)
         self._refuse_shared(path if exists else path[:-1], whole=exists)
@@ -219,7 +223,7 @@ class Document:
         except GraphError as error:
             reason = error.problems[0].message
             raise self.error(first, f"this edit cannot be written here: {reason}") from error
-        if not _same(data, intended):
+        if repr(data) != repr(intended):  # types and the order of keys count
             message = "this edit cannot be written here: the file would say something else"
             raise self.error(first, message, "change the text by hand")
         return text
@@ -227,33 +231,32 @@ class Document:
     def _read(self) -> Node:
         """Return the root of the tree."""
         opened: list[Node] = []
+        anchors: dict[str, Node] = {}
         root: Node | None = None
-        parser = Parser(self.text)
-        while (event := parser.get_event()) is not None:
-            start, end = event.start_mark.index, event.end_mark.index
+        events: Iterator[Any] = iter(Parser(self.text).get_event, None)
+        for event in events:
+            end: int = event.end_mark.index
             if isinstance(event, yaml.CollectionEndEvent):
                 node = opened.pop()
                 last = node.parts[-1].end if node.parts else node.start
                 node.end = end if node.is_flow else last
             elif isinstance(event, yaml.NodeEvent):
-                node = self._node(event, start, end)
-                if (
-                    opened
-                    and opened[-1].kind is dict
-                    and len(opened[-1].keys) == len(opened[-1].parts)
-                ):
-                    opened[-1].keys.append(node)
-                elif opened:
-                    opened[-1].parts.append(node)
-                else:
+                node = self._node(event, anchors)
+                outer = opened[-1] if opened else None
+                if outer is None:
                     root = node
+                elif outer.kind is dict and len(outer.keys) == len(outer.parts):
+                    outer.keys.append(node)
+                else:
+                    outer.parts.append(node)
                 if isinstance(event, yaml.CollectionStartEvent):
                     opened.append(node)
         return root or Node(0, 0, str)
 
-    def _node(self, event: Any, start: int, end: int) -> Node:
+    def _node(self, event: Any, anchors: dict[str, Node]) -> Node:
+        start, end = event.start_mark.index, event.end_mark.index
         if isinstance(event, yaml.AliasEvent):
-            return Node(start, end, str, alias=event.anchor or "")
+            return Node(start, end, str, alias=anchors[event.anchor or ""])
         if isinstance(event, yaml.ScalarEvent):
             if event.style in ("|", ">"):  # up to the last line's end
                 end = start + len(self.text[start:end].rstrip("\r\n \t"))
@@ -263,31 +266,36 @@ class Document:
             kind = dict if isinstance(event, yaml.MappingStartEvent) else list
             node = Node(start, end, kind, bool(event.flow_style), event.anchor or "")
         if node.anchor:
-            self._anchors[node.anchor] = node
+            anchors[node.anchor] = node
         return node
 
-    def _resolved(self, node: Node) -> Node:
-        return self._anchors[node.alias] if node.alias else node
+    def _along(self, path: Path) -> list[Node]:
+        """Return the nodes along a path as they are written, from the root as far as there are."""
+        nodes = [self._root]
+        for key in path:
+            outer = nodes[-1].target
+            place = outer.place(key)
+            if place is None:
+                break
+            nodes.append(outer.parts[place])
+        return nodes
 
     def _written_at(self, path: Path) -> Node:
         """Return the node at a path, an alias as it stands there."""
-        node = self._root
-        for depth, key in enumerate(path):
-            outer = self._resolved(node)
-            inner = _inner(outer, key)
-            if inner is None:
-                known = [each.value for each in outer.keys]
-                where = ".".join(map(str, path[:depth])) or "the graph"
-                raise self.error(outer, f"{where} has no {quoted(key)}", nearest(key, known))
-            node = inner
-        return node
-
-    def _is_empty(self, path: Path) -> bool:
-        return not self.has(path) or value_at(self.data, path) is None
+        nodes = self._along(path)
+        found = len(nodes) - 1
+        if found < len(path):
+            outer = nodes[-1].target
+            where = ".".join(map(str, path[:found])) or "the graph"
+            hint = nearest(path[found], [each.value for each in outer.keys])
+            raise self.error(outer, f"{where} has no {quoted(path[found])}", hint)
+        return nodes[-1]
 
     def _key(self, path: Path) -> Node:
         parent = self.find(path[:-1])
-        return parent.keys[[each.value for each in parent.keys].index(path[-1])]
+        place = parent.place(path[-1])
+        assert place is not None
+        return parent.keys[place]
 
     def _refuse_shared(self, path: Path, *, whole: bool) -> None:
         """Refuse to change what other places of the graph stand for, or stands for another.
@@ -298,37 +306,33 @@ class Document:
         whole
             Whether all that is at the path goes, or something is added to it.
         """
-        node = self._root
-        for depth in range(1, len(path) + 1):
-            node = self._written_at(path[:depth])
-            if node.alias and (depth < len(path) or not whole):
-                line = self._line(self._anchors[node.alias])
-                message = f"*{node.alias} stands for what is written in line {line}"
+        nodes = self._along(path)
+        for node in nodes[1:]:
+            if node.alias and not (whole and node is nodes[-1]):
+                name, line = node.alias.anchor, self._place(node.alias.start).line
+                message = f"*{name} stands for what is written in line {line}"
                 raise self.error(node, message, "change it there, or write it out here")
-            if node.anchor in self._shared:
-                raise self._is_shared(node)
-        inside = [each for each in node.walk() if each.anchor in self._shared] if whole else []
-        if inside:
-            raise self._is_shared(inside[0])
+        for node in (*nodes[1:], *(nodes[-1].walk() if whole else ())):
+            again = [each.start for each in self._aliases if each.alias is node]
+            if again:
+                lines = ", ".join(str(self._place(start).line) for start in sorted(again))
+                message = f"&{node.anchor} is used again in line {lines}"
+                raise self.error(node, message, f"write it out there in place of *{node.anchor}")
 
-    def _is_shared(self, node: Node) -> GraphError:
-        again = (each for each in self._root.walk() if each.alias == node.anchor)
-        lines = ", ".join(str(line) for line in sorted(map(self._line, again)))
-        message = f"&{node.anchor} is used again in line {lines}"
-        return self.error(node, message, f"write it out there in place of *{node.anchor}")
-
-    def _line(self, node: Node) -> int:
-        return len(_BREAK.split(self.text[: node.start]))
+    def _place(self, position: int) -> Place:
+        lines = _BREAK.split(self.text[:position])
+        return Place(self.file, len(lines), len(lines[-1]) + 1)
 
     def _line_end(self, position: int) -> int:
         match = _BREAK.search(self.text, position)
         return match.start() if match else len(self.text)
 
     def _column(self, position: int) -> int:
-        return len(_BREAK.split(self.text[:position])[-1])
+        """Return how many characters stand before a position in its line."""
+        return self._place(position).column - 1
 
     def _is_in_flow(self, path: Path) -> bool:
-        return any(self.find(path[:depth]).is_flow for depth in range(len(path)))
+        return any(node.target.is_flow for node in self._along(path)[: len(path)])
 
     def _replace(self, path: Path, value: object) -> list[Patch]:
         """Return the patches that give an existing key or item another value."""
@@ -363,8 +367,8 @@ class Document:
         """Return the patches that add a key to a mapping, or an item to the end of a list."""
         parent = self.find(path[:-1])
         entry = f"{_scalar(path[-1], is_flow=True)}: " if parent.kind is dict else ""
-        known = [each.value for each in parent.keys]
-        place = known.index(after) if after in known else len(parent.parts) - 1
+        place = parent.place(after) if after is not None else None
+        place = len(parent.parts) - 1 if place is None else place
         if self._is_in_flow((*path[:-1], "")):
             if not parent.parts:
                 end = parent.end - 1
@@ -394,11 +398,8 @@ class Document:
     def _without(self, path: Path) -> Patch:
         """Return the patch that removes one of several entries of a mapping or list."""
         parent = self.find(path[:-1])
-        place = (
-            [each.value for each in parent.keys].index(path[-1])
-            if parent.kind is dict
-            else int(path[-1])
-        )
+        place = parent.place(path[-1])
+        assert place is not None
         starts = [each.start for each in (parent.keys or parent.parts)]
         last = place == len(starts) - 1
         if self._is_in_flow(path):
@@ -430,35 +431,14 @@ class Document:
             raise self.error(start, "a comment stands behind what would be removed")
 
 
-def _inner(node: Node, key: object) -> Node | None:
-    """Return what a mapping or a list has at a key."""
-    if node.kind is dict:
-        known = [each.value for each in node.keys]
-        return node.parts[known.index(key)] if key in known else None
-    if node.kind is list and isinstance(key, int) and 0 <= key < len(node.parts):
-        return node.parts[key]
-    return None
-
-
 def value_at(data: Any, path: Path) -> Any:
-    """Return what plain data have at a path."""
+    """Return what plain data have at a path; None where there is nothing."""
     for key in path:
-        data = data[key]
+        try:
+            data = data[key]
+        except (KeyError, IndexError, TypeError):
+            return None
     return data
-
-
-def _same(one: object, other: object) -> bool:
-    """Return whether plain data are equal, with their types and the order of keys."""
-    if type(one) is not type(other):
-        return False
-    if isinstance(one, dict) and isinstance(other, dict):
-        return len(one) == len(other) and all(
-            _same(key, known) and _same(value, there)
-            for (key, value), (known, there) in zip(one.items(), other.items(), strict=True)
-        )
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(_same, one, other))
-    return one == other or (one != one and other != other)
 
 
 def _scalar(value: object, is_flow: bool) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import pathlib
 import re
-from collections.abc import Collection, Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
 
 from nodegraph.edit.actions import check_new_name
 from nodegraph.edit.document import Change, Document, Path, value_at
-from nodegraph.edit.names import Kind, Use, mapping, nodes_of, uses
+from nodegraph.edit.names import Kind, Use, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import quoted
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.reader import read_graph_text
@@ -64,6 +64,23 @@ def move_to_graph(
     return _Move(document, tuple(nodes), name, path, registry).texts()
 
 
+class _Feed(NamedTuple):
+    """What feeds a node that goes from one that stays.
+
+    Attributes
+    ----------
+    use : Use
+    path : Path
+        Of the whole reference.
+    source : str
+        The reference as JSON.
+    """
+
+    use: Use
+    path: Path
+    source: str
+
+
 class _Move:
     def __init__(
         self,
@@ -91,6 +108,11 @@ class _Move:
         for use in uses(document.data, registry):
             is_inside = use.path[0] == "nodes" and use.path[1] in self._nodes
             (self._inside if is_inside else self._outside).append(use)
+        self._entering = [
+            self._feed(use)
+            for use in self._inside
+            if use.kind is Kind.SOURCE and use.name not in self._nodes
+        ]
 
     def texts(self) -> tuple[str, str]:
         """Return the text of the graph, and that of the new graph file."""
@@ -116,9 +138,7 @@ class _Move:
                 old = _text_at(self._data, use.path)
                 pattern, new = re.compile(re.escape(old)), f"{self._name}.{outputs[old]}"
             else:
-                pattern = re.compile(rf"(?<![\w.]){re.escape(use.name)}(?!\w)")
-                if use.path[-1] == "answer":
-                    pattern = re.compile(rf"(?<=[ ,]){re.escape(use.name)}(?=[\w.]*=)")
+                pattern = pattern_of(use.name, use)
                 new = f"{self._name}.{use.name}"
             changes.append(Change(use.path, pattern, new, use.is_key))
         file = self._document.file
@@ -146,30 +166,20 @@ class _Move:
         text = Document(text, self._path).put(
             ("outputs",), {port: source for source, port in outputs.items()}
         )
-        for use in self._entering():
-            place, source = self._feed(use)
-            text = Document(text, self._path).put(place, f"${feeds[source]}")
+        for feed in self._entering:
+            text = Document(text, self._path).put(feed.path, f"${feeds[feed.source]}")
         return text
 
-    def _entering(self) -> Iterator[Use]:
-        """Yield what feeds the nodes that go from those that stay."""
-        for use in self._inside:
-            if use.kind is Kind.SOURCE and use.name not in self._nodes:
-                yield use
-
-    def _feed(self, use: Use) -> tuple[Path, str]:
-        """Return the path of what feeds a port, and its value as text."""
-        place = tuple(use.path[:-1]) if use.path[-1] == "from" else tuple(use.path)
-        return place, json.dumps(value_at(self._data, place))
+    def _feed(self, use: Use) -> _Feed:
+        path = use.path[:-1] if use.path[-1] == "from" else use.path
+        return _Feed(use, path, json.dumps(value_at(self._data, path)))
 
     def _feeds(self) -> dict[str, str]:
         """Return the port of the new graph for each source, which is a JSON text."""
         feeds: dict[str, str] = {}
-        for use in self._entering():
-            source = self._feed(use)[1]
-            port = _text_at(self._data, use.path).removeprefix("$").replace(".", "_")
-            taken = {*feeds.values(), *self._nodes}
-            feeds.setdefault(source, _free(port, taken))
+        for feed in self._entering:
+            port = _text_at(self._data, feed.use.path).removeprefix("$").replace(".", "_")
+            feeds.setdefault(feed.source, _free(port, {*feeds.values(), *self._nodes}))
         return feeds
 
     def _values(self) -> dict[str, object]:
@@ -199,12 +209,14 @@ class _Move:
         if str(json.loads(source)).startswith("$"):
             return str(self._data["inputs"][json.loads(source)[1:]])
         types = []
-        for use in self._entering():
-            if self._feed(use)[1] == source:
-                port = self._port(use)
+        for feed in self._entering:
+            if feed.source == source:
+                port = self._port(feed.use)
                 if port is None:
-                    message = f"the type of the port that {_text_at(self._data, use.path)} feeds"
-                    place = self._document.find(use.path)
+                    message = (
+                        f"the type of the port that {_text_at(self._data, feed.use.path)} feeds"
+                    )
+                    place = self._document.find(feed.use.path)
                     raise self._document.error(place, f"{message} is not known")
                 types.append(port.type)
         narrowest = min(types, key=lambda type_: sum(issubclass(each, type_) for each in types))
@@ -232,7 +244,7 @@ class _Move:
             if node not in after and node not in self._nodes:
                 after.add(node)
                 pending += readers.get(node, ())
-        for use in self._entering():
+        for use, _, _ in self._entering:
             if use.name in after:
                 message = f"{quoted(use.name)} reads nodes that go, and feeds {use.path[1]}"
                 hint = f"move {use.name} as well"

@@ -54,6 +54,13 @@ class Use(NamedTuple):
         return self.kind is Kind.SOURCE and self.path[0] in ("nodes", "outputs")
 
 
+def pattern_of(name: str, use: Use | None = None) -> re.Pattern[str]:
+    """Return the expression of a name where it is used, or, without a use, where it is defined."""
+    if use is not None and use.path[-1] == "answer":  # in which it is a word, too
+        return re.compile(rf"(?<=[ ,]){re.escape(name)}(?=[\w.]*=)")
+    return re.compile(rf"(?<![\w.]){re.escape(name)}(?!\w)")
+
+
 def uses(data: dict[str, Any], registry: Registry) -> Iterator[Use]:
     """Yield every place where a name stands but those that define it.
 

@@ -114,10 +114,9 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
         return Card("", (why,), aside=lowest)
     reason = reason_text(verdicts, group)
     others = [each for each in verdicts.groups if each.known and each is not group]
-    is_said = bool(others) and not any(  # once, in the answer above the cards
-        each.told or each.stands or reason_text(verdicts, each) != reason for each in others
-    )
-    return Card("", (why,), aside=() if is_said else (reason,))
+    reasons = {None if each.told or each.stands else reason_text(verdicts, each) for each in others}
+    # a reason that all cards share stands once, in the answer above them
+    return Card("", (why,), aside=() if reasons == {reason} else (reason,))
 
 
 def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
