@@ -11,7 +11,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.execute.call import Outcome, collecting_warnings
 from nodegraph.execute.events import EventLog, Listener
 from nodegraph.execute.executor import HowToRun, executor_of
-from nodegraph.execute.imports import imports_in_turn
+from nodegraph.execute.in_turn import in_turn
 from nodegraph.execute.interruption import interruptible
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.results import Run
@@ -81,7 +81,7 @@ def execute(
         log.begin(lambda: len(schedule.left), map(plan.steps.__getitem__, schedule.left), earlier)
         registry = formats_of(plan.graph.registry)
         threads = one_thread_each() if schedule.left else nullcontext()
-        with collecting_warnings(), registry, threads, imports_in_turn(), interruptible():
+        with collecting_warnings(), registry, threads, in_turn(), interruptible():
             for result in executor(schedule, how):
                 schedule.finish(*_checked(result, plan, how))
         if schedule.left:
