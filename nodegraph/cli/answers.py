@@ -247,6 +247,45 @@ class ShowAnswer:
 
 
 @dataclass(frozen=True)
+class ShownFact:
+    """A fact of what a file holds.
+
+    Attributes
+    ----------
+    name : str
+    value : number, str, list of str, or mapping of str to (mapping of str to number)
+        A mapping is a table: a row per key.
+    unit : str
+    """
+
+    name: str
+    value: object
+    unit: str
+
+
+@dataclass(frozen=True)
+class FileAnswer:
+    """What ``nodegraph show FILE --json`` prints.
+
+    Attributes
+    ----------
+    file : str
+        As it was named.
+    format, node : str
+        Its format, and the node that reads it.
+    facts : list of ShownFact
+    warnings : list of str
+        What reading it had to guess, or left out.
+    """
+
+    file: str
+    format: str
+    node: str
+    facts: Sequence[ShownFact]
+    warnings: Sequence[str]
+
+
+@dataclass(frozen=True)
 class ListedRun:
     """A run in a folder.
 
@@ -491,14 +530,14 @@ class CiteAnswer:
 ANSWERS: Mapping[str, tuple[type, ...]] = {
     "run": (RunAnswer,),
     "check": (CheckAnswer, WhyAnswer),
-    "show": (ShowAnswer,),
+    "show": (ShowAnswer, FileAnswer),
     "runs": (RunsAnswer,),
     "diff": (DiffAnswer,),
     "verify": (VerifyAnswer, RepeatAnswer),
     "cache": (CacheAnswer,),
     "cite": (CiteAnswer,),
 }
-"""What each command prints with ``--json``; the second with an option."""
+"""What each command prints with ``--json``; the second with an option, or for a file."""
 
 
 def print_json(answer: object) -> None:

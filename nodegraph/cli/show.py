@@ -1,4 +1,4 @@
-"""``nodegraph show``: list the installed nodes, or describe a node."""
+"""``nodegraph show``: list the installed nodes, describe a node, or say what is in a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from nodegraph.errors import NodegraphError, nearest
 if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registered, Registry
 
-HELP = "List the installed nodes, or show a node: ports, settings, units, citation."
+HELP = (
+    "List the installed nodes, show a node (ports, settings, units, citation), or say what is in a "
+    "file: its size, rate, what is missing, and what reading it had to guess."
+)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -23,23 +26,53 @@ def add_arguments(parser: ArgumentParser) -> None:
         default="",
         metavar="WORD",
         help="Node, such as fill.muscle; or family, such as fill, or part of a name or summary, to "
-        "list the nodes.",
+        "list the nodes; or file, such as take.c3d.",
     )
     add_plugin(parser)
     add_json(parser)
 
 
 def show(arguments: Namespace) -> int:
-    """Print the description of a node, or the list of all those to which a word applies."""
+    """Print the description of a node or a file, or the list of nodes to which a word applies."""
+    from nodegraph.execute.read_file import is_file
     from nodegraph.plugin.registry import Registry
 
     registry = Registry.installed(arguments.plugin)
+    if not _names_nodes(arguments.word, registry) and is_file(arguments.word, registry):
+        _print_file(arguments.word, registry, as_json=arguments.json)
+        return 0
     is_node = "." in arguments.word and not arguments.word.endswith(".*")
     if arguments.json:
         _print_json(arguments.word, registry, is_node=is_node)
         return 0
     print(_description(arguments.word, registry) if is_node else _list(arguments.word, registry))
     return 0
+
+
+def _names_nodes(word: str, registry: Registry) -> bool:
+    """Return whether a word is a node or a family, or there is none."""
+    name = word.removesuffix(".*")
+    nodes = {name for each in registry for name in (each.node.name, each.full_name)}
+    return not word or name in (*registry.families, *nodes)
+
+
+def _print_file(word: str, registry: Registry, *, as_json: bool) -> None:
+    from nodegraph.execute.read_file import read_file
+
+    file = read_file(word, registry)
+    if as_json:
+        from nodegraph.cli.answers import FileAnswer, ShownFact, print_json
+
+        facts = [ShownFact(fact.name, fact.value, fact.unit) for fact in file.facts]
+        print_json(FileAnswer(file.path, file.format, file.node, facts, file.warnings))
+        return
+    print(f"{file.path}    {file.format}, read by {file.node}\n")
+    print(columns([(fact.name, fact.text) for fact in file.facts if not fact.table]))
+    for fact in file.facts:
+        if fact.table:
+            print(f"\n{fact.name}\n{columns(fact.table)}")
+    if file.warnings:
+        print("\n".join(["", "guessed or left out", *(f"- {text}" for text in file.warnings)]))
 
 
 def _print_json(word: str, registry: Registry, *, is_node: bool) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.plugin.hook_types import Command, Detail, Format, Rendered, expect
+from nodegraph.plugin.hook_types import Command, Detail, Fact, Format, Rendered, expect
 from nodegraph.plugin.hooks import GROUP
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import error_text
@@ -145,9 +145,20 @@ def _nothing(*arguments: object) -> None:
     return None
 
 
+def _facts(owner: object, value: object) -> tuple[Fact, ...]:
+    return tuple(expect(fact, Fact) for fact in expect(value, Iterable))
+
+
+def _no_facts(*arguments: object) -> tuple[Fact, ...]:
+    return ()
+
+
 def _no_sentences(*arguments: object) -> tuple[str, ...]:
     return ()
 
+
+_OF_FILES = (NodegraphError, ValueError, OSError)
+"""The errors by which readers refuse files."""
 
 _RULES: Mapping[type, Mapping[str, _Rule]] = {
     Kind: {
@@ -160,6 +171,7 @@ _RULES: Mapping[type, Mapping[str, _Rule]] = {
         "conclude": _Rule("the conclusion of {}", _sentences, _no_sentences),
         "numbers": _Rule("the numbers of {}", str, lambda value: ""),
         "data": _Rule("the data of {}", Mapping, lambda value: {}),
+        "facts": _Rule("the facts of {}", _facts, _no_facts),
         "stream": _Rule("the stream of {}", Streamable),
         "live_view": _Rule("the view of {} on a stream", LiveView, _nothing, "it is not shown"),
         "detail": _Rule("the view of blocks of {}", Detail, _nothing, "it is not shown"),
@@ -181,8 +193,7 @@ _RULES: Mapping[type, Mapping[str, _Rule]] = {
         "pack": _Rule("the view of {} on a stream", bytes),
     },
     Format: {
-        # a reader refuses files by these errors
-        "read": _Rule("the format {}", _of_its_type, passes=(NodegraphError, ValueError, OSError)),
+        "read": _Rule("the format {}", _of_its_type, passes=_OF_FILES),
         "recognizes": _Rule("the format {}", default=lambda start: False),
     },
 }
@@ -236,6 +247,9 @@ def guard_item(hook: str, name: str, item: Any, source: HookSource) -> Any:
         return source.raising(f"the nodes {name}:...", lambda word: expect(item(word), Callable))
     if hook == "places":
         return source.raising(f"the place {name}:...", lambda word: expect(item(word), Path))
+    if hook == "readers":
+        what = f"the function of {name} that recognizes files"
+        return source.raising(what, lambda path: expect(item(path), str | None), _OF_FILES)
     if hook == "executors":
         return _guard_executor(name, item, source)
     if hook == "commands":

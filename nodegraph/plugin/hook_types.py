@@ -12,8 +12,10 @@ from html import escape
 from types import UnionType
 from typing import Any, Literal, Protocol, get_args, get_origin, get_type_hints
 
+from nodegraph.errors import listed
 from nodegraph.node.ports import Label
 
+_MOST_NAMES = 8
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,15}){1,2}")
 
 
@@ -149,6 +151,55 @@ class Rendered:
         for name in ("answer", "replaces"):
             if not all(isinstance(text, str) for text in getattr(self, name)):
                 raise TypeError(f"Rendered.{name}: expected a tuple of str")
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One fact of a value: ``Fact("rate", 60.0, "Hz")``.
+
+    Attributes
+    ----------
+    name : str
+        In words.
+    value : number, str, sequence of str, or mapping of str to (mapping of str to number)
+        A mapping is a table: a row per key, whose columns all rows have.
+    unit : str
+        Of a number.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    """
+
+    name: str
+    value: int | float | str | Sequence[str] | Mapping[str, Mapping[str, int | float]]
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def text(self) -> str:
+        """What is no table as text: ``60 Hz``, ``3: nose, chin, jaw``, ``none``."""
+        if isinstance(self.value, str):
+            return self.value
+        if isinstance(self.value, (int, float)):
+            return f"{_number_text(self.value)} {self.unit}".rstrip()
+        return f"{len(self.value)}: {listed(self.value, _MOST_NAMES)}" if self.value else "none"
+
+    @property
+    def table(self) -> tuple[tuple[str, ...], ...]:
+        """The rows of a table as text, the head first; none if it is no table."""
+        if not isinstance(self.value, Mapping) or not self.value:
+            return ()
+        head = next(iter(self.value.values()))
+        rows = ((name, *map(_number_text, row.values())) for name, row in self.value.items())
+        return (("", *head), *rows)
+
+
+def _number_text(value: float) -> str:
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.10g}"
 
 
 def json_script(value: object, element_id: str) -> str:

@@ -88,6 +88,14 @@ HOOKS: Mapping[str, Hook] = {
         "Formats in which values are read from files: see `nodegraph.formats`.",
         'return [Format("Lips", Lips, (".lips",), read_lips)]',
     ),
+    "readers": Hook(
+        Shape.NAMED,
+        _FUNCTION,
+        "For the name of a node that reads files, a function from a path to the name of the file's "
+        "format, or to None where the node does not read that file. `nodegraph show FILE` calls "
+        "the first node that reads it with the path as the setting `path`.",
+        'return {"read.lips": lambda path: "Lips" if path.suffix == ".lips" else None}',
+    ),
     "contracts": Hook(
         Shape.NAMED,
         Iterable,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from nodegraph.plugin.hook_types import Detail, Provenance, Rendered, check_fields
+from nodegraph.plugin.hook_types import Detail, Fact, Provenance, Rendered, check_fields
 from nodegraph.plugin.streaming import LiveView, Streamable
 
 
@@ -49,6 +49,9 @@ class Kind:
         Returns the value's numbers as CSV with a header.
     data : callable
         Returns a value, numbers and all, as a mapping of plain data: what ``--json`` prints of it.
+    facts : callable
+        Yields what a reader wants to know of a value before anything is computed from it: each a
+        `Fact`.
     stream, live_view, detail : callable
         Return a `Streamable`, a `LiveView` and a `Detail`; called when they are first needed.
     specimens : callable
@@ -74,6 +77,7 @@ class Kind:
     conclude: Callable[[Any], Iterable[str]] | None = None
     numbers: Callable[[Any], str] | None = None
     data: Callable[[Any], Mapping[str, object]] | None = None
+    facts: Callable[[Any], Iterable[Fact]] | None = None
     stream: Callable[[], Streamable] | None = None
     live_view: Callable[[], LiveView] | None = None
     detail: Callable[[], Detail] | None = None

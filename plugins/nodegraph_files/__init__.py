@@ -79,6 +79,14 @@ def nodegraph_formats() -> Iterable[Format]:
 
 
 @hookimpl
+def nodegraph_readers() -> Mapping[str, Callable[[Path], str | None]]:
+    """Return what recognizes the files that the nodes of this package read."""
+    from nodegraph_files.recognition import readers
+
+    return readers()
+
+
+@hookimpl
 def nodegraph_places() -> Mapping[str, Callable[[str], Path]]:
     """Return what finds ``sample:NAME``."""
     from nodegraph_files.paths import sample_folder

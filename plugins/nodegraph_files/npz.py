@@ -31,6 +31,17 @@ _MOST_INFLATION = 1032
 """Nothing that deflate packs comes out longer than this many times (zlib, technical details)."""
 
 
+def is_model(path: Path) -> bool:
+    """Return whether a ZIP archive holds the arrays of a blendshape model."""
+    from zipfile import BadZipFile, ZipFile
+
+    try:
+        with ZipFile(path) as archive:
+            return {"neutral.npy", "shapes.npy"} <= set(archive.namelist())
+    except BadZipFile:
+        return False
+
+
 _LONGEST = 300  # characters of a reason
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +22,7 @@ from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.recording import Trajectories
 
-_MARKER_SETS = ("markers.yaml",)
+MARKER_SETS = ("markers.yaml",)
 _MARKER_VERTICES = ("marker_vertices.csv",)
 _SLOW, _FAST = 1.0, 1e5  # Hz, of recordings that are usual
 _FARTHEST = 1e9  # mm
@@ -277,7 +276,7 @@ def read_marker_set(*, path: InputFile) -> MarkerSet:
     ValueError
         If the file is not of that form, with the place where it is not.
     """
-    return read_marker_set_yaml(find_file(path, _MARKER_SETS))
+    return read_marker_set_yaml(find_file(path, MARKER_SETS))
 
 
 def _value_of(file: Path, formats: Sequence[Format], **settings: object) -> Any:
@@ -299,17 +298,26 @@ def format_of(file: Path, formats: Sequence[Format]) -> Format:
     ValueError
         If there is none; the message lists the formats.
     """
-    with file.open("rb") as stream:
-        start = stream.read(_START)
-    by_content = (each for each in formats if each.recognizes(start))
-    by_suffix = (each for each in formats if file.suffix.lower() in each.suffixes)
-    match = next(chain(by_content, by_suffix), None)
+    match = next(iter(matching_formats(file, formats)), None)
     if match is None:
         known = ", ".join(f"{each.name} ({', '.join(each.suffixes)})" for each in formats)
-        other = other_format(start)
+        other = other_format(_start_of(file))
         what = f"it is {other}" if other else "unknown format"
         raise ValueError(f"{file}: {what}; there is {known or 'none'}")
     return match
+
+
+def matching_formats(file: Path, formats: Sequence[Format]) -> list[Format]:
+    """Return the formats that recognize a file's content, then those that have its suffix."""
+    start = _start_of(file)
+    by_content = [each for each in formats if each.recognizes(start)]
+    by_suffix = [each for each in formats if file.suffix.lower() in each.suffixes]
+    return list(dict.fromkeys(by_content + by_suffix))
+
+
+def _start_of(file: Path) -> bytes:
+    with file.open("rb") as stream:
+        return stream.read(_START)
 
 
 def file_names(stem: str, formats: Sequence[Format]) -> tuple[str, ...]:
@@ -331,8 +339,8 @@ def marker_set_for(path: Path, file: Path, named: Path | None) -> MarkerSet | No
         The marker set's own file, if the user named one.
     """
     if named is not None:
-        return read_marker_set_yaml(find_file(named, _MARKER_SETS))
-    beside = file.parent / _MARKER_SETS[0]
+        return read_marker_set_yaml(find_file(named, MARKER_SETS))
+    beside = file.parent / MARKER_SETS[0]
     return read_marker_set_yaml(beside) if path != file and beside.is_file() else None
 
 

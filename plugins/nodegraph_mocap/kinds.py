@@ -17,6 +17,7 @@ from nodegraph_mocap.streaming import STREAMS
 
 _COMPARISONS = "nodegraph_mocap.comparisons"
 _SPECIMENS = "nodegraph_mocap.specimens"
+_FACTS = "nodegraph_mocap.facts"
 _LIVE = "nodegraph_mocap.player.live"
 
 
@@ -26,6 +27,7 @@ def kinds() -> tuple[Kind, ...]:
         Kind(
             Trajectories,
             compare=late(f"{_COMPARISONS}:compare_recordings"),
+            facts=late(f"{_FACTS}:facts_of_recording"),
             stream=partial(STREAMS.__getitem__, Trajectories),
             live_view=late(f"{_LIVE}:view_of_markers"),
             detail=late("nodegraph_mocap.gap.view:detail"),
@@ -40,6 +42,7 @@ def kinds() -> tuple[Kind, ...]:
         Kind(
             Weights,
             compare=late(f"{_COMPARISONS}:compare_weights"),
+            facts=late(f"{_FACTS}:facts_of_weights"),
             stream=partial(STREAMS.__getitem__, Weights),
             specimens=late(f"{_SPECIMENS}:weights"),
         ),
@@ -60,8 +63,20 @@ def kinds() -> tuple[Kind, ...]:
             specimens=late(f"{_SPECIMENS}:detections"),
         ),
         Kind(Playback, render=late("nodegraph_mocap.player.page:render_playback")),
-        Kind(MarkerSet, specimens=late(f"{_SPECIMENS}:marker_sets")),
+        Kind(
+            MarkerSet,
+            facts=late(f"{_FACTS}:facts_of_marker_set"),
+            specimens=late(f"{_SPECIMENS}:marker_sets"),
+        ),
         Kind(Selection, specimens=late(f"{_SPECIMENS}:selections")),
-        Kind(BlendshapeModel, specimens=late(f"{_SPECIMENS}:models")),
-        Kind(Head, specimens=late(f"{_SPECIMENS}:heads")),
+        Kind(
+            BlendshapeModel,
+            facts=late(f"{_FACTS}:facts_of_model"),
+            specimens=late(f"{_SPECIMENS}:models"),
+        ),
+        Kind(
+            Head,
+            facts=late(f"{_FACTS}:facts_of_head"),
+            specimens=late(f"{_SPECIMENS}:heads"),
+        ),
     )

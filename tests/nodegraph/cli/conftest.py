@@ -65,6 +65,38 @@ nodes:
   total: {use: toy.sum, in: fill}
   one: {use: fill.hold, in: {from: gaps, at: {length: 5}}}
 """
+READER = """
+from pathlib import Path
+import warnings
+from nodegraph import Fact, InputFile, Kind, hookimpl, node
+
+@node("read.count")
+def count(*, path: InputFile, by: int = 1) -> int:
+    if not (number := int(Path(path).read_text().split(":")[1])):
+        raise ValueError(f"{path}:1: there is nothing")
+    warnings.warn(f"{path}: it states no unit")
+    return number
+
+@hookimpl
+def nodegraph_readers():
+    return {"read.count": lambda path: "Count" if path.suffix == ".count" else None}
+
+@hookimpl
+def nodegraph_places():
+    return {"toy": Path}
+
+def facts(number):
+    yield Fact("number", number, "things")
+    yield Fact("names", ["one", "two"])
+    yield Fact("nothing", [])
+    yield Fact("parts", {"half": {"size": number / 2}})
+
+@hookimpl
+def nodegraph_kinds():
+    return [Kind(int, facts=facts)]
+"""
+"""A plugin with a node that reads files."""
+
 Command = Callable[..., tuple[int, str, str]]
 
 

@@ -11,7 +11,7 @@ from jsonschema import Draft202012Validator
 
 from nodegraph.cli.answers import ANSWERS
 from nodegraph.cli.main import main
-from tests.nodegraph.cli.conftest import Command
+from tests.nodegraph.cli.conftest import READER, Command
 
 STORE = ("--store", "kept")
 
@@ -104,6 +104,10 @@ def test_what_is_installed_and_stored_is_listed(answer: Any, command: Command) -
     assert (length["name"], length["default"], length["unit"]) == ("length", 3, "frames")
     listed = answer("show", "fill")[1]["nodes"]
     assert [node["name"] for node in listed] == ["fill.hold", "fill.strict"]
+    Path("reader.py").write_text(READER)
+    Path("a.count").write_text("count:3")
+    data = answer("show", "a.count", "--plugin", "reader.py")[1]
+    assert (data["file"], data["format"], len(data["facts"])) == ("a.count", "Count", 4)
     command("run", "toy.yaml", *STORE)
     data = answer("cache", "list", *STORE, nodes=False)[1]
     assert data["results"] == len(data["listed"]) == 8

@@ -1,14 +1,15 @@
-"""``nodes`` and ``show`` tell what is installed."""
+"""``show`` tells what is installed, and what is in a file."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
-from tests.nodegraph.cli.conftest import Command
+from tests.nodegraph.cli.conftest import READER, Command
 
 
 def test_nodes_are_listed(command: Command) -> None:
@@ -64,3 +65,65 @@ def test_the_example_of_a_node_that_two_plugins_have_names_its_own(
     monkeypatch.setattr(loading, "installed", lambda: ([other], []))
     _, out, _ = command("show", "other:toy.number")
     assert "\n  toy: {use: 'other:toy.number', with: {start: 1.0}}\n" in out
+
+
+def test_a_file_is_read_by_the_node_of_its_format_and_its_facts_are_shown(
+    command: Command,
+) -> None:
+    Path("reader.py").write_text(READER)
+    Path("a.count").write_text("count:3000")
+    words = ("a.count", "--plugin", "reader.py")
+    status, out, _ = command("show", *words)
+    assert status == 0
+    assert out.splitlines() == [
+        "a.count    Count, read by read.count",
+        "",
+        "number   3,000 things",
+        "names    2: one, two",
+        "nothing  none",
+        "",
+        "parts",
+        "      size",
+        "half  1,500",
+        "",
+        "guessed or left out",
+        "- a.count: it states no unit",
+    ]
+    assert "number   3,000 things" in command("show", "toy:a.count", "--plugin", "reader.py")[1]
+    data = json.loads(command("show", *words, "--json")[1])
+    assert data["facts"][0] == {"name": "number", "value": 3000, "unit": "things"}
+    assert data["facts"][3]["value"] == {"half": {"size": 1500}}
+    assert (data["node"], data["warnings"]) == ("read.count", ["a.count: it states no unit"])
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("empty.count", "count:0", "empty.count:1: there is nothing"),
+        ("a.other", "", "a.other: no node reads it"),
+        ("far/away", None, "far/away: no such file"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named(
+    command: Command, name: str, content: str | None, message: str
+) -> None:
+    Path("reader.py").write_text(READER)
+    if content is not None:
+        Path(name).write_text(content)
+    status, out, err = command("show", name, "--plugin", "reader.py")
+    assert (status, out) == (2, "")
+    assert message in err
+
+
+def test_a_file_that_is_too_large_is_refused_unread(command: Command) -> None:
+    Path("reader.py").write_text(READER)
+    with Path("large.count").open("wb") as file:
+        file.truncate(2 * 10**9)
+    status, _, err = command("show", "large.count", "--plugin", "reader.py")
+    assert status == 2
+    assert "large.count: 2.0 GB; files of up to 1.0 GB" in err
+
+
+def test_a_folder_named_as_a_family_does_not_hide_its_nodes(command: Command) -> None:
+    Path("fill").mkdir()
+    assert command("show", "fill")[1].split()[0] == "fill.hold"

@@ -166,6 +166,13 @@ def test_of_a_value_that_cannot_be_lent_a_copy_is(
         ),
         ("executors", "{'zz': fails}", ["run", "graph.yaml", "--executor", "zz"], "out of tune"),
         (
+            "readers",
+            "{'bad.file': fails}",
+            ["show", "./graph.yaml"],
+            "the function of bad.file that recognizes files, from hook nodegraph_readers, failed: ",
+        ),
+        ("readers", "{'bad.file': len}", ["show", "./graph.yaml"], "failed: "),
+        (
             "templates",
             "{'t2': 3}",
             ["new", "t2", "mine"],

@@ -1,0 +1,138 @@
+"""What a reader wants to know of a file's value first: size, rate, what is missing and suspect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nodegraph import Fact
+from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_mocap.recording import Origin
+from nodegraph_mocap.suspect import impulses
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from nodegraph_mocap.face_model import BlendshapeModel, Weights
+    from nodegraph_mocap.head import Head
+    from nodegraph_mocap.marker_set import MarkerSet
+    from nodegraph_mocap.recording import Trajectories
+
+_MOST_FRAMES = 200
+"""Frames that are looked at for a size."""
+
+
+def facts_of_recording(recording: Trajectories) -> Iterator[Fact]:
+    """Yield length and rate, markers, and what is missing, made or suspect, by marker."""
+    yield from _length(recording.frames, recording.rate)
+    yield Fact("markers", recording.markers)
+    step = max(1, recording.frames // _MOST_FRAMES)
+    yield from _size("size of the markers", recording.positions[::step])
+    samples = max(recording.origin.size, 1)
+    missing = int(np.count_nonzero(~recording.present))
+    yield Fact("missing samples", missing)
+    yield Fact("share missing", round(100 * missing / samples, 3), "%")
+    for origin in (Origin.FILLED, Origin.REPAIRED):
+        count = int(np.count_nonzero(recording.origin == origin))
+        if count:
+            yield Fact(f"{origin.name.lower()} samples", count)
+    if recording.sigma is not None:
+        yield Fact("standard deviations", "of each sample")
+    suspect = impulses(recording.positions) > 0
+    yield Fact("likely impulses", int(np.count_nonzero(suspect)))
+    faults = _faults(recording, suspect)
+    if faults:
+        yield Fact("markers with gaps or impulses", faults)
+    if recording.marker_set is not None:
+        yield from _facts_of_set(recording.marker_set)
+
+
+def facts_of_weights(weights: Weights) -> Iterator[Fact]:
+    """Yield length and rate, shapes, and which weights are missing, beyond 0 to 1, or constant."""
+    yield from _length(weights.frames, weights.rate)
+    yield Fact("shapes", weights.names)
+    values = weights.values
+    known = ~np.isnan(values)
+    yield Fact("frames with missing weights", int(np.count_nonzero(~known.all(axis=1))))
+    yield Fact("weights below 0 or above 1", int(np.count_nonzero((values < 0) | (values > 1))))
+    changes = np.nan_to_num(values, nan=-np.inf).max(axis=0, initial=-np.inf) > np.nan_to_num(
+        values, nan=np.inf
+    ).min(axis=0, initial=np.inf)
+    still = [name for name, moves in zip(weights.names, changes, strict=True) if not moves]
+    yield Fact("shapes that do not change", still)
+
+
+def facts_of_head(head: Head) -> Iterator[Fact]:
+    """Yield the size of the mesh, its morph targets and its markers."""
+    yield Fact("vertices", len(head.vertices))
+    yield Fact("triangles", len(head.faces))
+    yield from _size("size", head.vertices[np.newaxis])
+    yield Fact("morph targets", head.names)
+    yield Fact("markers", head.markers)
+
+
+def facts_of_model(model: BlendshapeModel) -> Iterator[Fact]:
+    """Yield markers and shapes, and how far each shape moves the marker that it moves most."""
+    yield Fact("markers", model.markers)
+    yield from _size("size of the face at rest", model.neutral[np.newaxis])
+    yield Fact("shapes", model.names)
+    farthest = np.linalg.norm(model.shapes, axis=2).max(axis=1, initial=0.0)
+    yield Fact(
+        "farthest movement at weight 1",
+        {
+            name: {"mm": round(distance, 2)}
+            for name, distance in zip(model.names, farthest.tolist(), strict=True)
+        },
+    )
+
+
+def facts_of_marker_set(marker_set: MarkerSet) -> Iterator[Fact]:
+    """Yield the markers, and what the set knows of them."""
+    yield Fact("markers", marker_set.markers)
+    yield from _facts_of_set(marker_set)
+
+
+def _length(frames: int, rate: float) -> Iterator[Fact]:
+    yield Fact("frames", frames)
+    yield Fact("rate", rate, "Hz")
+    yield Fact("duration", round(frames / rate, 3), "s")
+
+
+def _size(name: str, positions: NDArray[np.float64]) -> Iterator[Fact]:
+    """Yield the longest side of the bounding box, the median of (T, M, 3) frames."""
+    some = positions[~np.isnan(positions).all(axis=(1, 2))]
+    if some.size:
+        # fmax and fmin pass over NaN
+        sides = np.fmax.reduce(some, axis=1) - np.fmin.reduce(some, axis=1)
+        yield Fact(name, round(float(np.median(sides.max(axis=1))), 1), "mm")
+
+
+def _faults(
+    recording: Trajectories, suspect: NDArray[np.bool_]
+) -> dict[str, dict[str, int | float]]:
+    """Return the numbers of each marker that has a gap or an impulse."""
+    missing = ~recording.present
+    gaps = runs_of(missing)
+    number = np.bincount(gaps.marker, minlength=len(recording.markers))
+    longest = np.zeros(len(recording.markers), dtype=np.intp)
+    np.maximum.at(longest, gaps.marker, gaps.stop - gaps.start)
+    count, sudden = missing.sum(axis=0), suspect.sum(axis=0)
+    return {
+        recording.markers[column]: {
+            "missing": int(count[column]),
+            "percent": round(100 * int(count[column]) / recording.frames, 2),
+            "gaps": int(number[column]),
+            "longest": int(longest[column]),
+            "impulses": int(sudden[column]),
+        }
+        for column in np.flatnonzero(count + sudden)
+    }
+
+
+def _facts_of_set(marker_set: MarkerSet) -> Iterator[Fact]:
+    for name, couples in (("pairs", marker_set.pairs), ("lines", marker_set.edges)):
+        yield Fact(name, [" - ".join(couple) for couple in couples])
+    yield Fact("on the midline", marker_set.midline)
+    yield Fact("stable", marker_set.stable)
