@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from itertools import groupby
+from itertools import groupby, zip_longest
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from nodegraph import listed
@@ -24,6 +25,13 @@ _MOST_COLUMNS = 6
 _MOST_BESIDE = 2
 """With more columns, intervals stand below their means."""
 
+_MOST_ACROSS, _MOST_LINES = 100, 30
+"""A table of more characters across, but no more lines, stands sideways on its page."""
+
+_SMALL = 0.8
+"""Width of a letter of an interval below its mean, in letters of the table."""
+
+_TIE = "\N{NO-BREAK SPACE}"
 _ESCAPES = str.maketrans(
     {
         "\\": r"\textbackslash{}",
@@ -41,12 +49,14 @@ _ESCAPES = str.maketrans(
         # these two would be taken for an option where a row begins
         "[": "{[}",
         "*": "{*}",
+        _TIE: "~",
         "\N{DAGGER}": r"\textdagger{}",
         "\N{MINUS SIGN}": "$-$",
         "\N{SUPERSCRIPT MINUS}": r"\textsuperscript{$-$}",
         **{sign: rf"\textsuperscript{{{digit}}}" for digit, sign in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")},
     }
 )
+_COMMAND = re.compile(r"\\[a-z]+(\[\w\])?|[{}$]")
 _POWER = re.compile(r"(\d[\d.]*)e\+?(-?)0*(\d+)")
 _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 
@@ -161,32 +171,48 @@ def _legend(crossed: Crosstab) -> list[str]:
     return [f"{legend[0].upper()}{legend[1:]}."] if legend else []
 
 
-def _document(caption: Sequence[str], columns: str, lines: Iterable[str]) -> str:
+def _document(caption: Sequence[str], columns: str, lines: Sequence[str]) -> str:
+    sideways = _across(lines) > _MOST_ACROSS and len(lines) <= _MOST_LINES
+    table = "sidewaystable" if sideways else "table"
     # an empty line would end the caption's paragraph, which LaTeX refuses
     sentences = (" ".join(text.split()) for text in caption if text.strip())
     ended = (text if text.endswith((".", "?", "!")) else f"{text}." for text in sentences)
     return "\n".join(
         [
-            r"% needs \usepackage{booktabs}",
-            r"\begin{table}",
+            rf"% needs \usepackage{{booktabs,graphicx{',rotating' if sideways else ''}}}",
+            rf"\begin{{{table}}}",
             r"\centering\small\setlength{\tabcolsep}{4pt}",
             rf"\caption{{{_text(' '.join(ended))}}}",
+            # smaller where it would be wider than the page, or the column of a journal
+            r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{"
             rf"\begin{{tabular}}{{{columns}}}",
             r"\toprule",
             *lines,
             r"\bottomrule",
-            r"\end{tabular}",
-            r"\end{table}",
+            r"\end{tabular}}",
+            rf"\end{{{table}}}",
             "",
         ]
     )
+
+
+def _across(lines: Iterable[str]) -> float:
+    """Return about how many characters wide the lines of a table are."""
+    rows = (line.split(" & ") for line in lines if " & " in line and r"\multicolumn" not in line)
+    return sum(2 + max(map(_letters, column)) for column in zip_longest(*rows, fillvalue=""))
+
+
+def _letters(cell: str) -> float:
+    """Return how many letters of the size of the table are as wide as a cell."""
+    size = _SMALL if cell.startswith(r"\scriptsize") else 1.0
+    return size * max(len(_COMMAND.sub("", line)) for line in cell.split(r"\\"))
 
 
 def _listed(columns: Sequence[Column]) -> tuple[str, list[str]]:
     """Return a row per row of the table."""
     rows = zip(*(column.cells for column in columns), strict=True)
     return "".join("r" if column.numeric else "l" for column in columns), [
-        _line(_text(column.head) for column in columns),
+        _line(map(_stacked, columns)),
         r"\midrule",
         *(
             _line(
@@ -196,6 +222,17 @@ def _listed(columns: Sequence[Column]) -> tuple[str, list[str]]:
             for row in rows
         ),
     ]
+
+
+def _stacked(column: Column) -> str:
+    """Return the head of a column, in lines no longer than the longest of its words and cells."""
+    unit = f" [{column.unit.replace(' ', _TIE)}]" if column.unit else ""
+    head = f"{column.name}{unit}"
+    longest = max(map(len, [*head.split(" "), *map(str, column.cells)]))
+    lines = wrap(head, longest, break_long_words=False, break_on_hyphens=False)
+    if len(lines) < 2:
+        return _text(head)
+    return rf"\shortstack[{'r' if column.numeric else 'l'}]{{" + r"\\".join(map(_text, lines)) + "}"
 
 
 def _crossed(crossed: Crosstab) -> tuple[str, list[str]]:

@@ -29,7 +29,7 @@ from nodegraph_compare.words import caution_text, scope_text
 from nodegraph_mocap import Figure, Table, figure_text
 from nodegraph_tables import Answer, TableInfo, with_info
 from nodegraph_tables.axes import plain
-from nodegraph_tables.style import BEST, BLACK, LINE, REST
+from nodegraph_tables.style import BEST, BLACK, CHANCE, LINE, REST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -142,13 +142,13 @@ def _table(
 
     question = comparison.question
     name = question.compare or "method"
-    further = f"new {clusters_name(question).removesuffix('s')}"
+    further = [f"new {clusters_name(question).removesuffix('s')} {side}" for side in SIDES]
     frame = DataFrame(
         [
             dict(zip(question.within, belief.group.labels, strict=True))
             | {name: belief.group.methods[place], "blocks": int(belief.summary.blocks[place])}
             | dict(zip(SIDES, belief.mean[:, at].tolist(), strict=True))
-            | {f"{further} {side}": p for side, p in zip(SIDES, belief.new[:, at], strict=True)}
+            | dict(zip(further, belief.new[:, at].tolist(), strict=True))
             for belief in known
             for at, place in enumerate(belief.places)
         ]
@@ -165,6 +165,7 @@ def _table(
             f"{CLEAR}. Not adjusted for the number of methods.",
             *lost,
         ),
+        units=dict.fromkeys((*SIDES, *further), CHANCE),
         labels=(*question.within, name),
     )
     return with_info(frame, info)

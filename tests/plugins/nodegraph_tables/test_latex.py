@@ -51,6 +51,11 @@ def comparison(
     return with_info(table, info)
 
 
+def wide(rows: int) -> pd.DataFrame:
+    """Return a table of twelve columns that are wider than a page together."""
+    return pd.DataFrame({f"measurement_{at}": [0.5 + at] * rows for at in range(11)} | {"x": "y"})
+
+
 def body(latex: str) -> list[list[str]]:
     """Return the cells of a table, its head first."""
     inside = latex.partition(r"\toprule")[2].partition(r"\bottomrule")[0]
@@ -195,6 +200,25 @@ def test_a_column_of_text_that_is_the_same_throughout_stands_in_the_caption() ->
     assert caption(latex) == "Errors of markers. rule is mid throughout."
 
 
+def test_long_heads_stand_in_lines_no_longer_than_the_cells() -> None:
+    table = pd.DataFrame({"marker": ["left lip", "jaw"], "largest error of any": [0.5, 1.25]})
+    latex = latex_of(with_info(table, TableInfo(units={"largest error of any": "mm^2"})), "t")
+    head = r"\shortstack[r]{largest\\error of\\any\\{[}mm\textsuperscript{2}]}"
+    assert body(latex)[0] == ["marker", head]
+
+
+@pytest.mark.parametrize(
+    ("rows", "environment"), [(4, "sidewaystable"), (60, "table")], ids=["few", "many"]
+)
+def test_a_table_far_wider_than_the_page_stands_sideways_where_its_rows_fit(
+    rows: int, environment: str
+) -> None:
+    latex = latex_of(wide(rows), "Errors")
+    assert latex.splitlines()[1] == rf"\begin{{{environment}}}"
+    assert latex.splitlines()[-1] == rf"\end{{{environment}}}"
+    assert ("rotating" in latex.splitlines()[0]) == (environment == "sidewaystable")
+
+
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
 def test_tables_compile(tmp_path: Path) -> None:
     ugly = comparison(ends=[UGLY, "*", "[x]"], fills=[UGLY, "[a]", "*b"])
@@ -209,13 +233,18 @@ def test_tables_compile(tmp_path: Path) -> None:
         with_info(with_p, TableInfo(best={"x": (0,)}, cells={"x": {"p": "p"}})),
         with_info(with_p, TableInfo(units={"p": "chance", "x": "mm^2"})),
         pd.DataFrame({"name": pd.Series(dtype=str), "x": pd.Series(dtype=float)}),
+        wide(4),
+        wide(40),
     ]
     text = "\n".join(latex_of(table, f"{UGLY}\n\nagain") for table in tables)
     document = tmp_path / "paper.tex"
+    packages = r"\usepackage{booktabs,graphicx,rotating}"
     document.write_text(
-        rf"\documentclass{{article}}\usepackage{{booktabs}}\begin{{document}}{text}\end{{document}}"
+        rf"\documentclass{{article}}{packages}\begin{{document}}{text}\end{{document}}"
     )
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", document.name]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-    assert done.returncode == 0, done.stdout.decode(errors="replace")
+    log = done.stdout.decode(errors="replace")
+    assert done.returncode == 0, log
+    assert "Overfull" not in log
     assert (tmp_path / "paper.pdf").stat().st_size > 10_000
