@@ -22,10 +22,11 @@ Requests and responses are lists of buffers. A call that cannot be sent is made 
 ``schedule.perform``. `in_time` keeps to the time limit of a call.
 """
 
-from nodegraph.execute.call import Call, Outcome, perform
+from nodegraph.execute.call import Call, perform
 from nodegraph.execute.executor import Calls, Executor, HowToRun
+from nodegraph.execute.messages import CallCodec, Frame, respond
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.processes import kill, start
-from nodegraph.execute.remote import CallCodec, Frame, respond
 from nodegraph.execute.threads import in_time, side_by_side
 from nodegraph.state import State
 

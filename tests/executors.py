@@ -16,7 +16,8 @@ import pytest
 
 from nodegraph.api import reported
 from nodegraph.execute import HowToRun, Run, execute
-from nodegraph.execute.call import Call, Outcome
+from nodegraph.execute.call import Call
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.schedule import Schedule
 from nodegraph.graph import Choices, build
 from nodegraph.graphfile import read_graph_text

@@ -13,7 +13,7 @@ from nodegraph.errors import NodegraphError, listed
 from nodegraph.filenames import fold, portable_paths
 from nodegraph.lock.lockfile import read_lock
 from nodegraph.plugin.registry import Registry
-from nodegraph.report.citing import cited
+from nodegraph.report.paper_texts import cited
 from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import graph_name
 from nodegraph.runs.record import Record

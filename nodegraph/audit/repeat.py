@@ -14,10 +14,11 @@ from types import TracebackType
 from nodegraph.audit.drift import CallResult
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
-from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
+from nodegraph.execute.call import Call, collecting_warnings, perform
+from nodegraph.execute.messages import CallCodec
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.processes import Worker, WorkerEndedError
-from nodegraph.execute.remote import CallCodec
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
 from nodegraph.node.ports import Across

@@ -16,10 +16,13 @@ from nodegraph.gc_pause import gc_paused
 
 ANY = "*"
 """A reference to a module whose name is known only when the code runs."""
-PARSER = threading.Lock()
-"""Held while a source is parsed, or a traceback formatted, which parses its lines: Python 3.11
-counts the depth of all threads' trees together, and fails where two of them meet (python/cpython
-issue 106905)."""
+PARSER = threading.RLock()
+"""Held while a syntax tree is made.
+
+Before Python 3.11.8 and 3.12.2 all threads count the depth of their trees in one place. Where
+memory is tidied up in the middle of a tree, another thread may begin one, and the first ends with
+a SystemError (python/cpython issue 106905).
+"""
 _IMPORTERS = {"import_module", "__import__", "spec_from_file_location", "run_path", "run_module"}
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _BLOCKS = {"body", "orelse", "finalbody"}

@@ -124,7 +124,7 @@ def pairs(arguments: Namespace, option: str) -> dict[str, str]:
 
 def input_values(arguments: Namespace) -> dict[str, object]:
     """Return the values of ``--set``."""
-    from nodegraph.execute.settings import read_value
+    from nodegraph.execute.option_text import read_value
 
     texts = pairs(arguments, "set")
     return {name: read_value(f"--set {name}", text) for name, text in texts.items()}

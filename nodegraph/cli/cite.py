@@ -23,7 +23,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def cite(arguments: Namespace) -> int:
     """Print the texts for a paper, or write them as Markdown, LaTeX and BibTeX."""
     from nodegraph.cli.answers import CiteAnswer, print_json
-    from nodegraph.report.citing import cited
+    from nodegraph.report.paper_texts import cited
     from nodegraph.report.study import read_study
 
     study = read_study(arguments.run)

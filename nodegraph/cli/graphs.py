@@ -12,7 +12,7 @@ from nodegraph.cli.arguments import input_values, pairs
 from nodegraph.cli.output import say
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute import Event, EventKind, HowToRun, Listener, open_store
-from nodegraph.execute.settings import read_axis, read_labels
+from nodegraph.execute.option_text import read_axis, read_labels
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import GraphSpec, read_graph_file

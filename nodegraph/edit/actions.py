@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from nodegraph.edit.document import Change, Document, Path, value_at
-from nodegraph.edit.names import SECTIONS, Kind, mapping, nodes_of, pattern_of, uses
+from nodegraph.edit.uses import SECTIONS, Kind, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import nearest, quoted
 from nodegraph.graphfile.keys import IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL
 from nodegraph.graphfile.nodes import label_of

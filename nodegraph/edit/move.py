@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from nodegraph.edit.actions import check_new_name
 from nodegraph.edit.document import Change, Document, Path, value_at
-from nodegraph.edit.names import Kind, Use, mapping, nodes_of, pattern_of, uses
+from nodegraph.edit.uses import Kind, Use, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import quoted
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.reader import read_graph_text

@@ -11,7 +11,7 @@ from enum import StrEnum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from nodegraph.execute.call import Outcome
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.remaining_time import RemainingTime
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State

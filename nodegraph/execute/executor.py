@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from nodegraph.errors import NodegraphError, nearest
-from nodegraph.execute.call import Call, Outcome
+from nodegraph.execute.call import Call
+from nodegraph.execute.outcome import Outcome
 from nodegraph.plugin.registry import Registry
 from nodegraph.store import Packer
 

@@ -11,6 +11,7 @@ from importlib import _bootstrap
 from types import ModuleType
 from typing import Any
 
+from nodegraph.cache_key import PARSER
 from nodegraph.execute.numeric_threads import SharedContext
 
 _IMPORT: Any = _bootstrap
@@ -56,16 +57,13 @@ def _first_imports() -> Iterator[None]:
 def _syntax_trees() -> Iterator[None]:
     """Have one thread at a time make a syntax tree.
 
-    Before Python 3.11.8 and 3.12.2 all threads count the depth of a tree in one place. Where
-    memory is tidied up in the middle of a tree, another thread may begin one, and the first ends
-    with a SystemError (CPython, gh-106905). NumPy reads the heads of arrays as trees, and numba
-    makes one of each function that it compiles.
+    NumPy reads the heads of arrays as trees, numba makes one of each function that it compiles,
+    and tracebacks of the lines that they show.
     """
     parse: Callable[..., ast.AST] = ast.parse
-    lock = threading.RLock()
 
     def wait_and_parse(*args: object, **kwargs: object) -> ast.AST:
-        with lock:
+        with PARSER:
             return parse(*args, **kwargs)
 
     _AST.parse = wait_and_parse

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from nodegraph.execute.call import Outcome
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.node.ports import Absent, Across
 from nodegraph.plan import Gathered, Output, Step

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import Place, Problems
-from nodegraph.execute.call import Call, Outcome, collecting_warnings, failure, perform
+from nodegraph.execute.call import Call, collecting_warnings, perform
+from nodegraph.execute.outcome import Outcome, failure
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.plan import Output, Plan, Step, StepInput
 from nodegraph.state import State

@@ -14,9 +14,10 @@ from multiprocessing.connection import Pipe
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.call import Call, Outcome, timed_out
+from nodegraph.execute.call import Call, timed_out
 from nodegraph.execute.executor import Calls, HowToRun
-from nodegraph.execute.remote import CallCodec, Frame
+from nodegraph.execute.messages import CallCodec, Frame
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.threads import in_time, side_by_side
 from nodegraph.execute.worker import receive, send
 from nodegraph.state import State

@@ -10,9 +10,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nodegraph.errors import NodegraphError, nearest
-from nodegraph.execute.call import Outcome, collecting_warnings
+from nodegraph.execute.call import collecting_warnings
 from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
 from nodegraph.execute.settings import RunSettings

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cache_key import Files, StepDigest, StepDigests, code_of, followed, step_key
-from nodegraph.execute.call import Outcome, skipped
+from nodegraph.execute.outcome import Outcome, skipped
 from nodegraph.gc_pause import gc_paused
 from nodegraph.plan import Plan, Step
 from nodegraph.state import State

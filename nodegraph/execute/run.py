@@ -8,12 +8,13 @@ from contextlib import nullcontext
 from dataclasses import asdict
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.call import Outcome, collecting_warnings
+from nodegraph.execute.call import collecting_warnings
 from nodegraph.execute.events import EventLog, Listener
 from nodegraph.execute.executor import HowToRun, executor_of
 from nodegraph.execute.in_turn import in_turn
 from nodegraph.execute.interruption import interruptible
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule

@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Protocol
 
-from nodegraph.execute.call import Call, Outcome, failure, perform, skipped
+from nodegraph.execute.call import Call, perform
+from nodegraph.execute.outcome import Outcome, failure, skipped
 from nodegraph.execute.pool import Pool
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.gc_pause import gc_paused

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import json
-import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Field, Strict
 
-from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute.events import plain
 from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.option_text import labels_text, value_text
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Graph
-from nodegraph.graphfile.yaml_text import read_yaml
 from nodegraph.plan import Step
 from nodegraph.store import Store, store_folder
 
@@ -27,8 +24,6 @@ Bool = Annotated[bool, Strict()]
 Label = Annotated[str | Int | Float | Bool, Field(union_mode="left_to_right")]
 
 _DEFAULT = HowToRun()
-_BRACES = re.compile(r"{\s*files\s*:\s*([^\"'\s].*}.*)}\s*")
-_GENERATOR = re.compile(r"(?:{\s*(?=\w+[:=]\S))?(count|range|files)\s*[:=]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,11 +78,11 @@ class RunSettings:
 
     def _options(self) -> Iterator[str]:
         for name, value in self.set.items():
-            yield from ("--set", f"{name}={_value_text(value)}")
+            yield from ("--set", f"{name}={value_text(value)}")
         for name, labels in self.axis.items():
-            yield from ("--axis", f"{name}={_labels_text(labels)}")
+            yield from ("--axis", f"{name}={labels_text(labels)}")
         for name, labels in self.only.items():
-            yield from ("--only", f"{name}={_labels_text(labels)}")
+            yield from ("--only", f"{name}={labels_text(labels)}")
         for node in self.until:
             yield from ("--until", node)
         for path in self.plugins:
@@ -131,67 +126,3 @@ def _store_text(folder: Path, store: Store | None) -> str:
 
 def _path_from(folder: Path, path: Path) -> str:
     return str(path.relative_to(folder) if path.is_relative_to(folder) else path)
-
-
-def read_value(option: str, text: str) -> object:
-    """Return the value that an option such as ``--set start`` has: YAML, or else the text."""
-    try:
-        return read_yaml(text, option).plain()
-    except GraphError:
-        return text  # a path may contain characters that YAML gives a meaning
-
-
-def read_axis(option: str, text: str) -> Any:
-    """Return the labels that ``--axis k`` has, or its labels with values, or its generator.
-
-    Raises
-    ------
-    NodegraphError
-        If it is no YAML, a generator without braces or a blank, which would be a label, or a
-        pattern with fields that is not in quotes.
-    """
-    if match := _BRACES.fullmatch(text):
-        instead = shlex.quote(f"{option.removeprefix('--axis ')}={{files: {_yaml(match[1])}}}")
-        raise NodegraphError(f"{option}: braces in a pattern need quotes; write --axis {instead}")
-    if match := _GENERATOR.match(text):
-        value = text[match.end() :].strip(" }")
-        meant = {"count": value, "range": f"[{value.strip('[]')}]", "files": _yaml(value)}[match[1]]
-        name = option.removeprefix("--axis ")
-        instead = shlex.quote(f"{name}={{{match[1]}: {meant}}}")
-        raise NodegraphError(f"{option}={text}: that would be a label; write --axis {instead}")
-    return read_labels(option, text)
-
-
-def read_labels(option: str, text: str) -> Any:
-    """Return the labels that an option such as ``--only k`` has: ``1,2``, or YAML."""
-    if not text.startswith(("[", "{")):
-        labels = text.split(",")
-        # *.c3d is an alias in YAML
-        text = f"[{','.join(_yaml(each) if each[:1] == '*' else each for each in labels)}]"
-    return read_yaml(text, option).plain()
-
-
-def _value_text(value: object) -> str:
-    """Return the text that `read_value` reads as a value."""
-    text = value if isinstance(value, str) else _yaml(value)
-    return text if _same(read_value("", text), value) else _yaml(value)
-
-
-def _labels_text(labels: Any) -> str:
-    """Return the text that `read_axis` and `read_labels` read as labels."""
-    if isinstance(labels, Mapping):
-        return _yaml(labels)
-    text = ",".join(label if isinstance(label, str) else _yaml(label) for label in labels)
-    try:
-        is_plain = not text.startswith(("[", "{")) and _same(read_axis("", text), labels)
-    except NodegraphError:
-        is_plain = False
-    return text if is_plain else _yaml(labels)
-
-
-def _yaml(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False)
-
-
-def _same(value: object, other: object) -> bool:
-    return repr(value) == repr(other)  # 1 and True are equal, as labels they are not

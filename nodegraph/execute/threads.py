@@ -9,9 +9,10 @@ from functools import partial
 from itertools import islice
 from queue import Empty, SimpleQueue
 
-from nodegraph.execute.call import Call, Outcome, timed_out
+from nodegraph.execute.call import Call, timed_out
 from nodegraph.execute.executor import Calls, HowToRun
 from nodegraph.execute.numeric_threads import one_thread_here
+from nodegraph.execute.outcome import Outcome
 
 _SECONDS_BETWEEN_COUNTS = 0.5
 """Seconds that results are waited for before the number of calls at a time is asked for again."""

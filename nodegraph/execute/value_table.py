@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from nodegraph.execute.call import Outcome
+from nodegraph.execute.outcome import Outcome
 from nodegraph.node.ports import Label
 from nodegraph.plan import Combination
 from nodegraph.state import State

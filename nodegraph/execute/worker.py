@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph.execute.messages import Frame, plugins_of, respond
 from nodegraph.execute.numeric_threads import one_thread_each
-from nodegraph.execute.remote import Frame, plugins_of, respond
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection

@@ -9,7 +9,7 @@ from operator import itemgetter
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
-from nodegraph.execute.call import failure
+from nodegraph.execute.outcome import failure
 from nodegraph.live.counts import Causes
 from nodegraph.live.forms import live_state, streamable_of
 from nodegraph.live.plan import LivePlan, LiveStep

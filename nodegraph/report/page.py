@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from nodegraph.formatting import duration
-from nodegraph.report.citing import printed
 from nodegraph.report.descriptions import descriptions, shared_meanings
 from nodegraph.report.facts import fold_facts, head_facts
 from nodegraph.report.notes import note_kinds
+from nodegraph.report.paper_texts import printed
 from nodegraph.report.study import Kind, Section, Study
 
 if TYPE_CHECKING:

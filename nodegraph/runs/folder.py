@@ -141,7 +141,7 @@ class RunFolder:
             self._undo()
             raise _unwritable(path, error) from error
         self._size = 0
-        if not files.locked(self._events):
+        if not files.lock(self._events):
             self._events.close()
             raise _busy(path)
         try:
@@ -290,7 +290,7 @@ def is_written(events: Path) -> bool:
     if not events.is_file():
         return False
     with events.open("rb", buffering=0) as file:
-        return not files.locked(file)
+        return not files.lock(file)
 
 
 def _unwritable(path: Path, error: OSError) -> NodegraphError:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run, RunSettings, StoredSteps
-from nodegraph.execute.call import Outcome, skipped
 from nodegraph.execute.events import plain
+from nodegraph.execute.outcome import Outcome, skipped
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.node.ports import Label

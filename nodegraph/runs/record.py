@@ -14,9 +14,9 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from nodegraph.cache_key import UNKNOWN, Reached
-from nodegraph.execute.call import Outcome
 from nodegraph.execute.events import plain
 from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.settings import Bool, Float, Int, Label, RunSettings, settings_of

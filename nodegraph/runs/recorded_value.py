@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError, nearest
-from nodegraph.execute.call import Outcome
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.value_table import value_table
 from nodegraph.formatting import name_at
 from nodegraph.plan import Combination

@@ -229,7 +229,7 @@ def unseal(content: bytes) -> bytes | None:
     return rest if whole and content[64:65] == b"\n" else None
 
 
-def locked(file: IOBase) -> bool:
+def lock(file: IOBase) -> bool:
     """Lock a file for as long as it is open; return False if another program holds it."""
     try:
         import fcntl

@@ -13,7 +13,8 @@ from types import FrameType
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.call import values_of, writes_to_locked_value
+from nodegraph.execute.call import values_of
+from nodegraph.execute.outcome import writes_to_locked_value
 from nodegraph.node.decorator import Node
 from nodegraph.node.values import Value
 from nodegraph.testing.arrays import first_infinite, first_shared, oddities

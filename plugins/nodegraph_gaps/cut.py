@@ -14,8 +14,8 @@ from nodegraph_gaps.groups import AnyMarkers, Groups, contiguous, region
 from nodegraph_gaps.places import free_places, place_events
 from nodegraph_gaps.transplant import transplanted
 from nodegraph_mocap import Mask, Origin, Trajectories
+from nodegraph_mocap.random_numbers import Seed, entropy
 from nodegraph_mocap.reference_shape import reference_shape
-from nodegraph_mocap.streams import Seed, entropy
 from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import StateForm, Truth, Unit, fold, node
 from nodegraph_gaps.cut import Cut
 from nodegraph_mocap import MarkerFrame, Mask, Origin, Trajectories
-from nodegraph_mocap.streams import Seed, entropy
+from nodegraph_mocap.random_numbers import Seed, entropy
 from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nodegraph import node
 from nodegraph_mocap import Selection
-from nodegraph_mocap.streams import Seed, random_for
+from nodegraph_mocap.random_numbers import Seed, random_for
 from nodegraph_select.pairs import pairs_of
 from nodegraph_select.ranking import Wanted, first_pairs
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
-from nodegraph_mocap.streams import random_for
+from nodegraph_mocap.random_numbers import random_for
 from nodegraph_synthesize.activation import Habits, draw_habits
 from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
 from nodegraph_synthesize.layout import edges_between, make_layout

@@ -19,7 +19,7 @@ from nodegraph_mocap import (
     Trajectories,
     Weights,
 )
-from nodegraph_mocap.streams import Seed, random_for
+from nodegraph_mocap.random_numbers import Seed, random_for
 from nodegraph_synthesize.activation import activations
 from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on

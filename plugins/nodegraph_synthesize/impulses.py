@@ -11,7 +11,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Mask, Trajectories
-from nodegraph_mocap.streams import Seed, random_for
+from nodegraph_mocap.random_numbers import Seed, random_for
 from nodegraph_mocap.truth import truth_of
 from nodegraph_synthesize.damage import lone_samples, offsets
 

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from nodegraph import Truth, Unit, node
 from nodegraph_mocap import Detections, Trajectories
-from nodegraph_mocap.streams import Seed, random_for
+from nodegraph_mocap.random_numbers import Seed, random_for
 from nodegraph_mocap.truth import truth_of
 
 if TYPE_CHECKING:

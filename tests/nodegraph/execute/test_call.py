@@ -13,13 +13,8 @@ import numpy as np
 import pytest
 
 from nodegraph import Refusal, Value, node
-from nodegraph.execute.call import (
-    Call,
-    Outcome,
-    collecting_warnings,
-    perform,
-    writes_to_locked_value,
-)
+from nodegraph.execute.call import Call, collecting_warnings, perform
+from nodegraph.execute.outcome import Outcome, writes_to_locked_value
 from nodegraph.execute.threads import in_time
 from nodegraph.node.decorator import node_of
 from nodegraph.node.values import locked

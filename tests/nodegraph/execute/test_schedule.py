@@ -11,7 +11,8 @@ import pytest
 
 from nodegraph import Across, Value, node
 from nodegraph.execute import HowToRun, Run
-from nodegraph.execute.call import Outcome, perform
+from nodegraph.execute.call import perform
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.schedule import Schedule
 from nodegraph.graph import Graph
 from nodegraph.plan import Step, plan

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.settings import RunSettings, read_axis, read_value
+from nodegraph.execute.option_text import read_axis, read_value
+from nodegraph.execute.settings import RunSettings
 
 SCALARS = st.one_of(
     st.none(),

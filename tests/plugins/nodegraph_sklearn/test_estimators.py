@@ -17,8 +17,9 @@ from sklearn.svm import SVR
 
 import nodegraph
 from nodegraph import NodegraphError, get_node
-from nodegraph.execute.call import Call, Outcome
-from nodegraph.execute.remote import CallCodec, respond
+from nodegraph.execute.call import Call
+from nodegraph.execute.messages import CallCodec, respond
+from nodegraph.execute.outcome import Outcome
 from nodegraph.plugin.registry import Registry
 from nodegraph.store import Packer
 from nodegraph.testing import check_node

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph.execute import remote
-from nodegraph.execute.remote import respond
+from nodegraph.execute import messages
+from nodegraph.execute.messages import respond
 from nodegraph.execute.worker import receive, send
 from nodegraph.store import Packer
 
@@ -40,8 +40,8 @@ def warns(x: int) -> int:
 @pytest.fixture(autouse=True)
 def forget(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Respond as a new process does."""
-    monkeypatch.setattr(remote, "_plugins", {})
-    monkeypatch.setattr(remote, "_imported", set())
+    monkeypatch.setattr(messages, "_plugins", {})
+    monkeypatch.setattr(messages, "_imported", set())
     yield
     for name in ("carried", "broken"):
         sys.modules.pop(name, None)

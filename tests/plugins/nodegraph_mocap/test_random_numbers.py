@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nodegraph_mocap.streams import Seed, random_for
+from nodegraph_mocap.random_numbers import Seed, random_for
 
 
 def test_purposes_and_seeds_have_streams_of_their_own() -> None:

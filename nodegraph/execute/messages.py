@@ -24,8 +24,9 @@ import numpy as np
 
 from nodegraph.cache_key import code_of
 from nodegraph.errors import UnknownNodeError
-from nodegraph.execute.call import Call, Outcome, collecting_warnings, perform
+from nodegraph.execute.call import Call, collecting_warnings, perform
 from nodegraph.execute.numeric_threads import SharedContext, one_thread_each
+from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.threads import in_time
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin.registry import Registry

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import MethodRow, SettingRow, Study
-from nodegraph.report.citing import cited
+from nodegraph.report.paper_texts import cited
 from nodegraph.report.study import AxisRow, Section
 
 LENGTH = SettingRow("length", "5, 15", "frames", meaning="of the gaps")
