@@ -337,13 +337,15 @@ class Study:
     def short_answer(self, most: int) -> tuple[str, ...]:
         """Return the first sentences of every value that answers at a glance, as many of each.
 
-        Without such a value, the first of all sentences.
+        Without such a value, the first of all sentences. What several say stands once.
         """
         leads = [each.answer for each in self.sections if each.rendered.lead]
         answers = leads if any(leads) else [self.answer]
         places = [(line, at) for at, answer in enumerate(answers) for line in range(len(answer))]
-        chosen = sorted((at, line) for line, at in sorted(places)[:most])
-        return tuple(answers[at][line] for at, line in chosen)
+        first: dict[str, tuple[int, int]] = {}
+        for line, at in sorted(places):
+            first.setdefault(answers[at][line], (at, line))
+        return tuple(sorted([*first][:most], key=first.__getitem__))
 
     @property
     def ok(self) -> bool:

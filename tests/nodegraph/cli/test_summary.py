@@ -121,6 +121,17 @@ def test_a_result_with_many_sentences_leaves_room_for_the_others(finished: Run) 
     assert lines[: len(expected) + 1] == [*expected, "8 more sentences: --full, or the report"]
 
 
+def test_what_two_results_say_stands_once(finished: Run) -> None:
+    answers = [("a is best.", "Eight faces."), ("b is best.", "Eight faces.", "b: 1 mm.")]
+    sections = tuple(
+        Section("s", Rendered("", answer=answer, lead="<p>at a glance</p>")) for answer in answers
+    )
+    together = ("a is best.", "Eight faces.", "b is best.", "b: 1 mm.")
+    lines = printed(Study("A", answer=together, sections=sections), finished)
+    assert lines[:4] == list(together)
+    assert not any("more sentence" in line for line in lines)
+
+
 def test_files_are_counted_by_kind(finished: Run) -> None:
     links = (Link("CSV", "a.csv"), Link("CSV", "b.csv"), Link("SVG", "a.svg"))
     study = Study("A", sections=(Section("table", Rendered(""), files=links),))
