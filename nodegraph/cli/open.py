@@ -12,9 +12,10 @@ from nodegraph.cli.output import say
 HELP = "Show the report of runs in a browser, with every result behind it."
 _MORE = """\
 The page is that of report.html, with all that does not fit into a file: every result of the run,
-from the store or computed when it is looked at, and other runs side by side. A run in progress
-is shown as its graph, with the states of its steps. Only this machine, and the one browser that
-opens the printed address first, can see it. Ctrl-C ends it.
+from the store or computed when it is asked for, and other runs side by side. A run, also one in
+progress, is shown as its graph with the states of its steps; each card leads to the results of
+its node. Only this machine, and the one browser that opens the printed address first, can see
+it. Ctrl-C ends it.
 
 example:
   nodegraph open runs/fill

@@ -13,48 +13,63 @@ from nodegraph.execute.outcome import Outcome, skipped
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.node.ports import Label
-from nodegraph.plan import Plan, plan
+from nodegraph.plan import Plan, Step, plan
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.folder import content_of, graph_name
-from nodegraph.runs.record import Record, RecordedStep
+from nodegraph.runs.record import Cell, CellKey, Record, RecordedStep
 from nodegraph.state import State
 from nodegraph.store import Store
 
 
-def open_run(folder: Path, record: Record, registry: Registry, store: Store) -> Run:
-    """Return a run from its folder: its values come from a store, or are computed when asked for.
+def open_run(graph: Graph, record: Record, store: Store) -> Run:
+    """Return a finished run: its values come from a store, or are computed when asked for.
 
     Parameters
     ----------
-    folder, record
-    registry
-        Must have the plugins of the run.
+    graph
+        See `saved_graph`.
+    record
     store
-
-    Raises
-    ------
-    NodegraphError
-        If its graph cannot be built from what is installed.
     """
-    graph = saved_graph(
-        folder,
-        record.settings,
-        Path(record.folder),
-        registry,
-        included=record.included,
-        only=record.axes,  # no methods that were installed later
-    )
     planned = plan(graph)
-    return Run(
-        planned,
-        _outcomes(planned, record),
-        {},
-        record.seconds,
-        StoredSteps(planned, store),
-        store.packer,
-        record.settings,
-        is_opened=True,
-    )
+    outcomes = _outcomes(planned, record)
+    return _opened(StoredSteps(planned, store), planned, outcomes, record.settings, record.seconds)
+
+
+def open_unfinished(
+    graph: Graph, settings: RunSettings, ended: Mapping[CellKey, Outcome], store: Store
+) -> Run:
+    """Return a run that goes on or was interrupted; what it has not stored is computed when asked.
+
+    Parameters
+    ----------
+    graph
+        See `saved_graph`.
+    settings
+    ended
+        How steps ended, by `Cell.key`; the others are expected to succeed.
+    store
+    """
+    planned = plan(graph)
+    cache = StoredSteps(planned, store)
+    outcomes: dict[int, Outcome] = {}
+    for step in planned.steps:
+        outcome = ended.get(_cell(step).key, Outcome(State.DONE))
+        cause = skipped(planned, step, outcomes) if outcome.state is State.SKIPPED else None
+        key = cache.key(step, outcomes)
+        outcomes[step.index] = replace(outcome, key=key, cause=cause.cause if cause else None)
+    return _opened(cache, planned, outcomes, settings, 0.0)
+
+
+def _opened(
+    cache: StoredSteps,
+    planned: Plan,
+    outcomes: Mapping[int, Outcome],
+    settings: RunSettings,
+    seconds: float,
+) -> Run:
+    packer = cache.store.packer
+    return Run(planned, outcomes, {}, seconds, cache, packer, settings, is_opened=True)
 
 
 def saved_graph(
@@ -102,20 +117,20 @@ def saved_graph(
 
 def _outcomes(planned: Plan, record: Record) -> Mapping[int, Outcome]:
     """Return the outcomes of the steps of a plan in a run."""
-    recorded = {
-        (cell.node, *sorted(cell.labels.items())): step
-        for step in record.steps
-        for cell in step.cells
-    }
+    recorded = {cell.key: step for step in record.steps for cell in step.cells}
     outcomes: dict[int, Outcome] = {}
     for step in planned.steps:
-        earlier = recorded.get((step.node, *sorted(plain(step.labels).items())))
+        earlier = recorded.get(_cell(step).key)
         outcomes[step.index] = (
             Outcome(State.SKIPPED, reason="it was not in the run")
             if earlier is None
             else _outcome(earlier, skipped(planned, step, outcomes))
         )
     return outcomes
+
+
+def _cell(step: Step) -> Cell:
+    return Cell(step.node, plain(step.labels))
 
 
 def _outcome(step: RecordedStep, without_input: Outcome | None) -> Outcome:

@@ -27,6 +27,7 @@ from nodegraph.state import State
 
 FORMAT = 2
 Labels = dict[str, Label]
+CellKey = tuple[str, tuple[tuple[str, str], ...]]
 
 _DIGITS = 10
 """Digits of the digests of code that a record holds."""
@@ -117,7 +118,7 @@ class Cell:
         return f"{self.node}={self.labels[self.node]}" if self.node in self.labels else self.node
 
     @property
-    def key(self) -> tuple[str, tuple[tuple[str, str], ...]]:
+    def key(self) -> CellKey:
         """What is the same in all runs that have the combination."""
         labels = sorted((axis, str(label)) for axis, label in self.labels.items())
         return self.node, tuple(labels)
@@ -224,6 +225,11 @@ class RecordedStep:
     def cells(self) -> tuple[Cell, ...]:
         """The combinations that the step computes."""
         return (Cell(self.node, self.labels), *self.also)
+
+    @property
+    def status(self) -> State:
+        """The state as events and counts list it: ``stored`` if it is done without a call."""
+        return State.STORED if self.stored and self.state is State.DONE else self.state
 
     @property
     def ending(self) -> str:

@@ -23,17 +23,17 @@ from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, source
 from nodegraph.runs.record import Record
-from nodegraph.runs.record_files import read_record
 from nodegraph.runs.why import changes_since
 from nodegraph.serve.computing import Computing
 from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response
-from nodegraph.serve.runs import OpenRun, OpenRuns, RunState, entry_of
-from nodegraph.serve.values import Query, labels_in, packed, shown
+from nodegraph.serve.runs import Condition, OpenRun, OpenRuns, RunState, entry_of
+from nodegraph.serve.values import Combinations, Query, labels_in, packed, shown
 
-_EVERY = 0.5
+_EVERY = 0.2
 """Seconds between two looks at the events of a run."""
 
 _MOST_CHANGES = 5
+_MOST_COMBINATIONS = 500
 _Endpoint = Callable[..., Response]
 
 
@@ -111,13 +111,18 @@ class NotComputed(NodegraphError):
         How many steps, and what has changed since the run.
     """
 
-    def __init__(self, error: NotStored, run: Run, record: Record) -> None:
+    def __init__(self, error: NotStored, run: Run, record: Record | None) -> None:
         super().__init__(str(error))
         self.data = {
             "missing": len(error.steps),
-            "changed": list(changes_since(run, record, error.steps)),
+            "changed": _changes(run, record, error.steps),
             "message": str(error),
         }
+
+
+def _changes(run: Run, record: Record | None, steps: Sequence[int]) -> list[str]:
+    """Return what has changed since a run; nothing while it goes on."""
+    return list(changes_since(run, record, steps)) if record is not None else []
 
 
 class _Pages:
@@ -126,7 +131,7 @@ class _Pages:
         self._computing = Computing(_text)
 
     def home(self, request: Request) -> Response:
-        """Show the report of runs, or how far they are."""
+        """Show the report of runs, or their graphs while it is not there."""
         runs = self._named(request.query_params.getlist("run"))
         if not runs:
             return self.runs(request)
@@ -143,24 +148,7 @@ class _Pages:
                 message=condition.message,
                 command=condition.command,
             )
-        parts = [
-            {
-                "run": run,
-                "condition": condition,
-                "title": run.title,
-                "snapshot": run.snapshot(condition.state),
-                "drawing": run.drawing(),
-            }
-            for run, condition in conditions.items()
-        ]
-        going = [run.name for run, each in conditions.items() if not each.state.is_final]
-        scripts = [source(f"{name}.js") for name in SCRIPTS]
-        scripts.append(own_source("progress.js").replace("__RUNS__", json_in_script(going)))
-        drawings = [str(part["drawing"]) for part in parts]
-        title = " | ".join(dict.fromkeys(str(part["title"]) for part in parts))
-        return page_response(
-            "progress.html", title=title, parts=parts, scripts=scripts, trusted=drawings
-        )
+        return self._graphs(conditions)
 
     def runs(self, request: Request) -> Response:
         """List the runs, to be seen side by side."""
@@ -168,10 +156,27 @@ class _Pages:
         return page_response("runs.html", title="Runs", rows=rows, first=self._runs.first)
 
     def values(self, request: Request) -> Response:
-        """List the nodes of a run with their combinations."""
-        run = self._run(request)
-        record = read_record(run.folder)
-        return page_response("values.html", title="Results", run=run, record=record)
+        """Show the graph of a run with the states of its steps, or the combinations of a node."""
+        run, query = self._run(request), _query(request)
+        if "node" not in query:
+            return self._graphs({run: run.condition()})
+        condition, node = run.condition(), query["node"]
+        nodes = run.snapshot(condition.state)["nodes"]
+        if node not in nodes:
+            raise NotThere(f"no node {node!r}; {nearest(node, nodes)}")
+        combinations = Combinations(run.name, run.states(), query)
+        return page_response(
+            "combinations.html",
+            title=node,
+            run=run,
+            condition=condition,
+            combinations=combinations,
+            query=query,
+            state=nodes[node],
+            described=run.described(node),
+            left_out=run.left_out(node),
+            most=_MOST_COMBINATIONS,
+        )
 
     def value(self, request: Request) -> Response:
         """Show a value of a run."""
@@ -191,7 +196,7 @@ class _Pages:
             "value.html",
             **context,
             value=value,
-            record=record,
+            graph=values.plan.graph,
             address=request.url.query,
             scripts=[*scripts, *value.rendered.scripts],
             styles=value.rendered.styles,
@@ -258,6 +263,27 @@ class _Pages:
         lines = (f"{json.dumps(line)}\n" async for line in self._computing.lines(values, steps))
         return StreamingResponse(lines, media_type="application/x-ndjson")
 
+    def _graphs(self, conditions: Mapping[OpenRun, Condition]) -> Response:
+        """Show the graphs of runs with the states of their steps, which change as runs go on."""
+        parts = [
+            {
+                "run": run,
+                "condition": condition,
+                "title": run.title,
+                "snapshot": run.snapshot(condition.state),
+                **run.drawing(),
+            }
+            for run, condition in conditions.items()
+        ]
+        going = [run.name for run, each in conditions.items() if not each.state.is_final]
+        scripts = [source(f"{name}.js") for name in SCRIPTS]
+        scripts.append(own_source("progress.js").replace("__RUNS__", json_in_script(going)))
+        drawings = [str(part["drawing"]) for part in parts]
+        title = " | ".join(dict.fromkeys(str(part["title"]) for part in parts))
+        return page_response(
+            "graphs.html", title=title, parts=parts, scripts=scripts, trusted=drawings
+        )
+
     def _report(self, runs: Sequence[OpenRun]) -> Response:
         studies = {run.name: linked(run.study(), f"files/{run.number}") for run in runs}
         study = merged(studies) if len(studies) > 1 else next(iter(studies.values()))
@@ -280,7 +306,7 @@ class _Pages:
             raise NotThere("name a run")
         return runs[0]
 
-    def _values(self, run: OpenRun, query: Query) -> tuple[Run, Record]:
+    def _values(self, run: OpenRun, query: Query) -> tuple[Run, Record | None]:
         values, record = run.values()
         return values.now if query.get("now") else values, record
 
@@ -305,7 +331,7 @@ def _wanted(body: bytes) -> tuple[str, dict[str, str]]:
     return wanted, texts
 
 
-def _missing(wanted: str, run: Run, record: Record, query: Query) -> Sequence[int]:
+def _missing(wanted: str, run: Run, record: Record | None, query: Query) -> Sequence[int]:
     """Return the steps that have to be computed.
 
     Raises
@@ -316,7 +342,7 @@ def _missing(wanted: str, run: Run, record: Record, query: Query) -> Sequence[in
     try:
         _WANTED[wanted](run, query)
     except NotStored as error:
-        changes = changes_since(run, record, error.steps)
+        changes = _changes(run, record, error.steps)
         if changes:
             raise NodegraphError(
                 f"changed since the run: {listed(changes, _MOST_CHANGES)}"

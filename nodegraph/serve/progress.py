@@ -1,25 +1,110 @@
-"""The progress of a run, from the events that it writes."""
+"""The progress of a run, from the events that it writes, and the states of its steps."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, TypedDict
 
 from nodegraph.execute.events import EventKind
-from nodegraph.formatting import name_at
+from nodegraph.runs.record import Cell
 from nodegraph.state import State
 
 WAITING, RUNNING = "waiting", "running"
-COUNTED = (WAITING, RUNNING, *(state.value for state in State if state is not State.UNNEEDED))
-"""The states that steps are counted by; unneeded steps count as waiting."""
+"""The states of steps that have not ended; in an unfinished run, unneeded steps are waiting."""
 
+Counts = dict[str, Counter[str]]
+"""The number of steps of each node by state."""
+
+IN_ORDER = (
+    State.FAILED, RUNNING, State.REFUSED, State.SKIPPED, State.DONE, State.STORED, State.UNNEEDED,
+    WAITING,
+)  # fmt: skip
+"""All states, in the order in which a reader wants to know of them."""
+
+_MARKED = (State.FAILED, RUNNING, WAITING, State.REFUSED, State.SKIPPED)
+"""The states by which a node is marked, the first that any of its steps is in."""
+
+_WITH_VALUE = frozenset(state.value for state in State if state.has_value)
 _MOST_BYTES = 1 << 24
-_MOST_FAILURES = 20
+MOST_FAILURES = 20
+
+
+class StepState(NamedTuple):
+    """The state of the step of one combination of a node.
+
+    Attributes
+    ----------
+    cell : Cell
+    state : str
+        `WAITING`, `RUNNING`, or how the step ended.
+    reason : str
+        Why there is no value, and the place if it is known.
+    """
+
+    cell: Cell
+    state: str
+    reason: str = ""
+
+    @property
+    def has_value(self) -> bool:
+        """Whether there is a value, which may have to be computed first."""
+        return self.state in _WITH_VALUE
+
+
+def counts_of(states: Iterable[StepState]) -> defaultdict[str, Counter[str]]:
+    """Return how many combinations of each node are in each state."""
+    counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
+    for each in states:
+        counts[each.cell.node][each.state] += 1
+    return counts
+
+
+class NodeState(TypedDict):
+    """The states of the steps of a node together, as plain data.
+
+    Attributes
+    ----------
+    counts : dict of state to int
+    text : str
+        The same in words: ``4 of 408 refused, 404 done``.
+    mark : str
+        The state that matters most; ``done`` if every step has a value.
+    settled : float
+        Share of the steps that have ended.
+    """
+
+    counts: dict[str, int]
+    text: str
+    mark: str
+    settled: float
+
+
+def node_state(counts: Mapping[str, int]) -> NodeState:
+    """Return the states of the steps of a node together."""
+    known = {str(state): counts[state] for state in IN_ORDER if counts.get(state)}
+    total = sum(known.values())
+    texts = [f"{count:,} {state}" for state, count in known.items()]
+    if len(known) > 1:
+        texts[0] = texts[0].replace(" ", f" of {total:,} ")
+    open_steps = known.get(RUNNING, 0) + known.get(WAITING, 0)
+    return {
+        "counts": known,
+        "text": ", ".join(texts) or "no steps",
+        "mark": str(next((state for state in _MARKED if state in known), State.DONE)),
+        "settled": 1 - open_steps / max(total, 1),
+    }
+
+
+def failures_of(states: Iterable[StepState]) -> list[str]:
+    """Return the first failures."""
+    failed = (each for each in states if each.state == State.FAILED)
+    return [f"{each.cell.name}: {each.reason}" for each in islice(failed, MOST_FAILURES)]
 
 
 @dataclass
@@ -38,6 +123,8 @@ class Progress:
         How many steps are still to be settled; None if that is not known yet.
     to_go : float or None
         Estimated seconds to the end.
+    states : dict of step to StepState
+        Of the steps that have begun or ended.
     failures : list of str
         The first failures.
     unreadable : int
@@ -49,9 +136,12 @@ class Progress:
     seconds: float = 0.0
     left: int | None = None
     to_go: float | None = None
+    states: dict[int, StepState] = field(default_factory=dict, repr=False)
     failures: list[str] = field(default_factory=list)
     unreadable: int = 0
-    _states: dict[int, tuple[str, str]] = field(default_factory=dict, repr=False)
+    _counts: defaultdict[str, Counter[str]] = field(
+        default_factory=lambda: defaultdict(Counter), repr=False
+    )
 
     @property
     def nodes(self) -> dict[str, int]:
@@ -82,30 +172,33 @@ class Progress:
             self._settle(event, RUNNING if kind == EventKind.STARTED else kind)
         self.last, self.seconds = kind, seconds
 
-    def counts(self, *, is_over: bool = False) -> dict[str, dict[str, int]]:
-        """Return the number of steps of each node by state; states without any are absent.
+    def counts(self, *, is_over: bool = False) -> Counts:
+        """Return the number of steps of each node by state.
 
         Parameters
         ----------
         is_over
             Whether nothing is running any more, whatever the events say.
         """
-        counts: dict[str, Counter[str]] = {name: Counter() for name in self.nodes}
-        for node, state in self._states.values():
-            if not (is_over and state == RUNNING):
-                counts.setdefault(node, Counter())[state] += 1
-        for node, steps in self.nodes.items():
-            counts[node][WAITING] = max(0, steps - counts[node].total())
-        return {
-            node: {state: states[state] for state in COUNTED if states[state]}
-            for node, states in counts.items()
-        }
+        counts: Counts = {}
+        for node in {**self.nodes, **self._counts}:
+            states = Counter(self._counts[node])
+            if is_over:
+                del states[RUNNING]
+            states[WAITING] = max(0, self.nodes.get(node, 0) - states.total())
+            counts[node] = +states
+        return counts
 
     def _settle(self, event: Mapping[str, Any], state: str) -> None:
-        node = str(event["node"])
-        if state == State.FAILED and len(self.failures) < _MOST_FAILURES:
-            self.failures.append(f"{name_at(node, event['labels'])}: {event['reason']}")
-        self._states[int(event["step"])] = node, state
+        index, cell = int(event["step"]), Cell(str(event["node"]), dict(event.get("labels", {})))
+        now = StepState(cell, state, str(event.get("reason", "")))
+        before = self.states.get(index)
+        if before is not None:
+            self._counts[before.cell.node][before.state] -= 1
+        self._counts[cell.node][state] += 1
+        self.states[index] = now
+        if len(self.failures) < MOST_FAILURES:
+            self.failures += failures_of([now])
 
 
 def _finite(text: str) -> float:

@@ -5,27 +5,40 @@ from __future__ import annotations
 import shlex
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock
 from typing import Any
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run, RunSettings, open_store
+from nodegraph.execute.outcome import Outcome
 from nodegraph.filenames import portable_name
+from nodegraph.formatting import number_of
+from nodegraph.graph import Graph
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.study import Study, read_study
 from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_run, is_written, runs_in
-from nodegraph.runs.opened import open_run, saved_graph
-from nodegraph.runs.record import Record
+from nodegraph.runs.opened import open_run, open_unfinished, saved_graph
+from nodegraph.runs.record import CellKey, Record
 from nodegraph.runs.record_files import read_record
-from nodegraph.serve.progress import EventFile, Progress
+from nodegraph.serve.progress import (
+    Counts,
+    EventFile,
+    Progress,
+    StepState,
+    counts_of,
+    failures_of,
+    node_state,
+)
+from nodegraph.state import State
 
 _LONGEST = 1 << 20
-_QUIET = 4
+_QUIET = 10
 """After how many looks without a new event a run may have been killed."""
 
 
@@ -78,9 +91,10 @@ class OpenRun:
         self._events = EventFile(folder / EVENTS)
         self._quiet = 0
         self._state = RunState.RUNNING
-        self._study: tuple[tuple[int, int], Study] | None = None
-        self._values: tuple[tuple[int, int], Run, Record] | None = None
-        self._lock = Lock()
+        self._study: tuple[_Version, Study] | None = None
+        self._record: tuple[_Version, Record] | None = None
+        self._values: tuple[_Version, Run] | None = None
+        self._lock = RLock()
 
     def condition(self) -> Condition:
         """Return in which state the folder is now."""
@@ -94,11 +108,12 @@ class OpenRun:
         except OSError as error:
             return Condition(RunState.UNREADABLE, f"{self.folder} cannot be read: {error}")
         except NodegraphError as error:
-            return Condition(RunState.UNREADABLE, str(error), self._recorded_command())
+            record = self._record_if_any()
+            return Condition(RunState.UNREADABLE, str(error), record.command if record else "")
         return Condition(RunState.FINISHED)
 
     def snapshot(self, state: RunState | None = None) -> dict[str, Any]:
-        """Return the progress of the run as plain data.
+        """Return how far the run is as plain data.
 
         Parameters
         ----------
@@ -113,15 +128,42 @@ class OpenRun:
         elif self._quiet % _QUIET == 0:
             # seldom, as it holds for a moment the lock that a run takes when it begins
             self._state = self.condition().state
-        progress = self._events.progress
+        progress, record = self._events.progress, self._record_if_any()
+        if record is None:
+            counts: Counts = progress.counts(is_over=self._state.is_final)
+            failures = progress.failures
+        else:
+            known = counts_of(self.states())
+            counts = {node: known[node] for node in {**progress.nodes, **record.nodes}}
+            failures = failures_of(self.states())
         return {
             "state": self._state,
-            "nodes": progress.counts(is_over=self._state.is_final),
+            "nodes": {node: node_state(states) for node, states in counts.items()},
             "seconds": round(progress.seconds, 1),
-            "left": progress.left,
             "to_go": progress.to_go,
-            "failures": progress.failures,
+            "failures": failures,
         }
+
+    def states(self) -> Sequence[StepState]:
+        """Return the states of all combinations; of an unfinished run, of those that have begun."""
+        record = self._record_if_any()
+        if record is None:
+            with self._lock:
+                self._read_events()
+                return list(self._events.progress.states.values())
+        return [
+            StepState(
+                cell, step.status, f"{step.reason} ({step.place})" if step.place else step.reason
+            )
+            for step in record.steps
+            for cell in step.cells
+        ]
+
+    def left_out(self, node: str) -> Mapping[str, int]:
+        """Return why combinations of a node were not planned, and how many; known at the end."""
+        record = self._record_if_any()
+        skipped = record.skipped if record is not None else ()
+        return {each.reason: each.counts[node] for each in skipped if node in each.counts}
 
     def study(self) -> Study:
         """Return the study that the report shows.
@@ -137,37 +179,90 @@ class OpenRun:
                 self._study = version, read_study(self.folder)
             return self._study[1]
 
-    def values(self) -> tuple[Run, Record]:
-        """Return the run with its values, and its record.
+    def record(self) -> Record | None:
+        """Return the record of the run; None as long as it has none.
+
+        Raises
+        ------
+        NodegraphError
+            If it cannot be read.
+        """
+        version = _version(self.folder / RECORD)
+        with self._lock:
+            if version == _ABSENT:
+                return None
+            if self._record is None or self._record[0] != version:
+                self._record = version, read_record(self.folder)
+            return self._record[1]
+
+    def graph(self) -> Graph:
+        """Return the graph of the run.
+
+        Raises
+        ------
+        NodegraphError
+            If it cannot be read, or does not fit what is installed.
+        """
+        record = self.record()
+        if record is None:
+            settings, origin = self._begun()
+            return saved_graph(self.folder, settings, origin, self._registry)
+        self._refuse_missing_plugins(record)
+        return saved_graph(
+            self.folder,
+            record.settings,
+            Path(record.folder),
+            self._registry,
+            included=record.included,
+            only=record.axes,  # no methods that were installed later
+        )
+
+    def values(self) -> tuple[Run, Record | None]:
+        """Return the run with its values, and its record if it has one.
 
         Raises
         ------
         NodegraphError
             If its record cannot be read, or its graph does not fit what is installed.
         """
-        version = _version(self.folder / RECORD)
+        record = self.record()
+        version = _version(self.folder / (EVENTS if record is None else RECORD))
         with self._lock:
             if self._values is None or self._values[0] != version:
-                record = read_record(self.folder)
-                self._refuse_missing_plugins(record)
-                store = open_store(
-                    self._registry, self._store or self._recorded_store(record), _warn
+                settings, origin = (
+                    self._begun() if record is None else (record.settings, Path(record.folder))
                 )
-                run = open_run(self.folder, record, self._registry, store)
-                self._values = version, run, record
-            return self._values[1:]
+                graph, folder = self.graph(), self._store or _store_of(settings, origin)
+                store = open_store(self._registry, folder, _warn)
+                self._values = (
+                    version,
+                    (
+                        open_unfinished(graph, settings, self._ended(), store)
+                        if record is None
+                        else open_run(graph, record, store)
+                    ),
+                )
+            return self._values[1], record
 
-    def drawing(self) -> str:
-        """Return the graph as SVG; empty if it cannot be drawn."""
-        settings = self._settings
-        if settings is None:
-            return ""
-        origin = Path(str(self._events.progress.planned.get("folder", "")))
+    def drawing(self) -> dict[str, str]:
+        """Return the graph as SVG, or a message that says why it is not drawn."""
         try:
-            graph = saved_graph(self.folder, settings, origin, self._registry)
-            return drawing_for_page(graph, fold=False)
+            drawing = drawing_for_page(self.graph(), fold=False)
+        except NodegraphError as error:
+            return {"drawing": "", "message": f"The graph is not drawn: {error}"}
+        return {"drawing": drawing, "message": "" if drawing else "The graph is too large to draw."}
+
+    def described(self, node: str) -> str:
+        """Return the methods of a node and its place in the graph; empty if they are unknown."""
+        try:
+            known = self.graph().nodes.get(node)
         except NodegraphError:
             return ""
+        if known is None:
+            return ""
+        methods = list(known.methods.values())
+        what = methods[0].node.name if len(methods) == 1 else number_of(len(methods), "method")
+        return f"{what}, {known.place}"
 
     def files(self) -> Mapping[str, Path]:
         """Return the files that the report links, by the names under which it links them."""
@@ -185,16 +280,28 @@ class OpenRun:
             self._read_events()
             return str(self._events.progress.planned.get("title", ""))
 
-    @property
-    def _settings(self) -> RunSettings | None:
-        """The settings of the run, from its first event."""
+    def _begun(self) -> tuple[RunSettings, Path]:
+        """Return the settings of an unfinished run and its working directory."""
         from pydantic import TypeAdapter, ValidationError
 
-        settings = self._events.progress.planned.get("settings")
+        with self._lock:
+            self._read_events()
+        planned = self._events.progress.planned
         try:
-            return TypeAdapter(RunSettings).validate_python(settings)
-        except ValidationError:
-            return None
+            settings = TypeAdapter(RunSettings).validate_python(planned.get("settings"))
+        except ValidationError as error:
+            raise NodegraphError(
+                f"{self.folder / EVENTS} does not begin with the settings of a run"
+            ) from error
+        return settings, Path(str(planned.get("folder", "")))
+
+    def _ended(self) -> Mapping[CellKey, Outcome]:
+        """Return how steps of an unfinished run ended."""
+        ended = {}
+        for each in self.states():
+            with suppress(ValueError):  # it is running
+                ended[each.cell.key] = Outcome(State(each.state), reason=each.reason)
+        return ended
 
     def _read_events(self) -> bool:
         try:
@@ -205,29 +312,23 @@ class OpenRun:
     def _interrupted(self) -> Condition:
         with self._lock:
             self._read_events()
-        progress = self._events.progress
-        settings = self._settings
-        message = f"the run ended after {progress.seconds:.0f} s without a result"
-        if settings is None:
+        message = f"the run ended after {self._events.progress.seconds:.0f} s without a result"
+        try:
+            settings, origin = self._begun()
+        except NodegraphError:
             return Condition(RunState.INTERRUPTED, message)
         if settings.cache:
             message += "; finished steps are stored, and the same command continues from there"
-        origin = Path(str(progress.planned.get("folder", "")))
         return Condition(
             RunState.INTERRUPTED, message, _command(settings, origin, self.folder.resolve())
         )
 
-    def _recorded_command(self) -> str:
+    def _record_if_any(self) -> Record | None:
+        """Return the record; None if there is none that can be read."""
         try:
-            return read_record(self.folder).command
+            return self.record()
         except NodegraphError:
-            return ""
-
-    def _recorded_store(self, record: Record) -> Path | None:
-        if not record.settings.store:
             return None
-        folder = Path(record.folder, record.settings.store)
-        return folder if folder.is_dir() else None
 
     def _refuse_missing_plugins(self, record: Record) -> None:
         """Raise an error if the run used plugin files; only the user may name what is imported."""
@@ -252,12 +353,22 @@ def _command(settings: RunSettings, origin: Path, folder: Path) -> str:
     return f"{settings.command} {shlex.join(['--out', str(out)])}"
 
 
-def _version(path: Path) -> tuple[int, int]:
-    """Return the stamp of a file, which changes when the file is replaced."""
+def _store_of(settings: RunSettings, origin: Path) -> Path | None:
+    """Return the folder in which a run stored results; None for the default."""
+    folder = origin / settings.store
+    return folder if settings.store and folder.is_dir() else None
+
+
+_Version = tuple[int, int]
+_ABSENT = 0, 0
+
+
+def _version(path: Path) -> _Version:
+    """Return the stamp of a file, which changes when the file is replaced or grows."""
     try:
         status = path.stat()
     except OSError:
-        return 0, 0
+        return _ABSENT
     return status.st_mtime_ns, status.st_size
 
 

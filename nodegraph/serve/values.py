@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from typing import Any, NamedTuple
+from urllib.parse import urlencode
 
 from nodegraph.errors import NodegraphError, listed, nearest
 from nodegraph.execute import NotStored, Run, Values
@@ -15,6 +16,8 @@ from nodegraph.node.ports import Label
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
+from nodegraph.runs.record import Cell
+from nodegraph.serve.progress import IN_ORDER, StepState
 
 Query = Mapping[str, str]
 """The query of an address."""
@@ -50,6 +53,80 @@ class Shown:
 def labels_in(query: Query) -> dict[str, str]:
     """Return the labels in a query: ``at.length=5``."""
     return {name.removeprefix(AT): text for name, text in query.items() if name.startswith(AT)}
+
+
+class Combination(NamedTuple):
+    """One combination of a node, as a list shows it.
+
+    Attributes
+    ----------
+    labels : str
+        Of the axes along which the node has several; else its name.
+    address : str
+        The query of its value; empty without one.
+    state, reason : str
+    """
+
+    labels: str
+    address: str
+    state: str
+    reason: str
+
+
+class Combinations:
+    """The combinations of a node with their states.
+
+    Parameters
+    ----------
+    run
+        Its name.
+    states
+        Of all nodes.
+    query
+        ``node``, and ``state`` and labels as far as they are chosen.
+
+    Attributes
+    ----------
+    rows : list of Combination
+        Those that are chosen; what has failed comes first.
+    axes : dict of axis to labels
+        Along which the node has several.
+    states : list of str
+        In which some of all its combinations are.
+    """
+
+    def __init__(self, run: str, states: Iterable[StepState], query: Query) -> None:
+        of_node = [each for each in states if each.cell.node == query["node"]]
+        labels: dict[str, dict[str, None]] = {}
+        for each in of_node:
+            for axis, label in each.cell.labels.items():
+                labels.setdefault(axis, {})[str(label)] = None
+        self.axes = {axis: list(known) for axis, known in labels.items() if len(known) > 1}
+        found = {each.state for each in of_node}
+        self.states = [str(state) for state in IN_ORDER if state in found]
+        chosen = {name: text for name, text in labels_in(query).items() if text}
+        self.rows = [
+            Combination(
+                self._text(each.cell),
+                _address(run, each.cell) if each.has_value else "",
+                each.state,
+                each.reason,
+            )
+            for state in self.states
+            for each in of_node
+            if each.state == state
+            and query.get("state", "") in ("", state)
+            and all(str(each.cell.labels.get(axis)) == text for axis, text in chosen.items())
+        ]
+
+    def _text(self, cell: Cell) -> str:
+        labels = {axis: label for axis, label in cell.labels.items() if axis in self.axes}
+        return labels_of(labels) or cell.node
+
+
+def _address(run: str, cell: Cell) -> str:
+    labels = {f"{AT}{axis}": label for axis, label in cell.labels.items()}
+    return urlencode({"run": run, "node": cell.node, **labels})
 
 
 def shown(run: Run, query: Query) -> Shown:

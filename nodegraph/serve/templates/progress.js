@@ -1,10 +1,12 @@
-"use strict";
-// How far runs are: counts of steps in the drawing of the graph and in a table, from the events
-// that the server sends. When a run has ended, the page shows what there is then.
-{
+// How far runs are: the states of their steps in the drawing of the graph and in a table, from the
+// events that the server sends. When a run has ended, the page shows what there is then.
+nodegraph.define("progress", ["page"], ({ element, svg }) => {
   const GOING = __RUNS__;
-  const SVG = "http://www.w3.org/2000/svg";
-  const COLUMNS = ["waiting", "running", "done", "stored", "refused", "failed", "skipped"];
+  const STATES = ["waiting", "running", "done", "stored", "unneeded", "refused", "failed", "skipped"];
+  const BORDERS = {
+    failed: "some failed", running: "running", waiting: "some are waiting",
+    refused: "some refused", skipped: "some skipped", done: "all have a value",
+  };
   const duration = (seconds) => {
     const whole = Math.round(seconds);
     if (whole < 60) return `${whole} s`;
@@ -12,78 +14,107 @@
   };
   const total = (counts) => Object.values(counts).reduce((sum, count) => sum + count, 0);
   const settled = (counts) => total(counts) - (counts.waiting ?? 0) - (counts.running ?? 0);
-  const stateOf = (counts) => {
-    if (counts.failed) return "failed";
-    if (counts.running) return "running";
-    if (settled(counts) === total(counts)) return "done";
-    return settled(counts) ? "running" : "waiting";
-  };
-  const draw = (box, counts) => {
-    const frame = box.querySelector("rect.frame");
-    if (!frame) return;
-    const [width, height] = ["width", "height"].map((name) => Number(frame.getAttribute(name)));
-    let text = box.querySelector("text.count");
-    let meter = box.querySelector("rect.meter");
-    if (!text) {
-      text = document.createElementNS(SVG, "text");
-      text.setAttribute("class", "count");
-      meter = document.createElementNS(SVG, "rect");
-      meter.setAttribute("class", "meter");
-      box.append(meter, text);
+
+  // Each card leads to the combinations of its node.
+  class Card {
+    constructor(box, address) {
+      this.name = box.dataset.box;
+      this.frame = box.querySelector("rect.frame");
+      this.width = Number(this.frame.getAttribute("width"));
+      this.title = box.querySelector("title");
+      this.count = svg("text", { class: "count", x: this.width, y: -5 });
+      this.meter = svg("rect", { class: "meter", y: Number(this.frame.getAttribute("height")) - 4, height: 4, rx: 2 });
+      this.link = svg("a", { href: address });
+      box.replaceWith(this.link);
+      this.link.append(box);
+      box.append(this.meter, this.count);
     }
-    const all = total(counts);
-    box.dataset.state = stateOf(counts);
-    text.setAttribute("x", width);
-    text.setAttribute("y", -5);
-    text.textContent = all ? `${settled(counts)} of ${all}${counts.failed ? `, ${counts.failed} failed` : ""}` : "";
-    for (const [name, value] of Object.entries({ x: 0, y: height - 4, height: 4, rx: 2, width: all ? (width * settled(counts)) / all : 0 })) meter.setAttribute(name, value);
-  };
-  const table = (body, nodes) => {
-    const rows = Object.entries(nodes).map(([name, counts]) => {
-      const row = document.createElement("tr");
-      const head = document.createElement("th");
-      head.scope = "row";
-      head.textContent = name;
-      const cells = COLUMNS.map((column) => {
-        const cell = document.createElement("td");
-        cell.className = "number";
-        cell.textContent = counts[column] ?? "";
-        return cell;
-      });
-      row.append(head, ...cells);
-      return row;
-    });
-    body.replaceChildren(...rows);
-  };
-  const show = (section, snapshot) => {
-    const boxes = new Map([...section.querySelectorAll("[data-box]")].map((box) => [box.dataset.box, box]));
-    for (const [name, counts] of Object.entries(snapshot.nodes)) if (boxes.has(name)) draw(boxes.get(name), counts);
-    const body = section.querySelector(".served-counts tbody");
-    if (body) table(body, snapshot.nodes);
-    const failures = section.querySelector(".served-failures");
-    if (failures) {
+
+    show({ mark, text, settled: share }) {
+      this.link.dataset.state = mark;
+      this.title.textContent = `${this.name}: ${text}`;
+      this.meter.setAttribute("width", share < 1 ? this.width * share : 0);
+      const parts = text.split(", ");
+      this.count.textContent = text;
+      while (parts.length > 1 && this.count.getComputedTextLength() > this.width) {
+        parts.pop();
+        this.count.textContent = `${parts.join(", ")} \u2026`;
+      }
+    }
+  }
+
+  class Section {
+    constructor(part) {
+      this.part = part;
+      this.run = part.dataset.run;
+      this.states = [];
+      const drawing = part.querySelector(".drawing > svg");
+      drawing?.setAttribute("role", "group");
+      this.cards = [...part.querySelectorAll("[data-box]")].map((box) => new Card(box, this.address(box.dataset.box)));
+    }
+
+    address(node) {
+      return `/values?${new URLSearchParams({ run: this.run, node })}`;
+    }
+
+    show(snapshot) {
+      for (const card of this.cards) if (snapshot.nodes[card.name]) card.show(snapshot.nodes[card.name]);
+      this.legend(Object.values(snapshot.nodes).map(({ mark }) => mark));
+      this.table(snapshot.nodes);
+      const failures = this.part.querySelector(".served-failures");
       failures.hidden = !snapshot.failures.length;
-      failures.replaceChildren(...snapshot.failures.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+      failures.replaceChildren(...snapshot.failures.map((text) => element("li", null, text)));
+      if (GOING.includes(this.run)) this.say(snapshot);
     }
-    if (!GOING.includes(section.dataset.run)) return;
-    const counts = Object.values(snapshot.nodes);
-    const [ended, all] = [settled, total].map((of) => counts.reduce((sum, each) => sum + of(each), 0));
-    const rest = snapshot.to_go ? `, about ${duration(snapshot.to_go)} left` : "";
-    section.querySelector(".served-state").textContent =
-      `${section.dataset.run}: ${snapshot.state}, ${ended} of ${all} steps after ${duration(snapshot.seconds)}${rest}`;
-  };
-  const sections = [...document.querySelectorAll("[data-run]")];
-  for (const section of sections) show(section, JSON.parse(section.dataset.snapshot));
+
+    say({ nodes, state, seconds, to_go }) {
+      const counts = Object.values(nodes).map((node) => node.counts);
+      const [ended, all] = [settled, total].map((of) => counts.reduce((sum, each) => sum + of(each), 0));
+      const rest = to_go ? `, about ${duration(to_go)} left` : "";
+      this.part.querySelector(".served-state").textContent =
+        `${this.run}: ${state}, ${ended} of ${all} steps after ${duration(seconds)}${rest}`;
+    }
+
+    legend(marks) {
+      const list = this.part.querySelector(".served-legend");
+      list?.replaceChildren(...Object.keys(BORDERS).filter((mark) => marks.includes(mark)).map((mark) =>
+        element("li", null,
+          svg("svg", { class: "nodegraph-picture", width: 40, height: 22, "aria-hidden": "true" },
+            svg("g", { "data-state": mark }, svg("rect", { class: "frame", x: 3, y: 3, width: 34, height: 16, rx: 5 }))),
+          BORDERS[mark])));
+    }
+
+    // Columns stand for states that occur; the focus stays on the link where it is.
+    table(nodes) {
+      const states = STATES.filter((state) => Object.values(nodes).some(({ counts }) => counts[state]));
+      const table = this.part.querySelector(".served-counts");
+      if (states.join() !== this.states.join() || !table.tBodies[0].rows.length) {
+        this.states = states;
+        const title = (state) => state[0].toUpperCase() + state.slice(1);
+        table.tHead.replaceChildren(element("tr", null, element("th", { scope: "col" }, "Node"),
+          states.map((state) => element("th", { scope: "col", class: "number" }, title(state)))));
+        table.tBodies[0].replaceChildren(...Object.keys(nodes).map((name) => element("tr", null,
+          element("th", { scope: "row" }, element("a", { href: this.address(name) }, name)),
+          states.map(() => element("td", { class: "number" })))));
+      }
+      for (const [row, { counts }] of Object.values(nodes).entries()) {
+        for (const [column, state] of states.entries()) table.tBodies[0].rows[row].cells[column + 1].textContent = counts[state] ?? "";
+      }
+    }
+  }
+
+  const sections = [...document.querySelectorAll("[data-run]")].map((part) => new Section(part));
+  for (const section of sections) section.show(JSON.parse(section.part.dataset.snapshot));
   if (GOING.length) {
     const query = new URLSearchParams(GOING.map((name) => ["run", name]));
     const events = new EventSource(`/progress?${query}`);
     events.onmessage = ({ data }) => {
       const runs = JSON.parse(data);
-      for (const section of sections) if (section.dataset.run in runs) show(section, runs[section.dataset.run]);
+      for (const section of sections) if (section.run in runs) section.show(runs[section.run]);
       if (Object.values(runs).every(({ state }) => state !== "running" && state !== "writing its report")) {
         events.close();
         location.reload();
       }
     };
   }
-}
+});

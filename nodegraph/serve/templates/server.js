@@ -13,7 +13,7 @@ nodegraph.define("server", ["page"], ({ element, announce }) => {
     ".served-bar { display: flex; flex-wrap: wrap; gap: 0.25rem 1.25rem; font-size: 0.875rem; }"));
   if (!document.querySelector(".served-bar")) {
     const of_run = (name) => element("a", { href: `/values?${new URLSearchParams({ run: name })}` },
-      RUNS.length > 1 ? `All results of ${name}` : "All results");
+      RUNS.length > 1 ? `Graph and results of ${name}` : "Graph and results");
     const bar = element("nav", { class: "served-bar", "aria-label": "Pages" },
       element("a", { href: "/runs" }, "Runs"), RUNS.map(of_run));
     (document.querySelector("body > header") ?? document.body).prepend(bar);

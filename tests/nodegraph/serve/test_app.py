@@ -87,14 +87,53 @@ def test_files_that_a_study_links_outside_its_folder_are_not_given(opened: Opene
 
 def test_any_value_is_shown_and_saved(opened: Opened) -> None:
     pages = opened()
-    index = shown(pages.get("/values?run=toy"))
-    assert 'name="at.start"' in index
-    assert "&lt;u&gt;" in index
     page = shown(pages.get(f"/value?{VALUE}"))
     assert "start=1, fill=hold" in page
     assert '<pre tabindex="0">2.0</pre>' in page
     error = shown(pages.get(f"/value?{VALUE.replace('node=fill', 'node=error')}"))
     assert "error: 1.0" in error
+
+
+def states_in(page: str) -> Any:
+    """Return the states of nodes that a page has."""
+    (data,) = re.findall(r'data-snapshot="([^"]*)"', page)
+    return json.loads(data.replace("&#34;", '"'))
+
+
+def test_a_graph_has_the_states_of_its_steps(opened: Opened) -> None:
+    page = shown(opened().get("/values?run=toy"))
+    assert 'data-box="fill"' in page
+    states = states_in(page)["nodes"]
+    assert {name: each["text"] for name, each in states.items()} == {
+        "a": "2 done",
+        "fill": "1 of 4 refused, 3 done",
+        "error": "1 of 4 skipped, 3 done",
+        "table": "1 done",
+    }
+    assert {name: each["mark"] for name, each in states.items()} == {
+        "a": "done", "fill": "refused", "error": "skipped", "table": "done",
+    }  # fmt: skip
+
+
+def test_combinations_are_listed_with_states_and_reasons(opened: Opened) -> None:
+    pages = opened()
+    page = shown(pages.get("/values?run=toy&node=fill"))
+    assert re.search(r"2 methods, \S*toy.yaml:6:", page)
+    rows = re.findall("<tr><th scope=.row.>(.*?)</th><td>(.*?)</td><td>(.*?)</td></tr>", page)
+    assert rows[0] == ("start=5, fill=&lt;u&gt;", "refused", "too large")
+    assert [(state, reason) for _, state, reason in rows[1:]] == [("done", "")] * 3
+    chosen = shown(pages.get("/values?run=toy&node=fill&at.start=1&at.fill=hold&state="))
+    (address,) = re.findall(r'<a href="(/value\?.*?)">start=1, fill=hold</a>', chosen)
+    assert '<pre tabindex="0">2.0</pre>' in shown(pages.get(address.replace("&amp;", "&")))
+    assert "4 combinations" in page
+    assert "1 combination<" in chosen
+    assert "no node &#39;nowhere&#39;" in shown(pages.get("/values?run=toy&node=nowhere"))
+
+
+def test_a_graph_that_cannot_be_built_is_a_message_beside_its_states(opened: Opened) -> None:
+    page = shown(opened(plugins=()).get("/values?run=toy"))
+    assert re.search(r"not drawn: .*--plugin \S*toys.py", page)
+    assert states_in(page)["nodes"]["a"]["text"] == "2 done"
 
 
 @pytest.mark.parametrize(
@@ -220,9 +259,10 @@ def test_odd_requests_to_compute_are_messages(opened: Opened, body: bytes) -> No
 
 
 def test_a_run_that_goes_on_is_drawn_with_its_states(opened: Opened, folder: Path) -> None:
+    shutil.rmtree("store")
     graph = ng.load("toy.yaml", plugins=["toys.py"])
     events: list[Any] = []
-    ng.run(graph, store="store2", listeners=[events.append])
+    ng.run(graph, store="store", listeners=[events.append])
     going = RunFolder(Path("runs/going"), graph.spec.text)
     half = [event for event in events if event.node in ("", "a") and event.kind != "finished"]
     for event in half:
@@ -230,15 +270,20 @@ def test_a_run_that_goes_on_is_drawn_with_its_states(opened: Opened, folder: Pat
     pages = opened("runs/going")
     page = shown(pages.get("/"))
     assert 'data-box="fill"' in page
-    counts = json.loads(re.findall(r'data-snapshot="([^"]*)"', page)[0].replace("&#34;", '"'))
-    assert counts["state"] == "running"
-    assert counts["nodes"] == {
+    states = states_in(page)
+    assert states["state"] == "running"
+    assert {name: each["counts"] for name, each in states["nodes"].items()} == {
         "a": {"done": 2}, "fill": {"waiting": 4}, "error": {"waiting": 4}, "table": {"waiting": 1},
     }  # fmt: skip
+    assert '">start=1</a></th><td>done</td>' in shown(pages.get("/values?run=going&node=a"))
+    assert '<pre tabindex="0">1.0</pre>' in shown(pages.get("/value?run=going&node=a&at.start=1"))
+    assert "2.0" in shown(pages.get(f"/value?{VALUE.replace('run=toy', 'run=going')}"))
+    shutil.rmtree("store")
+    assert 'id="compute"' in shown(pages.get("/value?run=going&node=a&at.start=1"))
     going.close()  # as if it were killed
     page = shown(pages.get("/"))
     assert "interrupted" in page
-    assert "nodegraph run toy.yaml --plugin toys.py --store store2 --out runs/going" in page
+    assert "nodegraph run toy.yaml --plugin toys.py --store store --out runs/going" in page
     sent = pages.get("/progress?run=going").text
     assert json.loads(sent.splitlines()[-2].removeprefix("data: "))["going"]["state"] != "running"
     assert "going" in shown(opened("runs").get("/runs"))
@@ -251,7 +296,8 @@ def test_a_damaged_folder_is_a_message(opened: Opened, name: str, content: bytes
     if content is not None:
         (RUN / name).write_bytes(content)
     pages = opened()
-    for target in ("/", "/runs", "/values?run=toy", f"/value?{VALUE}", "/files/0/run.json"):
+    targets = ["/", "/runs", "/values?run=toy", "/values?run=toy&node=fill"]
+    for target in (*targets, f"/value?{VALUE}", "/files/0/run.json"):
         answer = pages.get(target)
         assert answer.status in (200, 404, 409), answer.body
         assert b"internal error" not in answer.body

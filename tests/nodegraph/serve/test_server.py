@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -22,8 +23,11 @@ import pytest
 from playwright.sync_api import Page
 from starlette.responses import PlainTextResponse
 
+import nodegraph as ng
+from nodegraph.execute import Event
+from nodegraph.runs.folder import RunFolder
 from nodegraph.serve import server
-from tests.browser import until
+from tests.browser import needs_axe, until, violations
 
 _COMMAND = (sys.executable, "-m", "nodegraph.cli.main", "open", "runs/toy")
 _BROWSER = """\
@@ -79,6 +83,60 @@ def test_a_browser_opens_the_address_once(folder: Path, tab: Page) -> None:
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate()
         assert (process.returncode, "Traceback" in errors) == (130, False)
+
+
+@needs_axe
+def test_cards_show_states_and_lead_to_values_while_a_run_goes_on(folder: Path, tab: Page) -> None:
+    graph = ng.load("toy.yaml", plugins=["toys.py"])
+    events: list[Event] = []
+    ng.run(graph, store="other", listeners=[events.append])
+    going = RunFolder(Path("runs/going"), graph.spec.text)
+    going.hear(events[0])
+    words = ("--plugin", "toys.py", "--store", "store", "--no-browser")
+    with served(*words) as (address, _):
+        tab.goto(address)
+        host = address.partition("/?token=")[0]
+        tab.goto(f"{host}/?run=going")
+        assert cards(tab)["fill"] == ("4 waiting", "waiting")
+        for event in events[1:-3]:
+            going.hear(event)
+        until(tab, "/refused, 3 done/.test(document.querySelector('[data-box=fill]').textContent)")
+        assert cards(tab)["fill"] == ("1 of 4 refused, 3 done", "refused")
+        assert cards(tab)["table"] == ("1 waiting", "waiting")
+        going.close()
+        tab.goto(f"{host}/values?run=toy")
+        assert cards(tab)["error"] == ("1 of 4 skipped, 3 done", "skipped")
+        for scheme in ("light", "dark"):
+            tab.emulate_media(color_scheme=scheme)
+            assert violations(tab) == []
+        borders = tab.evaluate(
+            "[...document.querySelectorAll('.served-legend .frame')].map((frame) => { const"
+            " { strokeDasharray, strokeWidth } = getComputedStyle(frame);"
+            " return strokeDasharray + strokeWidth; })"
+        )
+        assert len(set(borders)) == len(borders) == 3
+        assert tab.get_by_role("link", name=re.compile("fill.*1 of 4 refused")).count() == 1
+        while not tab.evaluate("document.activeElement.matches(':has(> [data-box=fill])')"):
+            tab.keyboard.press("Tab")
+        tab.keyboard.press("Enter")
+        tab.wait_for_selector(".served-combinations")
+        assert violations(tab) == []
+        assert tab.locator("tbody tr").first.inner_text().split("\t")[1:] == [
+            "refused",
+            "too large",
+        ]
+        tab.click("text=start=1, fill=hold")
+        tab.wait_for_selector(".rendered")
+        assert tab.evaluate("document.querySelector('.rendered').textContent.trim()") == "2.0"
+
+
+def cards(tab: Page) -> dict[str, tuple[str, str]]:
+    """Return the text and the mark of each card."""
+    found = tab.evaluate(
+        "[...document.querySelectorAll('[data-box]')].map((box) => [box.dataset.box,"
+        " box.querySelector('title').textContent, box.parentElement.dataset.state])"
+    )
+    return {name: (title.partition(": ")[2], state) for name, title, state in found}
 
 
 def test_a_browser_is_sent_to_the_address_by_a_private_file(folder: Path, tab: Page) -> None:
