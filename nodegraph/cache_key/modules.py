@@ -109,7 +109,7 @@ class Modules:
         else the package imports, unless an import of the package does more than to bind names.
         """
         result = Reach()
-        waiting = list(_absolute("", references))
+        waiting = self._all_that_differ(_absolute("", references))
         seen: set[At] = set()
         while waiting:
             at = waiting.pop()
@@ -118,11 +118,24 @@ class Modules:
                 if at not in self._known:
                     own = Reach()
                     follow = self._all(at[0]) if at[1] == ANY else self._follow(*at, own)
-                    self._known[at] = own, list(follow)
+                    self._known[at] = own, self._all_that_differ(follow)
                 own, more = self._known[at]
                 result.add(own)
-                waiting.extend(more)
+                waiting += more
         return result
+
+    def _all_that_differ(self, follow: Iterable[At]) -> list[At]:
+        """Return modules with names, once where several names lead to the same code."""
+        return list(dict.fromkeys(map(self._without_name, follow)))
+
+    def _without_name(self, at: At) -> At:
+        """Return a module without the name, unless it is a package, of which names matter."""
+        module, name = at
+        if name == ANY:
+            return at
+        if self._counted(module) is not None:
+            return module.partition(".")[0], ""
+        return at if self._folders(module) else (module, "")
 
     def _follow(self, module: str, name: str | None, own: Reach) -> Iterator[At]:
         """Add a module, and yield all that it leads to."""
