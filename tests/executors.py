@@ -53,7 +53,7 @@ SCRIPT = """
     registry = Registry.installed([Path(sys.argv[1])])
     registry._add_nodes("script", "", [own])
     spec = read_graph_text(sys.argv[2], "script.yaml", Path.cwd())
-    how = HowToRun(sys.argv[3], 2)
+    how = HowToRun(sys.argv[3], 1)
     run = execute(plan(build(spec, registry, Choices())), how=how, keep=["b"])
     print(run.counts()["done"])
 """
