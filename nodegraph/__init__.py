@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         Provenance,
         Rendered,
         Tried,
+        Viewer,
         json_script,
     )
     from nodegraph.plugin.hooks import hookimpl
@@ -103,6 +104,7 @@ __all__ = [
     "Truth",
     "Unit",
     "Value",
+    "Viewer",
     "Window",
     "WindowForm",
     "closest",

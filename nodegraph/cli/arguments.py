@@ -60,6 +60,23 @@ def add_plugin(parser: ArgumentParser) -> None:
     )
 
 
+def add_page(parser: ArgumentParser) -> None:
+    """Add the options of a page that is served."""
+    parser.add_argument(
+        "--port",
+        type=int,
+        default=0,
+        metavar="N",
+        help="Port to use, such as one that ssh -L forwards (default: any that is free).",
+    )
+    parser.add_argument(
+        "--no-browser",
+        action="store_false",
+        dest="browser",
+        help="Print the address and open no browser.",
+    )
+
+
 def add_run(parser: ArgumentParser) -> None:
     """Add the folder of a run."""
     parser.add_argument("run", type=Path, metavar="RUN", help="Folder of a run, such as runs/fill.")

@@ -13,6 +13,7 @@ from html import escape
 from pathlib import Path
 from threading import Thread
 
+from nodegraph.cli.output import say
 from nodegraph.errors import NodegraphError
 
 _PAGE = (
@@ -32,6 +33,14 @@ def needing_pages() -> Iterator[None]:
         raise NodegraphError(
             "the pages need starlette and uvicorn; pip install 'nodegraph[open]'"
         ) from error
+
+
+def ready(address: str, *, with_browser: bool) -> None:
+    """Print the address of a page that is served, and open it if that is wanted."""
+    print(address, flush=True)
+    say("open this address in one browser; Ctrl-C ends it")
+    if with_browser:
+        show(address)
 
 
 def show(address: str) -> None:

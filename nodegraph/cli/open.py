@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from functools import partial
 from pathlib import Path
 
-from nodegraph.cli.arguments import add_plugin
-from nodegraph.cli.browser import needing_pages, show
-from nodegraph.cli.output import say
+from nodegraph.cli.arguments import add_page, add_plugin
+from nodegraph.cli.browser import needing_pages, ready
 
 HELP = "Show the report of runs in a browser, with every result behind it."
 _MORE = """\
@@ -33,19 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="RUN",
         help="Folder of a run, such as runs/fill, or a folder of runs.",
     )
-    parser.add_argument(
-        "--port",
-        type=int,
-        default=0,
-        metavar="N",
-        help="Port to use, such as one that ssh -L forwards (default: any that is free).",
-    )
-    parser.add_argument(
-        "--no-browser",
-        action="store_false",
-        dest="browser",
-        help="Print the address and open no browser.",
-    )
+    add_page(parser)
     add_plugin(parser)
     parser.add_argument(
         "--store",
@@ -62,17 +50,11 @@ def open(arguments: Namespace) -> int:
     with needing_pages():
         from nodegraph.serve.server import serve
 
-    def ready(address: str) -> None:
-        print(address, flush=True)
-        say("open this address in one browser; Ctrl-C ends it")
-        if arguments.browser:
-            show(address)
-
     serve(
         arguments.runs,
         Registry.installed(arguments.plugin),
         store=arguments.store,
         port=arguments.port,
-        ready=ready,
+        ready=partial(ready, with_browser=arguments.browser),
     )
     return 0

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.plugin.hook_types import Command, Detail, Fact, Format, Rendered, expect
+from nodegraph.plugin.hook_types import Command, Detail, Fact, Format, Rendered, Viewer, expect
 from nodegraph.plugin.hooks import GROUP
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import error_text
@@ -181,6 +181,7 @@ _RULES: Mapping[type, Mapping[str, _Rule]] = {
         "pack": _Rule("the view of a block of {}", Mapping | None, _nothing, "it is not shown"),
         "layout": _Rule("the layout of {}", Mapping | None, _nothing, "it is not shown"),
     },
+    Viewer: {"view": _Rule("the viewer of {}", Rendered)},
     Streamable: {
         "header": _Rule("header of {}"),
         "split": _Rule("split of {}"),
@@ -202,9 +203,9 @@ _MADE_LATE = ("stream", "live_view", "detail")
 
 
 def guard(record: Any, source: HookSource, owner: Any = None) -> Any:
-    """Return a `Kind` or a `Format`, or a record that belongs to one, with guarded functions."""
+    """Return a `Kind`, a `Format` or a `Viewer`, or a record of one, with guarded functions."""
     owner = record if owner is None else owner
-    about = owner.name if isinstance(owner, Format) else owner.type.__name__
+    about = _name_of(owner)
     guarded: dict[str, Function] = {}
     for name, rule in _RULES[type(record)].items():
         function = getattr(record, name)
@@ -213,6 +214,12 @@ def guard(record: Any, source: HookSource, owner: Any = None) -> Any:
             if isinstance(record, Kind) and name in _MADE_LATE:
                 guarded[name] = _made_once(guarded[name], source, record)
     return replace(record, **guarded)
+
+
+def _name_of(owner: Any) -> str:
+    if isinstance(owner, Viewer):
+        return ", ".join(each.__name__ for each in owner.types)
+    return str(owner.name if isinstance(owner, Format) else owner.type.__name__)
 
 
 def _made_once(make: Function, source: HookSource, owner: Kind) -> Function:

@@ -19,7 +19,7 @@ import pluggy
 
 from nodegraph.errors import nearest
 from nodegraph.plugin.guards import HookSource, guard, guard_item
-from nodegraph.plugin.hook_types import Contract, Format, expect
+from nodegraph.plugin.hook_types import Contract, Format, Viewer, expect
 from nodegraph.plugin.hooks import GROUP, HOOKS, Shape, specifications
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin, error_text, package_of
@@ -62,6 +62,15 @@ class HookResults:
         The code of the plugins' own functions, those of ``of("formats")``, counts in keys of steps.
         """
         return tuple(guard(*pair) for pair in self._listed("formats"))
+
+    @cached_property
+    def viewers(self) -> tuple[Viewer, ...]:
+        """What shows values together, with guarded functions; the last plugin comes first."""
+        return tuple(guard(*pair) for pair in self._listed("viewers"))
+
+    def viewer(self, value: object) -> Viewer | None:
+        """Return the last plugin's viewer of values of that type; else None."""
+        return next((each for each in self.viewers if isinstance(value, each.types)), None)
 
     @cached_property
     def graphs(self) -> dict[str, Path]:

@@ -348,6 +348,30 @@ class Detail:
 
 
 @dataclass(frozen=True)
+class Viewer:
+    """Shows values of some types together on a page, as a reader looks at files.
+
+    Attributes
+    ----------
+    types : tuple of type
+    view : callable
+        ``view(values)`` takes values of these types by label and returns a `Rendered`. A
+        `nodegraph.Refusal` says why there is nothing to see.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type.
+    """
+
+    types: tuple[type, ...]
+    view: Callable[[Mapping[str, Any]], Rendered]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
 class Format:
     """Reads values of one type from files of one format.
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pluggy
 
-from nodegraph.plugin.hook_types import Command, Format
+from nodegraph.plugin.hook_types import Command, Format, Viewer
 from nodegraph.plugin.kind import Kind
 
 GROUP = "nodegraph"
@@ -95,6 +95,13 @@ HOOKS: Mapping[str, Hook] = {
         "format, or to None where the node does not read that file. `nodegraph show FILE` calls "
         "the first node that reads it with the path as the setting `path`.",
         'return {"read.lips": lambda path: "Lips" if path.suffix == ".lips" else None}',
+    ),
+    "viewers": Hook(
+        Shape.LIST,
+        Viewer,
+        "What shows values of several types together on one page: `nodegraph view FILE...` calls "
+        "it with what was read from files, `nodegraph open` with a result that has no renderer.",
+        "return [Viewer((Lips,), late('lips.page:view'))]",
     ),
     "contracts": Hook(
         Shape.NAMED,

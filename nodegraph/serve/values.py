@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import reprlib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
-from nodegraph.errors import NodegraphError, listed, nearest
+from nodegraph.errors import NodegraphError, Refusal, listed, nearest
 from nodegraph.execute import NotStored, Run, Values
 from nodegraph.formatting import labels_of, name_at
 from nodegraph.node.ports import Label
 from nodegraph.plugin.hook_types import Rendered
+from nodegraph.plugin.registry import Registry
 from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
 from nodegraph.runs.record import Cell
@@ -160,7 +162,7 @@ def shown(run: Run, query: Query) -> Shown:
     return Shown(
         values.node,
         text,
-        render_in_run(value, title, origin) or Rendered("", _summary(value)),
+        render_in_run(value, title, origin) or _viewed(value, title, registry),
         outcome.seconds,
         type(value).__name__,
         exporters_of(value, registry),
@@ -287,6 +289,15 @@ def packed(run: Run, query: Query) -> Mapping[str, object]:
     if content is not None:
         return content
     raise NodegraphError("there is nothing to show of this block")
+
+
+def _viewed(value: object, title: str, registry: Registry) -> Rendered:
+    """Return how a value appears that no plugin renders: as files are viewed, or as a summary."""
+    viewer = registry.hooks.viewer(value)
+    if viewer is not None:
+        with suppress(Refusal):
+            return viewer.view({title: value})
+    return Rendered("", _summary(value))
 
 
 def _summary(value: object) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from nodegraph import Files, Kind, hookimpl
+from nodegraph import Files, Kind, Viewer, hookimpl
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -47,6 +47,14 @@ def nodegraph_kinds() -> Iterable[Kind]:
     from nodegraph_mocap.kinds import kinds
 
     return kinds()
+
+
+@hookimpl
+def nodegraph_viewers() -> Iterable[Viewer]:
+    """Return what shows this package's values on a page."""
+    from nodegraph_mocap.kinds import viewer
+
+    return (viewer(),)
 
 
 @hookimpl

@@ -1,10 +1,10 @@
-"""All that nodegraph knows of the types that travel: how they appear, and how they are compared."""
+"""All that nodegraph knows of the types that travel: how they appear, and are compared."""
 
 from __future__ import annotations
 
 from functools import partial
 
-from nodegraph import Kind, late
+from nodegraph import Kind, Viewer, late
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
@@ -80,3 +80,9 @@ def kinds() -> tuple[Kind, ...]:
             specimens=late(f"{_SPECIMENS}:heads"),
         ),
     )
+
+
+def viewer() -> Viewer:
+    """Return what shows values that are seen in space or over time."""
+    types = (Trajectories, Animation, Weights, Head, BlendshapeModel, MarkerSet)
+    return Viewer(types, late("nodegraph_mocap.player.viewer:view"))

@@ -10,6 +10,7 @@ import numpy as np
 from nodegraph import Value
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.checks import finite, set_fields
+from nodegraph_mocap.face_model import Weights
 from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
@@ -67,8 +68,36 @@ class Panel(Value):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Curves(Value):
+    """Weights that are drawn over the time of a playback, a row per shape.
+
+    Attributes
+    ----------
+    label : str
+    weights : Weights
+
+    Raises
+    ------
+    ValueError
+        If there is no frame.
+    """
+
+    label: str
+    weights: Weights
+
+    def __post_init__(self) -> None:
+        if not self.weights.frames:
+            raise ValueError(f"{self.label or 'what is to be drawn'} has no frame")
+
+    @property
+    def seconds(self) -> float:
+        """Duration: each frame counts until the next one begins."""
+        return self.weights.frames / self.weights.rate
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Playback(Value):
-    """Panels that a report plays side by side on one clock, seen from one side.
+    """Panels that are played side by side on one clock, seen from one side, and curves below them.
 
     The clock counts seconds. A panel shows the frame that began last, and its last frame after
     it has ended, so that panels of other rates and lengths keep together.
@@ -76,28 +105,29 @@ class Playback(Value):
     Attributes
     ----------
     panels : tuple of Panel
-        At least one.
     truth : Panel or None
         A recording with which those among the panels are compared, marker by marker.
     every : int
         Step between frames of the original that are here; 1 where all are.
     notes : tuple of str
         Notes for the viewer: combinations that are absent, samples that are not shown.
+    curves : tuple of Curves
 
     Raises
     ------
     ValueError
-        If there is no panel, `every` is not positive, the truth is not a recording, or a recording
-        has another number of frames or another rate than the truth.
+        If there is neither a panel nor a curve, `every` is not positive, the truth is not a
+        recording, or a recording has another number of frames or another rate than the truth.
     """
 
     panels: tuple[Panel, ...]
     truth: Panel | None = None
     every: int = 1
     notes: tuple[str, ...] = ()
+    curves: tuple[Curves, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.panels:
+        if not self.panels and not self.curves:
             raise ValueError("there is nothing to play")
         if self.every < 1:
             raise ValueError(f"every must be at least 1, got {self.every}")
@@ -106,8 +136,9 @@ class Playback(Value):
 
     @property
     def seconds(self) -> float:
-        """Duration of the longest panel."""
-        return max(panel.seconds for panel in self.panels)
+        """Duration of the longest panel or curve."""
+        parts: list[Panel | Curves] = [*self.panels, *self.curves]
+        return max(part.seconds for part in parts)
 
 
 def _check_comparable(panels: tuple[Panel, ...], truth: Panel) -> None:

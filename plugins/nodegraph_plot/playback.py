@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from typing import Annotated, TypeVar
 
-import numpy as np
 from pydantic import Field
 
-from nodegraph import Across, Refusal, Truth, node
-from nodegraph_mocap import Animation, Head, HeadMotion, Playback, Trajectories
+from nodegraph import Across, Truth, node
+from nodegraph_mocap import Animation, Playback, Trajectories
 from nodegraph_mocap.playback import Panel
-from nodegraph_mocap.player.data import MOST_STEPS, beyond, step_of
+from nodegraph_mocap.player.fitting import (
+    check_meshes,
+    frames_apart,
+    out_of_reach,
+    thinned,
+    thinning_notes,
+)
 from nodegraph_mocap.player.panels import panel_of
 
 _Shown = TypeVar("_Shown")
-
-MOST_SAMPLES = 2_000_000
-"""Frames times markers or morph targets, over all panels; about 10 MB of a report at worst."""
-
-MOST_VERTICES = 1_000_000
-"""Vertices of all heads that differ, each morph target's counted."""
 
 
 @node("plot.playback")
@@ -91,7 +89,7 @@ def playback(
     known = [("truth", truth)] if truth is not None else []
     every = frames_apart(value for _, value in [*known, *shown])
     panels = [_panel(label, value, every, view) for label, value in [*known, *shown]]
-    notes = [*_thinning(every), *out_of_reach(panels)]
+    notes = [*thinning_notes(every), *out_of_reach(panels)]
     for note in notes:
         warnings.warn(note, stacklevel=2)
     return Playback(
@@ -116,95 +114,7 @@ def _panel(label: str, value: Trajectories | Animation, every: int, view: str) -
     return panel_of(label, thinned(value, every), view)
 
 
-def _thinning(every: int) -> Iterator[str]:
-    if every > 1:
-        yield (
-            f"so much cannot be played in full: of {every} frames one is shown, and {every - 1} "
-            "are left out, here and in no other result"
-        )
-
-
 def _absent(kind: str, gathered: Across[object] | None) -> Iterator[str]:
     for absence in gathered.absent if gathered else ():
         name = ", ".join(str(label) for label in absence.labels.values() if label != "")
         yield f"{kind} {name} is absent: {absence.kind}, {absence.reason}"
-
-
-def frames_apart(shown: Iterable[Trajectories | Animation]) -> int:
-    """Return n such that every n-th frame is played: 1 where all fit."""
-    samples = sum(motion.frames * _across(motion) for motion in shown)
-    return max(1, -(-samples // MOST_SAMPLES))
-
-
-def thinned(shown: Trajectories | Animation, every: int) -> Trajectories | Animation:
-    """Return every n-th frame of a recording or an animation, the first included."""
-    if every == 1:
-        return shown
-    if isinstance(shown, Animation):
-        return _thinned_animation(shown, every)
-    return replace(
-        shown,
-        positions=shown.positions[::every],
-        origin=shown.origin[::every],
-        sigma=None if shown.sigma is None else shown.sigma[::every],
-        rate=shown.rate / every,
-    )
-
-
-def check_meshes(shown: Iterable[tuple[str, Trajectories | Animation]]) -> None:
-    """Refuse heads without triangles, and more of them than a page can hold.
-
-    Raises
-    ------
-    Refusal
-    """
-    heads: dict[int, Head] = {}
-    for label, motion in shown:
-        if not isinstance(motion, Animation):
-            continue
-        heads[id(motion.head)] = motion.head
-        if not len(motion.head.faces):
-            raise Refusal(f"the head of {label or 'the animation'} has no triangles to draw")
-    vertices = sum(len(head.vertices) * (1 + len(head.names)) for head in heads.values())
-    if vertices > MOST_VERTICES:
-        raise Refusal(
-            f"the heads have {vertices:,} vertices with those of their morph targets; "
-            f"a playback holds {MOST_VERTICES:,}: play a coarser mesh"
-        )
-
-
-def out_of_reach(panels: Iterable[Panel]) -> Iterator[str]:
-    """Yield notes on samples that are too far away to be played, by recording."""
-    panels = list(panels)
-    step = step_of(panels)
-    for panel in panels:
-        if isinstance(panel.shown, Trajectories):
-            count = np.count_nonzero(beyond(panel.shown, step))
-            if count:
-                yield (
-                    f"{panel.label or 'the recording'}: {count} samples lie more than "
-                    f"{MOST_STEPS * step / 1000:,.0f} m away and are not shown"
-                )
-
-
-def _across(shown: Trajectories | Animation) -> int:
-    """Return the number of values of a frame, a marker counted as one."""
-    if isinstance(shown, Animation):
-        return len(shown.head.names) + 4 * (shown.head_motion is not None)
-    return len(shown.markers)
-
-
-def _thinned_animation(shown: Animation, every: int) -> Animation:
-    motion = shown.head_motion
-    return replace(
-        shown,
-        weights=replace(
-            shown.weights, values=shown.weights.values[::every], rate=shown.rate / every
-        ),
-        head_motion=motion
-        and HeadMotion(
-            rotations=motion.rotations[::every],
-            translations=motion.translations[::every],
-            scales=motion.scales[::every],
-        ),
-    )

@@ -19,7 +19,7 @@ import numpy as np
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.frame_ranges import runs_of
-from nodegraph_mocap.playback import Panel, Playback
+from nodegraph_mocap.playback import Curves, Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def packed(playback: Playback) -> bytes:
 
 def step_of(panels: Iterable[Panel]) -> float:
     """Return the rounding of positions in mm: 0.01, or finer where the panels are tiny."""
-    finest = max(panel.radius for panel in panels) / _STEPS_ACROSS
+    finest = max((panel.radius for panel in panels), default=1.0) / _STEPS_ACROSS
     return float(min(_FINEST, 10.0 ** np.floor(np.log10(finest))))
 
 
@@ -197,6 +197,7 @@ class _Packing:
             "every": self.playback.every,
             "start": _first_second(self.playback),
             "gaps": _gaps(self.playback),
+            "curves": [self._curves(curves) for curves in self.playback.curves],
         }
         return self.blob.packed(head)
 
@@ -263,6 +264,18 @@ class _Packing:
             "motion": turned,
         }
 
+    def _curves(self, curves: Curves) -> dict[str, object]:
+        weights = curves.weights
+        entry, _ = self.blob.steps(weights.values.T, _WEIGHT_STEP)
+        return {
+            "label": curves.label,
+            "frames": weights.frames,
+            "rate": weights.rate,
+            "names": weights.names,
+            "weights": entry,
+            "known": self.blob.small(np.isfinite(weights.values).T.astype(np.uint8)),
+        }
+
     def _head(self, head: Head) -> int:
         mark = hashlib.sha256()
         for array in (head.vertices, head.morphs, head.faces):
@@ -294,19 +307,20 @@ def _mean_error(recording: Trajectories, truth: Trajectories) -> float | None:
 def _gaps(playback: Playback) -> list[list[object]]:
     """Return where a method has made samples: first and last second, and the marker.
 
-    Those at least half as long as the longest, in their order: a reader goes from one to the next.
-    What was made throughout a take is not a gap.
+    Where none has, the gaps are those that are there. Only those at least half as long as the
+    longest, in their order: a reader goes from one to the next. What was made, or is missing,
+    throughout a take is not a gap.
     """
     gaps: set[tuple[float, float, str]] = set()
-    for panel in playback.panels:
-        shown = panel.shown
-        if isinstance(shown, Trajectories):
-            runs = runs_of(shown.origin > Origin.MEASURED)
-            gaps.update(
-                (int(start) / shown.rate, int(stop) / shown.rate, shown.markers[marker])
-                for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True)
-                if stop - start < shown.frames
-            )
+    recordings = [panel.shown for panel in playback.panels if isinstance(panel.shown, Trajectories)]
+    are_made = any((shown.origin > Origin.MEASURED).any() for shown in recordings)
+    for shown in recordings:
+        runs = runs_of(shown.origin > Origin.MEASURED if are_made else ~shown.present)
+        gaps.update(
+            (int(start) / shown.rate, int(stop) / shown.rate, shown.markers[marker])
+            for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True)
+            if stop - start < shown.frames
+        )
     longest = max((stop - start for start, stop, _ in gaps), default=0.0)
     long = [gap for gap in gaps if gap[1] - gap[0] >= longest / 2]
     return [list(gap) for gap in sorted(long)[:_MOST_GAPS]]

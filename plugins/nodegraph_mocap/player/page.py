@@ -1,4 +1,4 @@
-"""A playback in the report, and as a page of its own beside it.
+"""A playback in the report, as a page of its own beside it, and as the view of files.
 
 The player is written here, in plain JavaScript on 2D canvases, and needs no library: dots, lines
 and one shaded mesh are all there is to draw. Each file in ``web`` is a module of the page, and its
@@ -8,6 +8,7 @@ first lines say what it is for.
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from html import escape
@@ -23,7 +24,7 @@ _ORIGINS = {
     Origin.REPAIRED: "repaired",
     Origin.MISSING: "missing",
 }
-_SCRIPTS = ("data", "camera", "markers", "mesh", "controls", "gestures", "player")
+_SCRIPTS = ("data", "camera", "markers", "mesh", "rows", "curves", "controls", "gestures", "player")
 
 
 def render_playback(playback: Playback, title: str) -> Rendered:
@@ -32,27 +33,51 @@ def render_playback(playback: Playback, title: str) -> Rendered:
     Every word that came from users is escaped, or lies in the packed data, from which the script
     takes it as text and never as markup.
     """
-    from nodegraph_mocap.player.data import packed, step_of
-
     contents = [_content(panel) for panel in _panels(playback)]
-    rounded = f"Positions are rounded to {step_of(_panels(playback)):g} mm."
-    notes = [*contents, *playback.notes, rounded]
-    data = base64.b64encode(packed(playback)).decode()
+    notes = [*contents, *playback.notes, _rounding(playback)]
+    where = "This playback runs in the report (report.html), with JavaScript."
     html = (
-        f'<figure class="playback" aria-label="{escape(title, quote=True)}">'
-        '<p class="unplayed">This playback runs in the report (report.html), with JavaScript.</p>'
-        f"<template>{data}</template></figure>"
-        "<details><summary>What is played</summary><ul>"
-        + "".join(f"<li>{escape(note)}</li>" for note in notes)
-        + "</ul></details>"
+        _figure(playback, title, where)
+        + f"<details><summary>What is played</summary><ul>{_tagged('li', notes)}</ul></details>"
+        + _tagged("p", playback.notes)
     )
-    if playback.notes:
-        html += "".join(f'<p class="quiet">{escape(note)}</p>' for note in playback.notes)
-    rendered = Rendered(
-        html, scripts=_scripts(), styles=(script_or_style("player.css"),), kind="figure"
-    )
+    rendered = replace(_rendered(html), kind="figure")
     alone = standalone_page(rendered, title or "Playback")
     return replace(rendered, files={".html": alone.encode()})
+
+
+def render_view(playback: Playback, title: str) -> Rendered:
+    """Return the player with its data and notes, for a page that itself says what is played."""
+    figure = _figure(playback, title, "This playback needs JavaScript.", "playback viewed")
+    notes = [*playback.notes, *[_rounding(playback)] * bool(playback.panels)]
+    rendered = _rendered(f"{figure}{_tagged('p', notes)}")
+    return replace(rendered, styles=(*rendered.styles, script_or_style("view.css")))
+
+
+def _rendered(html: str) -> Rendered:
+    return Rendered(html, scripts=_scripts(), styles=(script_or_style("player.css"),))
+
+
+def _figure(playback: Playback, title: str, without: str, kinds: str = "playback") -> str:
+    """Return the element that the script fills, and what it says without the script."""
+    from nodegraph_mocap.player.data import packed
+
+    data = base64.b64encode(packed(playback)).decode()
+    return (
+        f'<figure class="{kinds}" aria-label="{escape(title, quote=True)}">'
+        f'<p class="unplayed">{without}</p><template>{data}</template></figure>'
+    )
+
+
+def _rounding(playback: Playback) -> str:
+    from nodegraph_mocap.player.data import step_of
+
+    return f"Positions are rounded to {step_of(_panels(playback)):g} mm."
+
+
+def _tagged(tag: str, notes: Iterable[str]) -> str:
+    quiet = ' class="quiet"' if tag == "p" else ""
+    return "".join(f"<{tag}{quiet}>{escape(note)}</{tag}>" for note in notes)
 
 
 def _panels(playback: Playback) -> list[Panel]:

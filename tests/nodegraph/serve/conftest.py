@@ -21,7 +21,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 
-from nodegraph import Across, Detail, Refusal, Rendered, Kind, Value, hookimpl, node
+from nodegraph import (
+    Across, Detail, Refusal, Rendered, Kind, Value, Viewer, hookimpl, node
+)
 
 SCRIPT = '''
 nodegraph.define("toy/table", ["server"], async (server) => {
@@ -63,6 +65,16 @@ def table(scores: Across[Score]) -> Text:
 
 def pack(block, inputs):
     return {"block": block, "inputs": inputs}
+
+def view(values):
+    ((label, score),) = values.items()
+    if score.error:
+        raise Refusal("not exact")
+    return Rendered(f"<b>{escape(label)} is exact</b>", scripts=("seen();",))
+
+@hookimpl
+def nodegraph_viewers() -> Iterable[Viewer]:
+    return [Viewer((Score,), view)]
 
 @hookimpl
 def nodegraph_kinds() -> Iterable[Kind]:

@@ -155,6 +155,14 @@ def test_what_there_is_not_is_a_message(opened: Opened, query: str, names: list[
     assert all(name in page for name in names)
 
 
+def test_a_value_without_a_renderer_is_shown_as_files_are(opened: Opened) -> None:
+    pages = opened()
+    exact = shown(pages.get("/value?run=toy&node=error&at.start=1&at.fill=%3Cu%3E"))
+    assert "<b>error start=1, fill=&lt;u&gt; is exact</b>" in exact
+    assert "seen();" in exact
+    assert "error: 1.0" in shown(pages.get("/value?run=toy&node=error&at.start=1&at.fill=hold"))
+
+
 def test_a_value_that_is_not_stored_is_computed_and_stored(opened: Opened) -> None:
     shutil.rmtree("store")
     pages = opened()

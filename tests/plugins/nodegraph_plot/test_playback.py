@@ -10,9 +10,9 @@ import pytest
 from nodegraph import Absent, Across, Refusal
 from nodegraph.node.decorator import node_of
 from nodegraph_mocap import Animation, Trajectories
+from nodegraph_mocap.player import fitting
 from nodegraph_mocap.specimens import animations, recordings
 from nodegraph_mocap.view import frontal
-from nodegraph_plot import playback as module
 from nodegraph_plot.playback import playback
 from tests.plugins.nodegraph_plot import made_face
 
@@ -75,7 +75,7 @@ def test_it_is_seen_from_the_front_or_as_asked_for() -> None:
 def test_too_many_frames_are_thinned_and_that_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     truth, face = recordings()["complete"], recordings()["filled, repaired and with sigma"]
     head = animations()["complete"]
-    monkeypatch.setattr(module, "MOST_SAMPLES", 400)
+    monkeypatch.setattr(fitting, "MOST_SAMPLES", 400)
     with pytest.warns(UserWarning, match="of 3 frames one is shown, and 2 are left out"):
         player = playback(across(a=face), across(a=head), truth)
     assert player.every == 3
@@ -94,7 +94,7 @@ def test_too_many_frames_are_thinned_and_that_is_reported(monkeypatch: pytest.Mo
 
 def test_as_much_as_fits_is_played_in_full(monkeypatch: pytest.MonkeyPatch) -> None:
     face = recordings()["complete"]
-    monkeypatch.setattr(module, "MOST_SAMPLES", 2 * face.frames * len(face.markers))
+    monkeypatch.setattr(fitting, "MOST_SAMPLES", 2 * face.frames * len(face.markers))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert playback(across(a=face, b=face)).every == 1
@@ -105,7 +105,7 @@ def test_as_much_as_fits_is_played_in_full(monkeypatch: pytest.MonkeyPatch) -> N
 def test_heads_that_are_too_large_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     head = animations()["complete"]
     size = head.head.vertices.size // 3 * (1 + len(head.head.names))
-    monkeypatch.setattr(module, "MOST_VERTICES", size)
+    monkeypatch.setattr(fitting, "MOST_VERTICES", size)
     playback(animations=across(a=head, b=head))  # a head that both share counts once
     other = replace(head, head=replace(head.head, vertices=head.head.vertices + 1))
     with pytest.raises(Refusal, match=f"have {2 * size:,} vertices .* holds {size:,}"):

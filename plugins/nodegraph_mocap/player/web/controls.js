@@ -55,8 +55,8 @@ nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap
       options.append(choiceOf("Errors", TIMES, (value) => player.choose({ times: Number(value) }), "1"));
       options.append(switchFor("Truth", true, choose("truth")));
     }
-    if (recordings.length) options.append(switchFor("Trails", false, choose("trails")));
-    options.append(element("span", { class: "view", role: "group", "aria-label": "View" },
+    if (recordings.length) options.append(switchFor("Trails", false, choose("trails")), switchFor("Names", false, choose("names")));
+    if (study.panels.length) options.append(element("span", { class: "view", role: "group", "aria-label": "View" },
       buttonFor("\u2212", "Smaller", () => player.look((camera) => zoomed(camera, 1 / 1.25))),
       buttonFor("+", "Larger", () => player.look((camera) => zoomed(camera, 1.25))),
       buttonFor("Front", "From the front", () => player.look(frontal))));

@@ -58,6 +58,13 @@ nodegraph.define("mocap/player/data", [], () => {
     return { vertices, morphs, faces: stepsOf(blob, packed.faces), count: packed.count };
   };
 
+  // Weights over time: (shape, frame), NaN where one is missing.
+  const curvesOf = (blob, packed) => {
+    const known = new Uint8Array(blob.buffer, blob.start + packed.known, packed.names.length * packed.frames);
+    const steps = stepsOf(blob, packed.weights);
+    return { ...packed, weights: Float32Array.from(steps, (count, place) => (known[place] ? count * packed.weights.step : NaN)) };
+  };
+
   // One playback: its panels with their arrays, and what they have in common.
   const playbackOf = async (text) => {
     const blob = await unpacked(text);
@@ -69,9 +76,11 @@ nodegraph.define("mocap/player/data", [], () => {
         : recordingOf(blob, packed, panels));
     }
     const truth = blob.head.truth === null ? null : panels[blob.head.truth];
-    const rate = Math.max(...panels.map((panel) => panel.rate));
-    const seconds = Math.max(...panels.map((panel) => panel.frames / panel.rate));
-    return { ...blob.head, panels, truth, rate, seconds, ticks: Math.max(1, Math.round(seconds * rate)) };
+    const curves = blob.head.curves.map((packed) => curvesOf(blob, packed));
+    const timed = [...panels, ...curves];
+    const rate = Math.max(...timed.map((part) => part.rate));
+    const seconds = Math.max(...timed.map((part) => part.frames / part.rate));
+    return { ...blob.head, panels, curves, truth, rate, seconds, ticks: Math.max(1, Math.round(seconds * rate)) };
   };
 
   return { playbackOf };

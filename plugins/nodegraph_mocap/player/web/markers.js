@@ -160,6 +160,14 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     pen.fillText(name, within(4, x - length / 2, Math.max(4, width - length - 4)), y > 8 * size ? y - 4 * size : y + 6.5 * size);
   };
 
+  const drawNames = (pen, panel, dots, size, ink) => {
+    pen.font = `${2.4 * size}px system-ui, sans-serif`;
+    pen.fillStyle = ink.text;
+    panel.markers.forEach((name, marker) => {
+      if (!Number.isNaN(dots[3 * marker])) pen.fillText(name, dots[3 * marker] + 1.5 * size, dots[3 * marker + 1] + 0.8 * size);
+    });
+  };
+
   // Draws a frame of a recording; returns where its markers lie.
   const drawMarkers = (pen, panel, by, frame, { study, choices, ink, dot, size, marker: looked }) => {
     const { truth } = study;
@@ -176,6 +184,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     if (choices.trails) drawTrails(pen, panel, by, frame, Math.round(choices.trail * panel.rate), ink, magnified);
     if (compared && choices.truth) drawTruth(pen, panel, truth, dots, by, frame, dot, ink);
     drawDots(pen, panel, dots, frame, dot, colourOf);
+    if (choices.names) drawNames(pen, panel, dots, dot, ink);
     if (looked !== null) drawMarked(pen, panel, dots, looked, dot, ink, size);
     return dots;
   };

@@ -1,8 +1,8 @@
 // One clock, in seconds, for all panels of a playback; each shows the frame that began last.
 nodegraph.define("mocap/player", [
   "page", "selection", "theme", "mocap/player/data", "mocap/player/camera", "mocap/player/markers", "mocap/player/mesh",
-  "mocap/player/controls", "mocap/player/gestures",
-], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, controls, { dragged, keyed }) => {
+  "mocap/player/curves", "mocap/player/controls", "mocap/player/gestures",
+], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
   const { drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf } = markers;
@@ -28,7 +28,7 @@ nodegraph.define("mocap/player", [
     constructor(figure, study) {
       this.study = study;
       this.camera = frontal();
-      this.choices = { speed: 1, colour: "origin", truth: true, trails: false, trail: TRAIL, times: 1 };
+      this.choices = { speed: 1, colour: "origin", truth: true, names: false, trails: false, trail: TRAIL, times: 1 };
       this.shown = firstShown(study);
       this.marker = null;
       this.large = null;
@@ -53,7 +53,10 @@ nodegraph.define("mocap/player", [
         "Click a picture to enlarge it. Drag to turn, with Shift or two fingers to move; pinch or Ctrl and wheel to zoom. " +
         "With the pictures in focus, Space plays, arrows step, Shift and arrows turn.");
       figure.classList.toggle("compared", this.study.truth !== null);
-      figure.append(...[this.chooser?.element, this.controls.element, this.legend, this.stage, help].filter(Boolean));
+      this.strips = this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves));
+      const pictures = this.panels.length ? [this.legend, this.stage] : [];
+      const below = this.strips.length ? element("div", { class: "below" }, ...this.strips.map((strip) => strip.element)) : null;
+      figure.append(...[this.chooser?.element, this.controls.element, ...pictures, below, help].filter(Boolean));
       this.controls.clock.dataset.longest = this.clockTextsAt(this.study.ticks - 1).join(" \u00b7 ").replace(/\d/g, "0");
       this.tell();
       keyed(this, this.stage);
@@ -267,6 +270,7 @@ nodegraph.define("mocap/player", [
       slider.value = this.tick;
       slider.setAttribute("aria-valuetext", `${place}, ${time}`);
       clock.textContent = `${place} \u00b7 ${time}`;
+      for (const strip of this.strips) strip.tell(this.seconds, this.marker);
     }
 
     clockTextsAt(tick) {

@@ -1,0 +1,49 @@
+"""``nodegraph view``: show what files hold, in a browser."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+
+from nodegraph.cli.arguments import add_page, add_plugin
+from nodegraph.cli.browser import needing_pages, ready
+
+HELP = "Show what files hold in a browser, several of them together."
+_MORE = """\
+Each file is read by the node that reads its format, and the page says what `nodegraph show FILE`
+prints: rate, length, gaps, and what reading it had to guess. Only this machine, and the one browser
+that opens the printed address first, can see it. Ctrl-C ends it.
+
+example:
+  nodegraph view take.c3d cleaned.c3d
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.description = f"{HELP}\n\n{_MORE}"
+    parser.formatter_class = RawDescriptionHelpFormatter
+    parser.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="File, such as take.c3d, or a folder that holds one.",
+    )
+    add_page(parser)
+    add_plugin(parser)
+
+
+def view(arguments: Namespace) -> int:
+    """Read files and serve their page until the user ends it."""
+    from nodegraph.execute.read_file import read_file
+    from nodegraph.plugin.registry import Registry
+
+    with needing_pages():
+        from nodegraph.serve.files import application_of_files
+        from nodegraph.serve.server import LocalServer
+
+    registry = Registry.installed(arguments.plugin)
+    files = [read_file(word, registry) for word in dict.fromkeys(arguments.files)]
+    server = LocalServer(application_of_files(files, registry.hooks), arguments.port)
+    ready(server.address, with_browser=arguments.browser)
+    server.run()
+    return 0

@@ -1,0 +1,142 @@
+"""Values that were read from files, played together on one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from nodegraph import Refusal, Rendered
+from nodegraph_mocap.animation import Animation
+from nodegraph_mocap.face_model import BlendshapeModel, Weights
+from nodegraph_mocap.head import Head
+from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.playback import Curves, Panel, Playback
+from nodegraph_mocap.player.fitting import (
+    check_meshes,
+    frames_apart,
+    out_of_reach,
+    thinned,
+    thinned_weights,
+    thinning_notes,
+)
+from nodegraph_mocap.player.page import render_view
+from nodegraph_mocap.player.panels import panel_of
+from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.view import AUTO
+
+_RATE = 30.0
+_FRAMES = 30
+"""Of each shape that is shown by itself; the first is at rest."""
+
+
+def view(values: Mapping[str, object]) -> Rendered:
+    """Return the player of values by label.
+
+    A head moves as the weights say whose names are its own, of the first that fit; otherwise its
+    shapes, and those of a model, are shown one after the other. A marker set joins the markers of
+    the recordings that have them and no set of their own.
+
+    Raises
+    ------
+    Refusal
+        If there is nothing to see, or it cannot be drawn.
+    """
+    files = _Files(values)
+    try:
+        return render_view(files.playback(), ", ".join(values))
+    except ValueError as error:
+        raise Refusal(str(error)) from None
+
+
+class _Files:
+    """Values that are sorted into what moves in space, and curves."""
+
+    def __init__(self, values: Mapping[str, object]) -> None:
+        self._values = values
+        self._notes: list[str] = []
+        self._shown: dict[str, Trajectories | Animation] = {}
+        self._curves: dict[str, Weights] = {}
+        for label, value in values.items():
+            self._add(label, value)
+
+    def playback(self) -> Playback:
+        """Return the playback, thinned to what fits.
+
+        Raises
+        ------
+        Refusal, ValueError
+            If there is nothing to see, or it cannot be drawn.
+        """
+        check_meshes(self._shown.items())
+        every = frames_apart([*self._shown.values(), *self._curves.values()])
+        panels = [_panel(label, thinned(shown, every)) for label, shown in self._shown.items()]
+        return Playback(
+            panels=tuple(panels),
+            every=every,
+            notes=(*self._notes, *thinning_notes(every), *out_of_reach(panels)),
+            curves=tuple(
+                Curves(label=label, weights=thinned_weights(weights, every))
+                for label, weights in self._curves.items()
+            ),
+        )
+
+    def _add(self, label: str, value: object) -> None:
+        if isinstance(value, Trajectories):
+            self._shown[label] = self._joined(value)
+        elif isinstance(value, Animation):
+            self._shown[label], self._curves[label] = value, value.weights
+        elif isinstance(value, Weights):
+            self._curves[label] = value
+        elif isinstance(value, BlendshapeModel):
+            self._add_model(label, value)
+        elif isinstance(value, Head):
+            self._add_head(label, value)
+
+    def _joined(self, recording: Trajectories) -> Trajectories:
+        sets = (value for value in self._values.values() if isinstance(value, MarkerSet))
+        fitting = next((each for each in sets if set(each.markers) <= {*recording.markers}), None)
+        if recording.marker_set is not None or fitting is None:
+            return recording
+        return replace(recording, marker_set=fitting)
+
+    def _add_model(self, label: str, model: BlendshapeModel) -> None:
+        weights = _one_after_another(model.names)
+        moved = np.tensordot(weights.values, model.shapes, axes=1)
+        self._shown[label] = Trajectories(
+            positions=model.neutral + moved, markers=model.markers, rate=weights.rate
+        )
+        self._add_in_turn(label, weights)
+
+    def _add_head(self, label: str, head: Head) -> None:
+        every = [(name, each) for name, each in self._values.items() if isinstance(each, Weights)]
+        for name, weights in every:
+            try:
+                self._shown[label] = Animation(head=head, weights=weights)
+            except ValueError as error:
+                self._notes.append(f"{label} does not move as {name} says: {error}.")
+            else:
+                self._notes.append(f"{label} moves as {name} says.")
+                return
+        weights = _one_after_another(head.names)
+        self._shown[label] = Animation(head=head, weights=weights)
+        self._add_in_turn(label, weights)
+
+    def _add_in_turn(self, label: str, weights: Weights) -> None:
+        if weights.names:
+            self._curves[label] = weights
+            self._notes.append(f"{label}: its shapes are shown one after the other.")
+
+
+def _panel(label: str, shown: Trajectories | Animation) -> Panel:
+    if not shown.frames:
+        raise Refusal(f"{label} has no frame")
+    return panel_of(label, shown, AUTO)
+
+
+def _one_after_another(names: tuple[str, ...]) -> Weights:
+    """Return weights with which each shape comes and goes by itself; one frame if there is none."""
+    rise = np.sin(np.pi * np.arange(_FRAMES) / _FRAMES) ** 2
+    values = np.kron(np.eye(len(names)), rise[:, np.newaxis])
+    return Weights(values=values if len(names) else np.zeros((1, 0)), names=names, rate=_RATE)

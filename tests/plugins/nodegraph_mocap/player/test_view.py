@@ -1,0 +1,145 @@
+"""What is read from files is played together, and nothing of it is lost in silence."""
+
+from __future__ import annotations
+
+import base64
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+import nodegraph as ng
+from nodegraph import Refusal
+from nodegraph_mocap import MarkerSet, Trajectories, Weights
+from nodegraph_mocap.player import fitting
+from nodegraph_mocap.player.viewer import view
+from nodegraph_mocap.specimens import animations, heads, models, recordings, weights
+from tests.browser import needs_axe, resize, until, violations
+from tests.plugins.nodegraph_mocap.player.unpacked import Read
+
+PLAYER = "document.querySelector('figure.playback').playback"
+
+
+def packed(values: Mapping[str, object]) -> Read:
+    """Return what the page of values holds for its script."""
+    (data,) = re.findall(r"<template>(.*?)</template>", view(values).html)
+    return Read(base64.b64decode(data))
+
+
+def test_every_value_of_a_file_is_shown() -> None:
+    for values in (recordings(), weights(), models(), heads(), animations()):
+        for name, value in values.items():
+            if getattr(value, "frames", 1) and len(getattr(value, "faces", [0])):
+                head = packed({name: value}).head
+                assert head["panels"] or head["curves"], name
+
+
+def test_shapes_of_a_model_come_one_after_the_other() -> None:
+    model = models()["complete"]
+    read = packed({"model.npz": model})
+    (panel,), (curves,) = read.head["panels"], read.head["curves"]
+    assert curves["names"] == list(model.names)
+    moved = read.positions(0) - model.neutral
+    peaks = read.steps(curves["weights"]).argmax(axis=1)
+    assert (np.diff(peaks) > 0).all()
+    assert np.abs(moved[peaks] - model.shapes).max() < 0.01
+    assert panel["frames"] == curves["frames"]
+
+
+def test_a_head_moves_as_weights_of_its_names_say() -> None:
+    head, moving = heads()["complete"], weights()["complete"]
+    named = replace(moving, names=head.names[: len(moving.names)])
+    both = packed({"head.glb": head, "a.csv": named}).head
+    assert (len(both["panels"]), both["panels"][0]["frames"]) == (1, named.frames)
+    assert [curves["label"] for curves in both["curves"]] == ["a.csv"]
+    strange = replace(moving, names=tuple(f"strange {name}" for name in moving.names))
+    shown = view({"head.glb": head, "a.csv": strange}).html
+    assert "head.glb does not move as a.csv says: the head has no morph target" in shown
+    assert "head.glb: its shapes are shown one after the other" in shown
+
+
+def test_a_marker_set_joins_the_markers_of_a_recording() -> None:
+    face = replace(recordings()["complete"], marker_set=None)
+    first, second, *_ = face.markers
+    edges = MarkerSet(markers=(first, second), edges=((first, second),))
+    other = MarkerSet(markers=("elsewhere",))
+    assert packed({"a": face, "markers.yaml": edges}).head["panels"][0]["edges"] == [[0, 1]]
+    assert packed({"a": face, "markers.yaml": other}).head["panels"][0]["edges"] == []
+
+
+def test_what_cannot_be_shown_is_refused() -> None:
+    none = Trajectories(positions=np.empty((0, 1, 3)), markers=("nose",), rate=60.0)
+    still = Weights(values=np.empty((0, 1)), names=("a",), rate=60.0)
+    flat = replace(heads()["complete"], faces=np.empty((0, 3), dtype=np.int64))
+    for value, message in (
+        (none, "a has no frame"),
+        (still, "a has no frame"),
+        (flat, "the head of a has no triangles"),
+        (MarkerSet(markers=("nose",)), "there is nothing to play"),
+    ):
+        with pytest.raises(Refusal, match=message):
+            view({"a": value})
+
+
+def test_what_is_too_long_is_thinned_and_that_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    face, moving = recordings()["complete"], weights()["complete"]
+    size = face.frames * len(face.markers) + moving.frames * len(moving.names)
+    monkeypatch.setattr(fitting, "MOST_SAMPLES", size // 2)
+    read = packed({"a": face, "b": moving})
+    assert read.head["every"] == 2
+    assert read.head["panels"][0]["rate"] == face.rate / 2
+    assert read.head["curves"][0]["rate"] == moving.rate / 2
+    assert "of 2 frames one is shown" in view({"a": face, "b": moving}).html
+
+
+@contextmanager
+def served(*files: str) -> Iterator[str]:
+    """Start the command with files; yield the address that it prints."""
+    words = [sys.executable, "-m", "nodegraph.cli.main", "view", *files, "--no-browser"]
+    with subprocess.Popen(words, text=True, stdout=subprocess.PIPE) as process:
+        try:
+            assert process.stdout is not None
+            yield process.stdout.readline().strip()
+        finally:
+            process.kill()
+
+
+@needs_axe
+def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
+    face = ng.get_node("read.recording")(path="sample:face")
+    names = ("jawOpen", "<b>blink</b>", "still")
+    time = np.arange(600)[:, np.newaxis] / 60
+    values = np.sin(time * [1.0, 2.0, 0.0]) ** 2
+    moving = Weights(values=values, names=names, rate=60.0)
+    for node, value in (("write.npz", face), ("write.weights_csv", moving)):
+        for name, content in ng.get_node(node)(value).content.items():
+            (tmp_path / name).write_bytes(content)
+    with served(*map(str, sorted(tmp_path.iterdir()))) as address:
+        tab.goto(address)
+        tab.wait_for_selector(".viewed-file")
+        until(tab, PLAYER)
+        assert "recording.npz" in tab.inner_text("h1")
+        assert "600" in tab.inner_text(".viewed-facts")
+        tab.evaluate(f"{PLAYER}.seek(90)")
+        state = tab.evaluate(f"{PLAYER}.state")
+        assert [panel["label"] for panel in state["panels"]] == ["recording.npz"]
+        rows = tab.locator(".rows").last
+        assert rows.locator(".labels").inner_text().split("\n") == ["jawOpen", "<b>blink</b>"]
+        assert "1 of 3 shapes stay below" in (rows.get_attribute("aria-label") or "")
+        shown = [float(text) for text in rows.locator(".values").inner_text().split()]
+        assert shown == pytest.approx(values[90, :2], abs=0.006)
+        rows.locator("canvas").click(position={"x": 5, "y": 5})
+        assert tab.evaluate(f"{PLAYER}.state.tick") < 90
+        tab.locator("label:has-text('Names') input").press("Space")
+        for scheme, width in (("light", 1280), ("dark", 390)):
+            tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+            resize(tab, width)
+            assert tab.evaluate("document.documentElement.scrollWidth") <= width
+            assert violations(tab) == []
