@@ -25,6 +25,7 @@ from nodegraph.report.page import SCRIPTS, source
 from nodegraph.runs.record import Record
 from nodegraph.runs.why import changes_since
 from nodegraph.serve.computing import Computing
+from nodegraph.serve.flow import flow
 from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response
 from nodegraph.serve.runs import Condition, OpenRun, OpenRuns, RunState, entry_of
 from nodegraph.serve.values import Combinations, Query, labels_in, packed, shown
@@ -54,6 +55,7 @@ def application(runs: OpenRuns) -> Starlette:
             Route("/files/{number:int}/{name:path}", _as_page(pages.file)),
             Route("/progress", pages.progress),
             Route("/detail", _as_data(pages.detail)),
+            Route("/flow", _as_data(pages.flow)),
             Route("/compute", pages.compute, methods=["POST"]),
         ]
     )
@@ -230,6 +232,11 @@ class _Pages:
             return packed(values, query)
         except NotStored as error:
             raise NotComputed(error, values, record) from error
+
+    def flow(self, request: Request) -> object:
+        """Return what flows on a link of the graph."""
+        query = _query(request)
+        return flow(self._run(request).values()[0], query.get("link", ""))
 
     async def progress(self, request: Request) -> Response:
         """Send how far runs are, until all of them have ended."""

@@ -7,6 +7,8 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
     failed: "some failed", running: "running", waiting: "some are waiting",
     refused: "some refused", skipped: "some skipped", done: "all have a value",
   };
+  const REST = 150; // ms
+
   const duration = (seconds) => {
     const whole = Math.round(seconds);
     if (whole < 60) return `${whole} s`;
@@ -43,14 +45,40 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
     }
   }
 
+  // Each link says what flows on it, and leads to these values. A pointer that passes asks nothing.
+  class Link {
+    constructor(arrow, section) {
+      this.section = section;
+      this.ends = arrow.dataset.arrow;
+      this.title = arrow.querySelector("title").textContent;
+      const source = this.ends.split(" ")[0];
+      const link = svg("a", { href: section.address(source.slice(0, source.lastIndexOf("."))), "aria-label": this.title });
+      section.drawing.querySelector(":scope > g").append(link);
+      link.append(arrow);
+      arrow.prepend(svg("path", { class: "near", d: arrow.querySelector(".wire").getAttribute("d") }));
+      for (const event of ["pointerenter", "focus"]) link.addEventListener(event, () => { this.resting = setTimeout(() => this.ask(), REST); });
+      for (const event of ["pointerleave", "blur"]) link.addEventListener(event, () => clearTimeout(this.resting));
+    }
+
+    async ask() {
+      this.section.asked = this;
+      const answer = await fetch(`/flow?${new URLSearchParams({ run: this.section.run, link: this.ends })}`);
+      const data = await answer.json();
+      if (this.section.asked !== this) return; // another has been asked since
+      this.section.part.querySelector(".served-flow").replaceChildren(
+        element("b", null, this.title), ": ", answer.ok ? data.join(" \u00b7 ") : data.message);
+    }
+  }
+
   class Section {
     constructor(part) {
       this.part = part;
       this.run = part.dataset.run;
       this.states = [];
-      const drawing = part.querySelector(".drawing > svg");
-      drawing?.setAttribute("role", "group");
+      this.drawing = part.querySelector(".drawing > svg");
+      this.drawing?.setAttribute("role", "group"); // of links
       this.cards = [...part.querySelectorAll("[data-box]")].map((box) => new Card(box, this.address(box.dataset.box)));
+      for (const arrow of part.querySelectorAll("[data-arrow]")) new Link(arrow, this);
     }
 
     address(node) {

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from html import escape
 
 from nodegraph import (
-    Across, Detail, Refusal, Rendered, Kind, Value, Viewer, hookimpl, node
+    Across, Detail, Fact, Refusal, Rendered, Kind, Value, Viewer, hookimpl, node
 )
 
 SCRIPT = '''
@@ -80,7 +80,11 @@ def nodegraph_viewers() -> Iterable[Viewer]:
 def nodegraph_kinds() -> Iterable[Kind]:
     return [
         Kind(Text, lambda value, title: Rendered(escape(value.text), scripts=(SCRIPT,))),
-        Kind(float, detail=lambda: Detail(pack, lambda inputs, column: None, "toy/view")),
+        Kind(
+            float,
+            facts=lambda value: [Fact("size", value, "mm"), Fact("names", ["p", "q"])],
+            detail=lambda: Detail(pack, lambda inputs, column: None, "toy/view"),
+        ),
     ]
 """
 GRAPH = """\

@@ -136,6 +136,24 @@ def test_a_graph_that_cannot_be_built_is_a_message_beside_its_states(opened: Ope
     assert states_in(page)["nodes"]["a"]["text"] == "2 done"
 
 
+def test_a_link_says_what_flows_on_it(opened: Opened) -> None:
+    pages, link = opened(), "/flow?run=toy&link=fill.output+error.estimate"
+    facts, store = ["3 values, float", "size 1 to 6 mm", "names 2"], Path("store").absolute()
+    assert pages.get(link).data == [*facts, f"read from {store}"]
+    shutil.rmtree("store")
+    assert pages.get(link).data == [facts[0], "3 of 3 looked up are not stored"]
+    answer = pages.get("/flow?run=toy&link=fill.output")
+    assert (answer.status, answer.data["message"]) == (409, "the graph has no link 'fill.output'")
+
+
+def test_of_many_values_some_are_read_for_their_facts(opened: Opened) -> None:
+    graph = ng.load("toy.yaml", plugins=["toys.py"], axis={"start": list(range(40))})
+    ng.run(graph, store="store").save("runs/many")
+    data = opened("runs/many").get("/flow?run=many&link=a.output+fill.x").data
+    assert data[:2] == ["40 values, float", "size 0 to 39 mm"]
+    assert data[-1] == f"read 12 of 40 from {Path('store').absolute()}"
+
+
 @pytest.mark.parametrize(
     ("query", "names"),
     [

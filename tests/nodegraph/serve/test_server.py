@@ -27,7 +27,7 @@ import nodegraph as ng
 from nodegraph.execute import Event
 from nodegraph.runs.folder import RunFolder
 from nodegraph.serve import server
-from tests.browser import needs_axe, until, violations
+from tests.browser import middle, needs_axe, until, violations
 
 _COMMAND = (sys.executable, "-m", "nodegraph.cli.main", "open", "runs/toy")
 _BROWSER = """\
@@ -115,6 +115,13 @@ def test_cards_show_states_and_lead_to_values_while_a_run_goes_on(folder: Path, 
             " return strokeDasharray + strokeWidth; })"
         )
         assert len(set(borders)) == len(borders) == 3
+        tab.focus('a:has(> [data-arrow="a.output fill.x"])')
+        tab.wait_for_selector(".served-flow b")
+        assert "a.output to fill.x: 2 values, float" in tab.inner_text(".served-flow")
+        tab.mouse.move(*middle(tab, "[data-arrow='fill.output error.estimate'] .near"))
+        until(tab, "/^fill.output to error/.test(document.querySelector('.served-flow').innerText)")
+        assert "size 1 to 6 mm" in tab.inner_text(".served-flow")
+        tab.focus(".served-bar a")
         assert tab.get_by_role("link", name=re.compile("fill.*1 of 4 refused")).count() == 1
         while not tab.evaluate("document.activeElement.matches(':has(> [data-box=fill])')"):
             tab.keyboard.press("Tab")
