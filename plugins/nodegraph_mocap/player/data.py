@@ -19,7 +19,7 @@ import numpy as np
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.frame_ranges import runs_of
-from nodegraph_mocap.playback import Curves, Panel, Playback
+from nodegraph_mocap.playback import Curves, Faults, Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -214,7 +214,8 @@ class _Packing:
         }
         if isinstance(shown, Animation):
             return entry | self._animation(shown)
-        return entry | self._recording(place, shown)
+        faults = panel.faults and self._faults(panel.faults)
+        return entry | self._recording(place, shown) | {"faults": faults}
 
     def _recording(self, place: int, recording: Trajectories) -> dict[str, object]:
         origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)
@@ -262,6 +263,14 @@ class _Packing:
             "error": None,
             "known": self.blob.small(np.asarray(np.isfinite(weights).all(axis=1), dtype=np.uint8)),
             "motion": turned,
+        }
+
+    def _faults(self, faults: Faults) -> dict[str, object]:
+        return {
+            "stretches": len(faults.missing),
+            "missing": self.blob.small(faults.missing.T),
+            "impulses": [faults.impulse_markers.tolist(), faults.impulse_seconds.tolist()],
+            "left_out": faults.left_out,
         }
 
     def _curves(self, curves: Curves) -> dict[str, object]:

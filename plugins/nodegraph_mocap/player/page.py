@@ -24,7 +24,20 @@ _ORIGINS = {
     Origin.REPAIRED: "repaired",
     Origin.MISSING: "missing",
 }
-_SCRIPTS = ("data", "camera", "markers", "mesh", "rows", "curves", "controls", "gestures", "player")
+_SCRIPTS = (
+    "data",
+    "camera",
+    "markers",
+    "mesh",
+    "rows",
+    "curves",
+    "faults",
+    "spectrum",
+    "hand",
+    "controls",
+    "gestures",
+    "player",
+)
 
 
 def render_playback(playback: Playback, title: str) -> Rendered:

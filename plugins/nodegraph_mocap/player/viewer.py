@@ -13,6 +13,7 @@ from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.playback import Curves, Panel, Playback
+from nodegraph_mocap.player.faults import faults_of
 from nodegraph_mocap.player.fitting import (
     check_meshes,
     frames_apart,
@@ -71,7 +72,7 @@ class _Files:
         """
         check_meshes(self._shown.items())
         every = frames_apart([*self._shown.values(), *self._curves.values()])
-        panels = [_panel(label, thinned(shown, every)) for label, shown in self._shown.items()]
+        panels = [_panel(label, shown, every) for label, shown in self._shown.items()]
         return Playback(
             panels=tuple(panels),
             every=every,
@@ -129,10 +130,11 @@ class _Files:
             self._notes.append(f"{label}: its shapes are shown one after the other.")
 
 
-def _panel(label: str, shown: Trajectories | Animation) -> Panel:
+def _panel(label: str, shown: Trajectories | Animation, every: int) -> Panel:
     if not shown.frames:
         raise Refusal(f"{label} has no frame")
-    return panel_of(label, shown, AUTO)
+    faults = faults_of(shown) if isinstance(shown, Trajectories) else None
+    return replace(panel_of(label, thinned(shown, every), AUTO), faults=faults)
 
 
 def _one_after_another(names: tuple[str, ...]) -> Weights:

@@ -1,5 +1,5 @@
 // The player's controls: plain form elements, so that keyboard and screen reader know them.
-nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap/player/markers"], (page, { frontal, zoomed }, { FILLED, REPAIRED, ORIGINS, RAMP }) => {
+nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/camera", "mocap/player/markers"], (page, selection, { frontal, zoomed }, { FILLED, REPAIRED, ORIGINS, RAMP }) => {
   const { element } = page;
 
   const buttonFor = (text, label, act) =>
@@ -56,11 +56,14 @@ nodegraph.define("mocap/player/controls", ["page", "mocap/player/camera", "mocap
       options.append(switchFor("Truth", true, choose("truth")));
     }
     if (recordings.length) options.append(switchFor("Trails", false, choose("trails")), switchFor("Names", false, choose("names")));
+    const names = [...new Set(recordings.flatMap((panel) => panel.markers))];
+    const marker = choiceOf("Marker", [["", "none"], ...names.map((name) => [name, name])], (name) => selection.set({ marker: name || null }), "");
+    if (study.with_hand) options.append(marker);
     if (study.panels.length) options.append(element("span", { class: "view", role: "group", "aria-label": "View" },
       buttonFor("\u2212", "Smaller", () => player.look((camera) => zoomed(camera, 1 / 1.25))),
       buttonFor("+", "Larger", () => player.look((camera) => zoomed(camera, 1.25))),
       buttonFor("Front", "From the front", () => player.look(frontal))));
-    return { element: element("div", { class: "controls" }, row, options), play, slider, clock };
+    return { element: element("div", { class: "controls" }, row, options), play, slider, clock, marker: marker.querySelector("select") };
   };
 
   // Which of many panels are shown: a button each, with the panel's mean error if there is one.

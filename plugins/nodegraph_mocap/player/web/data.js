@@ -28,12 +28,17 @@ nodegraph.define("mocap/player/data", [], () => {
 
   const scaledBy = (steps, step) => Float32Array.from(steps, (count) => count * step);
 
+  // How much of each stretch of time is missing: (marker, stretch), 255 for all of it.
+  const faultsOf = (blob, { faults, markers }) => faults && {
+    ...faults, missing: new Uint8Array(blob.buffer, blob.start + faults.missing, markers.length * faults.stretches),
+  };
+
   const recordingOf = (blob, packed, panels) => {
     const steps = stepsOf(blob, packed.positions, packed.like === null ? null : panels[packed.like].steps);
     const count = packed.markers.length * packed.frames;
     const origin = new Uint8Array(blob.buffer, blob.start + packed.origin, count);
     const made = origin.some((code) => code > 1);
-    return { ...packed, steps, origin, made, places: scaledBy(steps, packed.positions.step) };
+    return { ...packed, steps, origin, made, faults: faultsOf(blob, packed), places: scaledBy(steps, packed.positions.step) };
   };
 
   const animationOf = (blob, packed) => {
@@ -80,7 +85,8 @@ nodegraph.define("mocap/player/data", [], () => {
     const timed = [...panels, ...curves];
     const rate = Math.max(...timed.map((part) => part.rate));
     const seconds = Math.max(...timed.map((part) => part.frames / part.rate));
-    return { ...blob.head, panels, curves, truth, rate, seconds, ticks: Math.max(1, Math.round(seconds * rate)) };
+    const with_hand = panels.some((panel) => panel.faults);
+    return { ...blob.head, panels, curves, truth, with_hand, rate, seconds, ticks: Math.max(1, Math.round(seconds * rate)) };
   };
 
   return { playbackOf };

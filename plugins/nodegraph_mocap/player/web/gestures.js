@@ -51,7 +51,7 @@ nodegraph.define("mocap/player/gestures", ["mocap/player/camera"], ({ frontal, t
       canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
     }
     canvas.addEventListener("pointerleave", () => player.point(place, null));
-    canvas.addEventListener("click", () => { if (moved < STILL) player.enlarge(place); });
+    canvas.addEventListener("click", (event) => { if (moved < STILL) player.press(place, event); });
     // a plain wheel scrolls the page, as everywhere; two fingers on a touchpad come with Ctrl
     canvas.addEventListener("wheel", (event) => {
       if (!event.ctrlKey && !event.metaKey) return;

@@ -75,6 +75,10 @@ nodegraph.define("mocap/live", [
       this.redraw();
     }
 
+    press(place) {
+      this.enlarge(place);
+    }
+
     point(place, event) {
       const tile = this.panels[place];
       namePointed(tile, event, tile.dots, (marker) => textOfSample(tile.panel, null, marker, 0));

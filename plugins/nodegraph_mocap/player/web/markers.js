@@ -160,11 +160,11 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     pen.fillText(name, within(4, x - length / 2, Math.max(4, width - length - 4)), y > 8 * size ? y - 4 * size : y + 6.5 * size);
   };
 
-  const drawNames = (pen, panel, dots, size, ink) => {
+  const drawNames = (pen, panel, dots, looked, size, ink) => {
     pen.font = `${2.4 * size}px system-ui, sans-serif`;
     pen.fillStyle = ink.text;
     panel.markers.forEach((name, marker) => {
-      if (!Number.isNaN(dots[3 * marker])) pen.fillText(name, dots[3 * marker] + 1.5 * size, dots[3 * marker + 1] + 0.8 * size);
+      if (name !== looked && !Number.isNaN(dots[3 * marker])) pen.fillText(name, dots[3 * marker] + 1.5 * size, dots[3 * marker + 1] + 0.8 * size);
     });
   };
 
@@ -184,7 +184,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     if (choices.trails) drawTrails(pen, panel, by, frame, Math.round(choices.trail * panel.rate), ink, magnified);
     if (compared && choices.truth) drawTruth(pen, panel, truth, dots, by, frame, dot, ink);
     drawDots(pen, panel, dots, frame, dot, colourOf);
-    if (choices.names) drawNames(pen, panel, dots, dot, ink);
+    if (choices.names) drawNames(pen, panel, dots, looked, dot, ink);
     if (looked !== null) drawMarked(pen, panel, dots, looked, dot, ink, size);
     return dots;
   };
@@ -209,8 +209,8 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     return Number.isFinite(error) ? `${words}, ${error.toFixed(2)} mm off the truth` : words;
   };
 
-  // Writes what there is to say of the marker under the pointer into a panel's tip, or hides that.
-  const namePointed = ({ panel, canvas, tip }, event, dots, textOf) => {
+  // The marker under the pointer, -1 where there is none.
+  const pointedMarker = ({ panel, canvas }, event, dots) => {
     const fine = canvas.width / canvas.clientWidth;
     let [nearest, least] = [-1, NEAR * fine];
     if (event && dots && panel.kind === "markers") {
@@ -219,6 +219,12 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
         if (away < least) [nearest, least] = [marker, away];
       }
     }
+    return nearest;
+  };
+
+  // Writes what there is to say of the marker under the pointer into a panel's tip, or hides that.
+  const namePointed = ({ panel, canvas, tip }, event, dots, textOf) => {
+    const nearest = pointedMarker({ panel, canvas }, event, dots);
     tip.toggleAttribute("hidden", nearest < 0);
     if (nearest < 0) return;
     tip.textContent = textOf(nearest);
@@ -226,5 +232,5 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     tip.style.top = `${(100 * dots[3 * nearest + 1]) / canvas.height}%`;
   };
 
-  return { FILLED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf };
+  return { FILLED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, pointedMarker, namePointed, inksOf };
 });

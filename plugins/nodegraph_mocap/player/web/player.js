@@ -1,11 +1,11 @@
 // One clock, in seconds, for all panels of a playback; each shows the frame that began last.
 nodegraph.define("mocap/player", [
   "page", "selection", "theme", "mocap/player/data", "mocap/player/camera", "mocap/player/markers", "mocap/player/mesh",
-  "mocap/player/curves", "mocap/player/controls", "mocap/player/gestures",
-], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, controls, { dragged, keyed }) => {
+  "mocap/player/curves", "mocap/player/faults", "mocap/player/hand", "mocap/player/controls", "mocap/player/gestures",
+], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, { faultsFor }, { Hand }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
-  const { drawMarkers, textOfMarkers, textOfSample, namePointed, inksOf } = markers;
+  const { drawMarkers, textOfMarkers, textOfSample, pointedMarker, namePointed, inksOf } = markers;
   const { controlsFor, chooserFor, legendFor, buttonFor } = controls;
   const MOST = 6; // panels at once
   const FIRST = 4; // of more
@@ -50,10 +50,16 @@ nodegraph.define("mocap/player", [
         "aria-label": "Playback. Space plays, arrows step, Shift and arrows turn, plus and minus enlarge, 0 is the front.",
       });
       const help = element("p", { class: "quiet" },
-        "Click a picture to enlarge it. Drag to turn, with Shift or two fingers to move; pinch or Ctrl and wheel to zoom. " +
+        `${this.study.with_hand ? "Click a marker for its speed and spectrum, anything else of" : "Click"} a picture to enlarge it. Drag to turn, with Shift or two fingers to move; pinch or Ctrl and wheel to zoom. ` +
         "With the pictures in focus, Space plays, arrows step, Shift and arrows turn.");
       figure.classList.toggle("compared", this.study.truth !== null);
-      this.strips = this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves));
+      this.hand = this.study.with_hand ? new Hand(this) : null;
+      const take = (marker) => selection.toggle("marker", marker);
+      this.strips = [
+        ...[this.hand].filter(Boolean),
+        ...this.study.panels.filter((panel) => panel.faults).map((panel) => faultsFor(this, panel, take)),
+        ...this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves)),
+      ];
       const pictures = this.panels.length ? [this.legend, this.stage] : [];
       const below = this.strips.length ? element("div", { class: "below" }, ...this.strips.map((strip) => strip.element)) : null;
       figure.append(...[this.chooser?.element, this.controls.element, ...pictures, below, help].filter(Boolean));
@@ -105,7 +111,18 @@ nodegraph.define("mocap/player", [
         this.arrange();
       }
       this.marker = marker;
+      this.hand?.show(this.study.panels.some((panel) => panel.markers?.includes(marker)) ? marker : null);
+      this.controls.marker.value = marker ?? "";
       this.invalidate();
+    }
+
+    // A click into a picture takes the marker there in hand, where there is room for it; otherwise
+    // it enlarges the picture.
+    press(place, event) {
+      const { panel } = this.panels[place];
+      const marker = this.hand ? pointedMarker(this.panels[place], event, this.drawn[place]?.dots) : -1;
+      if (marker >= 0) selection.toggle("marker", panel.markers[marker]);
+      else this.enlarge(place);
     }
 
     hover(method) {
@@ -287,6 +304,7 @@ nodegraph.define("mocap/player", [
         tick: this.tick,
         seconds: this.seconds,
         playing: this.playing,
+        hand: this.hand?.state ?? null,
         panels: this.panels.flatMap(({ panel, canvas }, place) => (this.shown.includes(place) ? [{
           label: panel.label, kind: panel.kind, size: canvas.width, ...this.drawn[place],
           dots: this.drawn[place].dots && Array.from(this.drawn[place].dots),

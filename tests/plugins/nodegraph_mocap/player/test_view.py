@@ -14,13 +14,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Page
+from scipy.signal import welch
 
 import nodegraph as ng
 from nodegraph import Refusal
 from nodegraph_mocap import MarkerSet, Trajectories, Weights
-from nodegraph_mocap.player import fitting
+from nodegraph_mocap.player import faults, fitting
+from nodegraph_mocap.player.faults import MOST_STRETCHES, faults_of
 from nodegraph_mocap.player.viewer import view
 from nodegraph_mocap.specimens import animations, heads, models, recordings, weights
+from nodegraph_mocap.suspect import impulses
 from tests.browser import needs_axe, resize, until, violations
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 
@@ -99,6 +102,31 @@ def test_what_is_too_long_is_thinned_and_that_is_told(monkeypatch: pytest.Monkey
     assert "of 2 frames one is shown" in view({"a": face, "b": moving}).html
 
 
+@pytest.mark.parametrize("frames", [1, 50, MOST_STRETCHES, 7 * MOST_STRETCHES + 3])
+def test_no_gap_is_too_short_for_the_strip(frames: int) -> None:
+    random = np.random.default_rng(frames)
+    positions = random.normal(0, 30, (frames, 4, 3))
+    positions[frames // 2, 1] = np.nan
+    positions[:, 2] = np.nan
+    face = Trajectories(positions=positions, markers=("a", "b", "c", "d"), rate=60.0)
+    missing = faults_of(face).missing
+    assert len(missing) == min(frames, MOST_STRETCHES)
+    assert not missing[:, [0, 3]].any()
+    assert np.count_nonzero(missing[:, 1]) == 1
+    assert (missing[:, 2] == 255).all()
+
+
+def test_of_too_many_impulses_the_largest_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
+    positions = np.zeros((100, 1, 3)) + np.random.default_rng(1).normal(0, 0.01, (100, 1, 3))
+    for frame, size in ((20, 5.0), (50, 9.0), (80, 7.0)):
+        positions[frame, 0, 0] = size
+    face = Trajectories(positions=positions, markers=("a",), rate=50.0)
+    assert faults_of(face).impulse_seconds.tolist() == [0.4, 1.0, 1.6]
+    monkeypatch.setattr(faults, "MOST_IMPULSES", 2)
+    fewer = faults_of(face)
+    assert (fewer.impulse_seconds.tolist(), fewer.left_out) == ([1.0, 1.6], 1)
+
+
 @contextmanager
 def served(*files: str) -> Iterator[str]:
     """Start the command with files; yield the address that it prints."""
@@ -109,6 +137,27 @@ def served(*files: str) -> Iterator[str]:
             yield process.stdout.readline().strip()
         finally:
             process.kill()
+
+
+def check_marker_in_hand(tab: Page, face: Trajectories) -> None:
+    """Check the strip of gaps, and speed and spectrum of a marker that has none."""
+    strip = tab.locator(".rows").first
+    faulty = ~face.present.all(axis=0) | (impulses(face.positions) > 0).any(axis=0)
+    named = strip.locator(".labels").inner_text().split("\n")
+    assert named == [face.markers[column] for column in np.flatnonzero(faulty)]
+    strip.locator("canvas").click(position={"x": 100, "y": 14 * 3 + 7})
+    assert tab.evaluate(f"{PLAYER}.state.hand.marker") == named[3]
+    complete = int(np.flatnonzero(face.present.all(axis=0))[0])
+    tab.locator("label:has-text('Marker') select").select_option(face.markers[complete])
+    (line,) = tab.evaluate(f"{PLAYER}.state.hand.lines")
+    positions = face.positions[:, complete]
+    speeds = np.linalg.norm(positions[2:] - positions[:-2], axis=1) * face.rate / 2
+    assert np.abs(line["speeds"][1:-1] - speeds).max() < 0.02 * face.rate
+    hertz, power = welch(positions, face.rate, nperseg=512, axis=0, detrend="constant")
+    drawn = np.array(line["spectrum"])
+    assert drawn[:, 0] == pytest.approx(hertz[1:])
+    assert drawn[:, 1] == pytest.approx(np.sqrt(power.sum(axis=1))[1:], rel=0.1, abs=0.005)
+    assert tab.locator(".hand-chart").count() == 2
 
 
 @needs_axe
@@ -137,6 +186,7 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         assert shown == pytest.approx(values[90, :2], abs=0.006)
         rows.locator("canvas").click(position={"x": 5, "y": 5})
         assert tab.evaluate(f"{PLAYER}.state.tick") < 90
+        check_marker_in_hand(tab, face)
         tab.locator("label:has-text('Names') input").press("Space")
         for scheme, width in (("light", 1280), ("dark", 390)):
             tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
