@@ -277,7 +277,7 @@ class _Pages:
                 "run": run,
                 "condition": condition,
                 "title": run.title,
-                "snapshot": run.snapshot(condition.state),
+                "snapshot": json.dumps(run.snapshot(condition.state)),  # in order
                 **run.drawing(),
             }
             for run, condition in conditions.items()

@@ -134,7 +134,7 @@ class OpenRun:
             failures = progress.failures
         else:
             known = counts_of(self.states())
-            counts = {node: known[node] for node in {**progress.nodes, **record.nodes}}
+            counts = {node: known[node] for node in record.nodes}
             failures = failures_of(self.states())
         return {
             "state": self._state,

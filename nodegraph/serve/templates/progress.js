@@ -8,6 +8,7 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
     refused: "some refused", skipped: "some skipped", done: "all have a value",
   };
   const REST = 150; // ms
+  const GAP = 40; // free on the left of a card
 
   const duration = (seconds) => {
     const whole = Math.round(seconds);
@@ -38,7 +39,7 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
       this.meter.setAttribute("width", share < 1 ? this.width * share : 0);
       const parts = text.split(", ");
       this.count.textContent = text;
-      while (parts.length > 1 && this.count.getComputedTextLength() > this.width) {
+      while (parts.length > 1 && this.count.getComputedTextLength() > this.width + GAP) {
         parts.pop();
         this.count.textContent = `${parts.join(", ")} \u2026`;
       }
