@@ -295,7 +295,8 @@ class ListedRun:
     ended : str
         Local time, ISO 8601.
     state : str
-        ``done``, ``failed``, ``running``, ``interrupted``, or why it cannot be read.
+        ``done``, ``failed``, ``running``, ``writing its report``, ``interrupted``, or why it
+        cannot be read.
     title, command : str
     answer : list of str
     """

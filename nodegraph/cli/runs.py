@@ -65,7 +65,8 @@ def _runs(folder: Path) -> Iterator[ListedRun]:
     """Yield each run in a folder; without a report, only its state."""
     from nodegraph.cli.answers import ListedRun
     from nodegraph.report.study import read_study
-    from nodegraph.runs.folder import EVENTS, STUDY, is_written
+    from nodegraph.runs.folder import EVENTS, STUDY
+    from nodegraph.runs.state import RunState, run_state
 
     for path in (folder, *folder.iterdir()):
         marks = [path / name for name in (STUDY, EVENTS) if (path / name).is_file()]
@@ -75,8 +76,8 @@ def _runs(folder: Path) -> Iterator[ListedRun]:
         try:
             study = read_study(path)
         except NodegraphError as error:
-            state = "running" if is_written(path / EVENTS) else "interrupted"
-            why = str(error) if marks[0].name == STUDY else state
+            is_unreadable = (now := run_state(path)) in (RunState.FINISHED, RunState.UNREADABLE)
+            why = str(error) if is_unreadable else now
             yield ListedRun(str(path), ended, why, "", "", ())
         else:
             state = "done" if study.ok else "failed"

@@ -23,11 +23,12 @@ from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
 from nodegraph.report.page import SCRIPTS, source
 from nodegraph.runs.record import Record
+from nodegraph.runs.state import RunState
 from nodegraph.runs.why import changes_since
 from nodegraph.serve.computing import Computing
 from nodegraph.serve.flow import flow
 from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response
-from nodegraph.serve.runs import Condition, OpenRun, OpenRuns, RunState, entry_of
+from nodegraph.serve.runs import Condition, OpenRun, OpenRuns, entry_of
 from nodegraph.serve.values import Combinations, Query, labels_in, packed, shown
 
 _EVERY = 0.2

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from enum import StrEnum
 from pathlib import Path
 from threading import Lock, RLock
 from typing import Any
@@ -22,10 +21,11 @@ from nodegraph.formatting import number_of
 from nodegraph.graph import Graph
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.study import Study, read_study
-from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_run, is_written, runs_in
+from nodegraph.runs.folder import EVENTS, RECORD, STUDY, is_run, runs_in
 from nodegraph.runs.opened import open_run, open_unfinished, saved_graph
 from nodegraph.runs.record import CellKey, Record
 from nodegraph.runs.record_files import read_record
+from nodegraph.runs.state import RunState, run_state
 from nodegraph.serve.progress import (
     Counts,
     EventFile,
@@ -40,21 +40,6 @@ from nodegraph.state import State
 _LONGEST = 1 << 20
 _QUIET = 10
 """After how many looks without a new event a run may have been killed."""
-
-
-class RunState(StrEnum):
-    """The state of the folder of a run."""
-
-    RUNNING = "running"
-    WRITING = "writing its report"
-    INTERRUPTED = "interrupted"
-    FINISHED = "finished"
-    UNREADABLE = "unreadable"
-
-    @property
-    def is_final(self) -> bool:
-        """Whether nobody writes to the folder."""
-        return self not in (RunState.RUNNING, RunState.WRITING)
 
 
 @dataclass(frozen=True)
@@ -99,11 +84,11 @@ class OpenRun:
     def condition(self) -> Condition:
         """Return in which state the folder is now."""
         try:
-            has_record = (self.folder / RECORD).is_file()
-            if is_written(self.folder / EVENTS):
-                return Condition(RunState.WRITING if has_record else RunState.RUNNING)
-            if not has_record and (self.folder / EVENTS).is_file():
+            state = run_state(self.folder)
+            if state is RunState.INTERRUPTED:
                 return self._interrupted()
+            if not state.is_final:
+                return Condition(state)
             self.study()
         except OSError as error:
             return Condition(RunState.UNREADABLE, f"{self.folder} cannot be read: {error}")
@@ -374,19 +359,11 @@ def _version(path: Path) -> _Version:
 
 def entry_of(run: OpenRun) -> dict[str, object]:
     """Return the entry of a run in a list of runs, without reading all of it."""
-    progress = Progress()
-    try:
-        is_going = is_written(run.folder / EVENTS)
+    progress, state = Progress(), RunState.UNREADABLE
+    with suppress(OSError):
+        state = run_state(run.folder)
         with (run.folder / EVENTS).open("rb") as file:
             progress.read(file.readline(_LONGEST))
-    except OSError:
-        is_going = False
-    has_report, has_record = ((run.folder / name).is_file() for name in (STUDY, RECORD))
-    state = RunState.UNREADABLE if has_record else RunState.INTERRUPTED
-    if is_going:
-        state = RunState.WRITING if has_record else RunState.RUNNING
-    elif has_report and has_record:
-        state = RunState.FINISHED
     began = str(progress.planned.get("began", ""))[: len("2026-11-22T15:42")]
     title = str(progress.planned.get("title", ""))
     return {"run": run, "state": state, "title": title, "begun": began.replace("T", " ")}
