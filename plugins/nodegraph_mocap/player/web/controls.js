@@ -59,6 +59,7 @@ nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/ca
     const names = [...new Set(recordings.flatMap((panel) => panel.markers))];
     const marker = choiceOf("Marker", [["", "none"], ...names.map((name) => [name, name])], (name) => selection.set({ marker: name || null }), "");
     if (study.with_hand) options.append(marker);
+    if (study.with_hand && recordings.length > 1) options.append(switchFor("Over each other", false, choose("over")));
     if (study.panels.length) options.append(element("span", { class: "view", role: "group", "aria-label": "View" },
       buttonFor("\u2212", "Smaller", () => player.look((camera) => zoomed(camera, 1 / 1.25))),
       buttonFor("+", "Larger", () => player.look((camera) => zoomed(camera, 1.25))),
@@ -79,10 +80,18 @@ nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/ca
   const symbol = (origin) => element("span", { class: `key ${origin}`, "aria-hidden": "true" });
 
   // What colours and signs mean; rebuilt when the colours change their meaning.
-  const legendFor = (study, choices) => {
+  const legendFor = (study, choices, over = []) => {
     const legend = element("p", { class: "legend" });
     const recordings = study.panels.filter((panel) => panel.kind === "markers");
     if (!recordings.length) return legend;
+    if (over.length) {
+      legend.append(...over.map(({ label, colour }) => {
+        const key = symbol("");
+        key.style.background = colour;
+        return element("span", {}, key, label);
+      }));
+      return legend;
+    }
     if (choices.colour === "error") {
       const stops = RAMP.map((colour) => `rgb(${colour.join(", ")})`).join(", ");
       const bar = element("span", { class: "ramp", "aria-hidden": "true" });

@@ -2,6 +2,7 @@
 nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, project }) => {
   const MISSING = 0;
   const NEAR = 10; // px from a marker that point at it
+  const CLOSE = 0.005; // mm, below which places are the same
   const FILLED = 2;
   const REPAIRED = 3;
   const ORIGINS = ["missing", "measured", "filled", "repaired"];
@@ -16,6 +17,10 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     dark: { text: "#e7ebf0", line: "#68747f", trail: "rgba(86, 164, 226, 0.65)" },
   };
   const inksOf = (dark) => INKS[dark ? "dark" : "light"];
+
+  // Of recordings that are laid over each other.
+  const TINTS = ["#2a86c8", "#d9691e", "#1f9d6b", "#a3539a", "#b08900", "#7a828c"];
+  const tintOf = (turn) => TINTS[turn % TINTS.length];
 
   const errorColour = (error, largest) => {
     const place = within(0, error / largest, 1) * (RAMP.length - 1);
@@ -169,13 +174,14 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
   };
 
   // Draws a frame of a recording; returns where its markers lie.
-  const drawMarkers = (pen, panel, by, frame, { study, choices, ink, dot, size, marker: looked }) => {
+  const drawMarkers = (pen, panel, by, frame, { study, choices, ink, dot, size, marker: looked, tint }) => {
     const { truth } = study;
     const magnified = truth && choices.times > 1 ? { truth, times: choices.times } : null;
     const dots = markerDots(panel, by, frame, magnified);
     const compared = truth && panel.truth;
     const errors = compared && choices.colour === "error" ? errorsOf(panel, truth, frame) : [];
     const colourOf = (marker) => {
+      if (tint) return tint;
       if (choices.colour !== "error") return COLOURS[panel.origin[marker * panel.frames + frame]];
       const error = errors[marker];
       return Number.isFinite(error) ? errorColour(error, study.errors) : ink.line;
@@ -200,6 +206,24 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     if (!errors.length) return counted;
     const mean = errors.reduce((sum, error) => sum + error, 0) / errors.length;
     return `${counted}; ${errors.length} compared: mean error ${mean.toFixed(2)} mm, largest ${Math.max(...errors).toFixed(2)} mm`;
+  };
+
+  // How far the markers that two recordings share are apart in a frame of each.
+  const textOfDistance = (first, other) => {
+    const column = new Map(first.panel.markers.map((name, marker) => [name, marker]));
+    const distances = other.panel.markers.map((name, marker) => {
+      const there = column.get(name);
+      if (there === undefined || !isPresent(first.panel, there, first.frame) || !isPresent(other.panel, marker, other.frame)) return NaN;
+      const point = placeOf(first.panel, there, first.frame);
+      return Math.hypot(...placeOf(other.panel, marker, other.frame).map((value, k) => value - point[k]));
+    });
+    const known = distances.filter(Number.isFinite);
+    if (!known.length) return `${other.panel.label}: no marker of the same name is here`;
+    const largest = Math.max(...known);
+    if (largest < CLOSE) return `${other.panel.label}: ${known.length} markers compared, all at the same places`;
+    const mean = known.reduce((sum, each) => sum + each, 0) / known.length;
+    const where = other.panel.markers[distances.indexOf(largest)];
+    return `${other.panel.label}: ${known.length} markers compared, ${mean.toFixed(2)} mm apart on average, ${where} most, ${largest.toFixed(2)} mm`;
   };
 
   // One sample in words.
@@ -232,5 +256,5 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     tip.style.top = `${(100 * dots[3 * nearest + 1]) / canvas.height}%`;
   };
 
-  return { FILLED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, pointedMarker, namePointed, inksOf };
+  return { FILLED, REPAIRED, ORIGINS, RAMP, drawMarkers, textOfMarkers, textOfSample, textOfDistance, tintOf, pointedMarker, namePointed, inksOf };
 });

@@ -5,11 +5,13 @@ nodegraph.define("mocap/player", [
 ], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, { faultsFor }, { Hand }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
-  const { drawMarkers, textOfMarkers, textOfSample, pointedMarker, namePointed, inksOf } = markers;
+  const { drawMarkers, textOfMarkers, textOfSample, textOfDistance, tintOf, pointedMarker, namePointed, inksOf } = markers;
   const { controlsFor, chooserFor, legendFor, buttonFor } = controls;
   const MOST = 6; // panels at once
   const FIRST = 4; // of more
   const TRAIL = 0.5; // seconds
+  const LARGEST = 1.4; // dots of the first of several recordings in one picture
+  const SMALLER = 0.65;
   const FINENESS = 2; // dots for each pixel of the page
   const CALM = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -28,7 +30,7 @@ nodegraph.define("mocap/player", [
     constructor(figure, study) {
       this.study = study;
       this.camera = frontal();
-      this.choices = { speed: 1, colour: "origin", truth: true, names: false, trails: false, trail: TRAIL, times: 1 };
+      this.choices = { speed: 1, colour: "origin", truth: true, names: false, over: false, trails: false, trail: TRAIL, times: 1 };
       this.shown = firstShown(study);
       this.marker = null;
       this.large = null;
@@ -83,9 +85,19 @@ nodegraph.define("mocap/player", [
       return { panel, canvas, readout, tip, button, element: box, inSight: false };
     }
 
+    // The recordings that are drawn over the first of them, in its picture; itself included.
+    get laid_over() {
+      const { panels } = this.study;
+      const places = panels.map((_, place) => place).filter((place) => this.shown.includes(place) && panels[place].kind === "markers");
+      return this.choices.over && places.length > 1 ? places : [];
+    }
+
     // Puts the chosen panels on the stage, in the order of the study.
     arrange() {
-      this.stage.replaceChildren(...this.panels.filter((_, place) => this.shown.includes(place)).map((tile) => tile.element));
+      const [, ...hidden] = this.laid_over;
+      const seen = (_, place) => this.shown.includes(place) && !hidden.includes(place);
+      this.stage.replaceChildren(...this.panels.filter(seen).map((tile) => tile.element));
+      this.explain();
       this.chooser?.buttons.forEach((button, place) => button.setAttribute("aria-pressed", this.shown.includes(place)));
       this.invalidate();
     }
@@ -214,10 +226,14 @@ nodegraph.define("mocap/player", [
 
     choose(choices) {
       Object.assign(this.choices, choices);
-      const legend = legendFor(this.study, this.choices);
+      this.arrange();
+    }
+
+    explain() {
+      const over = this.laid_over.map((place, turn) => ({ label: this.study.panels[place].label, colour: tintOf(turn) }));
+      const legend = legendFor(this.study, this.choices, over);
       this.legend.replaceWith(legend);
       this.legend = legend;
-      this.invalidate();
     }
 
     look(change) {
@@ -267,10 +283,25 @@ nodegraph.define("mocap/player", [
       const by = projectionOf(panel, this.camera, size, this.radiusOf(panel.kind));
       const dot = within(3, size / 110, 7) * Math.min(1.6, Math.sqrt(this.camera.zoom));
       const look = { study: this.study, choices: this.choices, marker: this.marker, ink, dot, size };
+      const over = this.laid_over;
+      if (this.study.panels[over[0]] === panel) return this.drawOver(over, { readout, pen, by, look });
       const dots = (panel.kind === "mesh" ? drawMesh : drawMarkers)(pen, panel, by, frame, look);
       const state = panel.kind === "mesh" ? (dots ? "" : "weights are missing") : textOfMarkers(panel, this.study.truth, frame);
       readout.textContent = ended ? `ended after ${(panel.frames / panel.rate).toFixed(2)} s` : state;
       return { frame, dots };
+    }
+
+    // All where they are in the coordinates of the first, each in a colour of its own and in smaller
+    // dots than the one below it.
+    drawOver(places, { readout, pen, by, look }) {
+      const drawn = places.map((place, turn) => {
+        const panel = this.study.panels[place];
+        const frame = this.frameOf(panel);
+        return { panel, frame, dots: drawMarkers(pen, panel, by, frame, { ...look, tint: tintOf(turn), dot: look.dot * LARGEST * SMALLER ** turn }) };
+      });
+      const [first, ...others] = drawn;
+      readout.textContent = others.map((other) => textOfDistance(first, other)).join("; ");
+      return { frame: first.frame, dots: first.dots };
     }
 
     radiusOf(kind) {

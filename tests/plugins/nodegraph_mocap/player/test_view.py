@@ -141,7 +141,7 @@ def served(*files: str) -> Iterator[str]:
 
 def check_marker_in_hand(tab: Page, face: Trajectories) -> None:
     """Check the strip of gaps, and speed and spectrum of a marker that has none."""
-    strip = tab.locator(".rows").first
+    strip = tab.locator(".rows[aria-label*='of take.npz']")
     faulty = ~face.present.all(axis=0) | (impulses(face.positions) > 0).any(axis=0)
     named = strip.locator(".labels").inner_text().split("\n")
     assert named == [face.markers[column] for column in np.flatnonzero(faulty)]
@@ -149,7 +149,7 @@ def check_marker_in_hand(tab: Page, face: Trajectories) -> None:
     assert tab.evaluate(f"{PLAYER}.state.hand.marker") == named[3]
     complete = int(np.flatnonzero(face.present.all(axis=0))[0])
     tab.locator("label:has-text('Marker') select").select_option(face.markers[complete])
-    (line,) = tab.evaluate(f"{PLAYER}.state.hand.lines")
+    _, line = tab.evaluate(f"{PLAYER}.state.hand.lines")
     positions = face.positions[:, complete]
     speeds = np.linalg.norm(positions[2:] - positions[:-2], axis=1) * face.rate / 2
     assert np.abs(line["speeds"][1:-1] - speeds).max() < 0.02 * face.rate
@@ -167,18 +167,28 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
     time = np.arange(600)[:, np.newaxis] / 60
     values = np.sin(time * [1.0, 2.0, 0.0]) ** 2
     moving = Weights(values=values, names=names, rate=60.0)
-    for node, value in (("write.npz", face), ("write.weights_csv", moving)):
-        for name, content in ng.get_node(node)(value).content.items():
-            (tmp_path / name).write_bytes(content)
+    shifted = replace(
+        face,
+        positions=face.positions[::2] + np.array([3.0, 0, 0]),
+        origin=face.origin[::2],
+        rate=30.0,
+    )
+    for node, value, name in (
+        ("write.npz", face, "take"),
+        ("write.npz", shifted, "shifted"),
+        ("write.weights_csv", moving, "weights"),
+    ):
+        ((file, content),) = ng.get_node(node)(value, name=name).content.items()
+        (tmp_path / file).write_bytes(content)
     with served(*map(str, sorted(tmp_path.iterdir()))) as address:
         tab.goto(address)
         tab.wait_for_selector(".viewed-file")
         until(tab, PLAYER)
-        assert "recording.npz" in tab.inner_text("h1")
-        assert "600" in tab.inner_text(".viewed-facts")
+        assert "take.npz" in tab.inner_text("h1")
+        assert "30 Hz" in tab.inner_text(".viewed-facts >> nth=0")
         tab.evaluate(f"{PLAYER}.seek(90)")
         state = tab.evaluate(f"{PLAYER}.state")
-        assert [panel["label"] for panel in state["panels"]] == ["recording.npz"]
+        assert [panel["label"] for panel in state["panels"]] == ["shifted.npz", "take.npz"]
         rows = tab.locator(".rows").last
         assert rows.locator(".labels").inner_text().split("\n") == ["jawOpen", "<b>blink</b>"]
         assert "1 of 3 shapes stay below" in (rows.get_attribute("aria-label") or "")
@@ -186,6 +196,13 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         assert shown == pytest.approx(values[90, :2], abs=0.006)
         rows.locator("canvas").click(position={"x": 5, "y": 5})
         assert tab.evaluate(f"{PLAYER}.state.tick") < 90
+        tab.locator("label:has-text('Over each other') input").press("Space")
+        tab.evaluate(f"{PLAYER}.seek(90)")
+        both = face.present[90].sum()
+        assert tab.evaluate(f"{PLAYER}.state.panels[0].frame") == 45
+        apart = f"take.npz: {both} markers compared, 3.00 mm apart on average"
+        assert tab.locator(".panel .readout").all_inner_texts()[0].startswith(apart)
+        assert tab.locator(".panel").count() == 1
         check_marker_in_hand(tab, face)
         tab.locator("label:has-text('Names') input").press("Space")
         for scheme, width in (("light", 1280), ("dark", 390)):
