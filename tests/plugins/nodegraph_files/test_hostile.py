@@ -37,7 +37,7 @@ from nodegraph_mocap import BlendshapeModel, Head, Trajectories
 from nodegraph_mocap.specimens import specimens
 from tests.plugins.nodegraph_files.conftest import build
 
-TIMES = 300
+TIMES = 100
 LETTERS = b"0123456789:;,.-e\n\t#[]{}&*!?|>%'\"abc"
 
 
