@@ -73,7 +73,7 @@ def check_marks(folder: Path) -> None:
         count = some if found < len(result) else f"all {found} curves"
         knees = sorted(marked(points)[0][0] for points in result.values() if marked(points))
         if knees[0] < knees[-1]:
-            count = f"median of {count}: {knees[0]} to {knees[-1]}"
+            count = f"median; {knees[0]} to {knees[-1]} in {count}"
         middle = knees[len(knees) // 2]
         assert f"From {middle} markers on, more of them help less ({count})" in text
     else:

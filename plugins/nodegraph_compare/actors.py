@@ -71,7 +71,9 @@ def find_alike(scores: Across[Table], clusters: tuple[str, ...], sources: tuple[
     for labels, table in scores:
         known = info_of(table).poses
         recording = tuple(labels.get(axis, "") for axis in sources)
-        if known is not None and len(poses) < _MOST and recording not in poses:
+        if known is None or not known.positions:
+            continue
+        if len(poses) < _MOST and recording not in poses:
             poses[recording] = known
             owner[recording] = tuple(label_at(scores, name, labels) for name in clusters)
     same: list[tuple[Combination, Combination]] = []

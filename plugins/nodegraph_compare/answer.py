@@ -26,8 +26,10 @@ from nodegraph_compare.words import (
     plain_names,
     reason_text,
     scope_text,
+    signed,
     tie_text,
     units_text,
+    unmarked_names,
     varying,
     with_units,
 )
@@ -41,21 +43,21 @@ from nodegraph_tables.answer import (
     few,
     joined,
     listing,
+    plain,
     say,
 )
-from nodegraph_tables.numbers import span_text
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.numbers import percent, span_text
+from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from nodegraph import Label
     from nodegraph_compare.verdict import Variation, Verdict, Verdicts
 
     Side = Literal["lower", "higher"]
-
-ALL_BEHIND = "every other is clearly behind"
 
 _MOST_NAMES = 3
 _MOST_CLAUSES = 6
@@ -164,7 +166,7 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     if len(by_leader) > 1:
         clauses = [
             say(
-                f"{HERE} for {HERE} ({HERE})", listing(method_words(verdicts, leaders)),
+                f"{HERE} for {HERE} ({HERE})", unmarked_names(verdicts, leaders),
                 _where(verdicts, of), _number(verdicts, of, leaders[0]),
             )
             for leaders, of in by_leader.items()
@@ -174,9 +176,7 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     number = _number(verdicts, groups, leaders[0])
     where = f" in all {len(groups)} groups" if len(groups) > 1 else ""
     return say(
-        f"{end} mean {metric}{where}: {HERE} ({HERE})",
-        listing(method_words(verdicts, leaders)),
-        number,
+        f"{end} mean {metric}{where}: {HERE} ({HERE})", unmarked_names(verdicts, leaders), number
     )
 
 
@@ -204,8 +204,10 @@ def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdic
     if rest:
         reasons = dict.fromkeys(_reason(verdicts, group) for group in rest)
         where = _where(verdicts, rest) if len(rest) <= _MOST_CLAUSES else f"{len(rest)} groups"
-        firsts = _firsts(verdicts, rest)
-        texts.append(say(f"Not clear for {where} ({'; '.join(reasons)}): {HERE}.", _lower(firsts)))
+        # where there are no cards, a reader finds which come first in the table
+        is_short = len(known) <= MOST_CARDS
+        first = say(f": {HERE}", _lower(_firsts(verdicts, rest))) if is_short else ()
+        texts.append(say(f"Not clear for {where} ({'; '.join(reasons)}){HERE}.", first))
     return joined(" ", texts)
 
 
@@ -227,7 +229,8 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
         return say(f"{HERE} have the same mean {metric.name}{where} ({HERE}).", names, number)
     if not any(group.tied for group in told):
         verb = "are" if several else "is"
-        return say(f"{HERE} {verb} best{where} ({HERE}); {ALL_BEHIND}.", names, number)
+        return say(f"{HERE} {verb} best{where} ({HERE}); {HERE}.", names, number,
+                   _all_behind(verdicts, told))  # fmt: skip
     verb = "share" if several else "has"
     start = f"{HERE} {verb} the {EXTREME[metric.better]} mean {metric.name}{where} ({HERE})"
     if len(told) == 1:
@@ -251,6 +254,24 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
     return say(f"{start}, not certain against {HERE} {places}.", names, number, against)
 
 
+def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
+    """Return that all methods but the best are behind, and how far the nearest of them is."""
+    far = [
+        (abs(group.to_best_of(place)), float(group.mean[group.best[0]]))
+        for group in told
+        for place in group.behind
+    ]
+    unit = verdicts.metric.unit
+    if verdicts.ratio and unit != SHARE and all(mean > 0 for _, mean in far):
+        nearest = percent(min(difference / mean for difference, mean in far))
+    else:
+        difference, mean = min(far)
+        nearest = signed(difference, unit, mean).removeprefix("+")
+    others = "the other" if all(len(group.behind) == 1 for group in told) else "every other"
+    more = " or more" * (len(far) > 1)
+    return say(f"{others} is clearly behind, by {HERE}{more}", Word(nearest, "number"))
+
+
 def _ties(verdicts: Verdicts, group: Verdict) -> Text:
     """Return the methods that are not certain to be worse, the nearest first."""
     order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
@@ -265,7 +286,8 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     by_leader: dict[int, list[Verdict]] = {}
     for group in told:
         by_leader.setdefault(group.best[0], []).append(group)
-    axes = listed_names(verdicts)
+    axes = _deciding(verdicts, told)
+    depends = f"It depends on {plain(listing([verdicts.within[axis] for axis in axes]))}"
     if len(by_leader) > _MOST_CLAUSES:
         counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
         names = [
@@ -273,11 +295,11 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
             for place, groups in counts
         ]
         return say(
-            f"It depends on {axes}: of {len(told)} groups, {HERE} have another best.",
+            f"{depends}: of {len(told)} groups, {HERE} have another best.",
             few(names, _MOST_NAMES),
         )
     most = max(by_leader, key=lambda place: len(by_leader[place]))
-    several = len(varying(verdicts)) > 1 and len(by_leader[most]) > 1
+    several = len(axes) > 1 and len(by_leader[most]) > 1
     otherwise = several and len(by_leader) > 1 and len(told) == len(verdicts.groups)
     order = [place for place in by_leader if not (otherwise and place == most)]
     clauses = [
@@ -286,13 +308,21 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     ]
     if otherwise:
         clauses.append(_clause(verdicts, most, by_leader[most], "otherwise"))
-    return say(f"It depends on {axes}: {HERE}.", joined("; ", clauses))
+    return say(f"{depends}: {HERE}.", joined("; ", clauses))
 
 
-def listed_names(verdicts: Verdicts) -> str:
-    """Return the axes along which groups differ."""
-    *rest, last = [verdicts.within[axis] for axis in varying(verdicts)]
-    return f"{', '.join(rest)} and {last}" if rest else last
+def _deciding(verdicts: Verdicts, told: Sequence[Verdict]) -> list[int]:
+    """Return the axes along which alone the best changes; all, if it takes more than one."""
+    axes = varying(verdicts)
+
+    def changes_best(axis: int) -> bool:
+        best: dict[tuple[Label, ...], set[int]] = {}
+        for group in told:
+            others = (*group.labels[:axis], *group.labels[axis + 1 :])
+            best.setdefault(others, set()).add(group.best[0])
+        return any(len(places) > 1 for places in best.values())
+
+    return [axis for axis in axes if changes_best(axis)] or axes
 
 
 def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: str) -> Text:
@@ -515,7 +545,7 @@ def _beside_baseline(verdicts: Verdicts, place: int, groups: Sequence[Verdict]) 
 
 
 def scope_words(verdicts: Verdicts) -> Text:
-    """Return what the verdicts hold for, in bold, and what the numbers are."""
+    """Return what the verdicts hold for and how far, in bold, and what the numbers are."""
     groups, metric = verdicts.groups, verdicts.metric
     cautions = Counter(caution_text(group.scope) for group in groups if group.stands)
     of_some = [
@@ -538,7 +568,7 @@ def scope_words(verdicts: Verdicts) -> Text:
         " ",
         [
             Word(held[:1].upper() + held[1:]) if held else "",
-            *of_some,
+            *map(Word, of_some),
             f"{number_name(verdicts, unit)}, {end}.",
             shared,
         ],

@@ -25,6 +25,7 @@ from nodegraph_compare.words import (
     signed,
     tie_text,
     units_text,
+    unmarked_names,
 )
 from nodegraph_tables.answer import (
     HERE,
@@ -110,7 +111,8 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
         return Card("", best, value, interval, best=bool(group.marks))
     why = "none clearly best" if group.stands else "no verdict"
     if group.stands:
-        lowest = say(f"{EXTREME[verdicts.metric.better]}: {HERE} {HERE}", best, value)
+        first = unmarked_names(verdicts, group.best)
+        lowest = say(f"{EXTREME[verdicts.metric.better]}: {first} {HERE}", value)
         return Card("", (why,), aside=lowest)
     reason = reason_text(verdicts, group)
     others = [each for each in verdicts.groups if each.known and each is not group]
@@ -173,7 +175,7 @@ def _rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
     if len(group.known) < 2 or verdicts.metric.better == "none":
         return
     if not group.stands:
-        best = listing(method_words(verdicts, group.best))
+        best = unmarked_names(verdicts, group.best)
         end = EXTREME[verdicts.metric.better].capitalize()
         yield end, joined(" ", [best, joined(", ", _value(verdicts, group, group.best[0]))])
     elif verdicts.is_sequence:
@@ -268,7 +270,7 @@ def _equal(verdicts: Verdicts, group: Verdict) -> str:
 def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:
     """Return what the segments of a recording say, beside its repetitions."""
     if group.scope.shortage is not None:
-        return f"nothing can be said: {segments_text(group.scope, group.scope.shortage)}"
+        return f"too short to say: {segments_text(group.scope, group.scope.shortage)}"
     close, behind = plain_names(verdicts, group.tied), len(group.behind)
     tied = f"not certain: {', '.join(close[:_MOST_NAMES])}" if close else ""
     apart = f"{behind} clearly behind" if behind else ""

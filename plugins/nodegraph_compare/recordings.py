@@ -71,7 +71,7 @@ def recordings_of(scores: Across[Table]) -> Recordings:
         scores.files,
         scores.synthetic,
         _span(round(poses.frames / poses.rate, 1) for poses in moving),
-        _span(len(poses.markers) for poses in every),
+        _span(len(poses.markers) for poses in every if poses.markers),
         _span(poses.rate for poses in moving),
     )
 

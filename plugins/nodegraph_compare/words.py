@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MOST_CARDS, Word, say
+from nodegraph_tables.answer import HERE, MOST_CARDS, Word, listing, plain, say
 from nodegraph_tables.numbers import SMALLEST, SPACE, percent, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
@@ -225,6 +225,11 @@ def plain_names(verdicts: Verdicts, places: Iterable[int]) -> list[str]:
     return [str(verdicts.methods[place]) for place in places]
 
 
+def unmarked_names(verdicts: Verdicts, places: Iterable[int]) -> str:
+    """Return the names of methods on which there is no verdict: ``threshold 2 and threshold 3``."""
+    return plain(listing(method_words(verdicts, places)))
+
+
 def count_text(count: int, several: str) -> str:
     """Return a number of things: ``10 gaps``, ``1 gap``."""
     return f"{count:,} {several if count != 1 else several.removesuffix('s')}"
@@ -233,7 +238,7 @@ def count_text(count: int, several: str) -> str:
 def label_text(label: Label, unit: str = "", rate: float = 0.0) -> str:
     """Return a label as a reader sees it: numbers without useless digits, with their unit.
 
-    Frames are given in milliseconds, too, where the rate is known: ``5 frames (83 ms)``.
+    Frames are given in time, too, where the rate is known: ``5 frames (83 ms)``.
     """
     if isinstance(label, bool):
         return "yes" if label else "no"
@@ -241,10 +246,14 @@ def label_text(label: Label, unit: str = "", rate: float = 0.0) -> str:
         return str(label)
     if unit == "share":
         return f"{100 * label:.10g}{SPACE}%"
-    time = f" ({1000 * label / rate:.0f}{SPACE}ms)" if unit == "frames" and rate else ""
+    time = f" ({_time_text(label / rate)})" if unit == "frames" and rate else ""
     if label == 1 and len(unit) > 1:
         unit = unit.removesuffix("s")  # 1 frame
     return f"{label:.12g}{SPACE}{unit_text(unit)}".rstrip(SPACE) + time
+
+
+def _time_text(seconds: float) -> str:
+    return f"{1000 * seconds:.0f}{SPACE}ms" if seconds < 1 else f"{seconds:.3g}{SPACE}s"
 
 
 def with_units(verdicts: Verdicts, *, times: bool = True) -> Verdicts:
@@ -254,7 +263,7 @@ def with_units(verdicts: Verdicts, *, times: bool = True) -> Verdicts:
     ----------
     verdicts
     times
-        Whether frames are given in milliseconds, too.
+        Whether frames are given in time, too.
     """
     rate = verdicts.recordings.rate if times else 0.0
     groups = (
@@ -272,16 +281,11 @@ def with_units(verdicts: Verdicts, *, times: bool = True) -> Verdicts:
 
 def times_text(verdicts: Verdicts, axis: int) -> str:
     """Return how long the labels of an axis of frames are; empty for others."""
-    rate = verdicts.recordings.rate
-    labels = dict.fromkeys(group.labels[axis] for group in verdicts.groups)
-    frames = [label for label in labels if isinstance(label, (int, float))]
-    if verdicts.axis_units[axis] != "frames" or not rate or not frames:
+    unit, rate = verdicts.axis_units[axis], verdicts.recordings.rate
+    if unit != "frames" or not rate:
         return ""
-    times = listed([f"{1000 * each / rate:.0f}" for each in frames])
-    return (
-        f"{verdicts.within[axis].capitalize()} {listed([f'{each:g}' for each in frames])} frames: "
-        f"{times}{SPACE}ms."
-    )
+    labels = dict.fromkeys(label_text(group.labels[axis], unit, rate) for group in verdicts.groups)
+    return f"{verdicts.within[axis].capitalize()}: {listed(list(labels))}."
 
 
 def tie_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:

@@ -20,7 +20,7 @@ from nodegraph_score.components import (
     principal,
 )
 from nodegraph_score.pose import NAMES, carried, check_proper, frames_of, left_over, pose
-from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables import TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -135,7 +135,7 @@ def alignment(
         raise Refusal("; ".join(notes) or "there is no recording")
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table = _joined(parts, notes, recordings.axes)
+    table = _joined(parts, notes, recordings)
     return AlignmentScore(table, _draw(table, recordings.axes))
 
 
@@ -212,15 +212,17 @@ def _related(scores: NDArray[np.float64], moved: Movement) -> dict[str, object]:
     }
 
 
-def _joined(parts: list[Table], notes: list[str], axes: tuple[str, ...]) -> Table:
+def _joined(parts: list[Table], notes: list[str], recordings: Across[Trajectories]) -> Table:
     from pandas import concat
 
+    first = recordings.values()[0]
     table = concat(parts, ignore_index=True)
     info = TableInfo(
         title="What PCA finds",
-        answer=answer_of(parts, axes),
+        answer=answer_of(parts, recordings.axes),
         notes=tuple(f"{note}." for note in notes),
         units=UNITS,
+        poses=poses_of(first.markers, first.positions, first.rate),
     )
     return with_info(table, info)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Trajectories
-from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables import TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,8 +85,13 @@ def unselected(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
-    title = "Errors at unselected markers"
-    return with_info(table, TableInfo(title=title, notes=sentences, units=UNITS))
+    info = TableInfo(
+        title="Errors at unselected markers",
+        notes=sentences,
+        units=UNITS,
+        poses=poses_of(reference.markers, reference.positions, reference.rate),
+    )
+    return with_info(table, info)
 
 
 def _check(estimate: Trajectories, reference: Trajectories, selection: Selection) -> None:

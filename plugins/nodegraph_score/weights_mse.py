@@ -10,7 +10,7 @@ import numpy as np
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_mocap.shape_names import matched, sides_as
-from nodegraph_tables import TableInfo, with_info
+from nodegraph_tables import Poses, TableInfo, with_info
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,8 +92,15 @@ def weights_mse(
     for note in notes:
         warnings.warn(note, stacklevel=2)
     table = _table(errors[known], names, is_shared, int(np.count_nonzero(~known)), selection)
-    sentences = tuple(f"{note}." for note in notes)
-    return with_info(table, TableInfo(title="Errors of weights", notes=sentences, units=UNITS))
+    pairs = () if selection is None else selection.pairs
+    markers = tuple(sorted(name for pair in pairs for name in pair))
+    info = TableInfo(
+        title="Errors of weights",
+        notes=tuple(f"{note}." for note in notes),
+        units=UNITS,
+        poses=Poses(markers, b"", reference.frames, reference.rate),
+    )
+    return with_info(table, info)
 
 
 def _errors(

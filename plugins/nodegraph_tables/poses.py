@@ -28,7 +28,7 @@ class Poses(Value):
         All of the recording's, in alphabetical order.
     positions : bytes
         float32, (32 frames at most, 16 markers at most, 3), mm: spread evenly over the frames and
-        over `markers`. NaN where missing.
+        over `markers`. NaN where missing; empty where what is scored has none, as weights.
     frames : int
         Of the recording.
     rate : float

@@ -75,11 +75,10 @@ def _sentence(curves: Curves) -> Text:
         )
     elif knees:
         place = Word(f"{median_high(knees):g} {axes.x}")
-        several = f"median of {of_all}: {_between(knees)}" if len({*knees}) > 1 else of_all
+        several = f"median; {_between(knees)} in {of_all}" if len({*knees}) > 1 else of_all
         start = say(
-            f"From {HERE} on, more of them help less{f' ({several})' if several else ''}{HERE}",
-            place, _above_noise(curves),
-        )  # fmt: skip
+            f"From {HERE} on, more of them help less{f' ({several})' if several else ''}", place
+        )
     elif minima:
         start = say(f"Lowest at {HERE}", Word(f"{_between(minima)} {axes.x}"))
     else:
@@ -90,30 +89,30 @@ def _sentence(curves: Curves) -> Text:
                 f"Neither a minimum nor a knee to mark; the lowest have {HERE}",
                 Word(_numbers(curves, values), "number"),
             )
-    under = [points for points in drawn if math.isfinite(curves.floor(points))]
+    return joined(" ", [say(f"{HERE}.", start), _beside_noise(curves)])
+
+
+def _beside_noise(curves: Curves) -> Text:
+    """Return how far marked points are above measurement noise, and which curves reach it."""
+    under = [points for points in curves.drawn if math.isfinite(curves.floor(points))]
     if not under:
-        return say(f"{HERE}.", start)
-    reached = [_reached(points, curves.floor(points)) for points in under]
-    known = [x for x in reached if x is not None]
-    if not known:
-        return say(f"{HERE}; no curve comes down to measurement noise.", start)
-    which = "" if len(known) == len(under) else f" by {_of(len(known), len(under), 'curve')}"
-    return say(f"{HERE}; noise is reached{which} at {HERE}.", start, Word(_between(known)))
-
-
-def _above_noise(curves: Curves) -> Text:
-    """Return the distance of the marked points above the measurement noise."""
-    places, floors = curves.marked.places, [curves.floor(points) for points in curves.drawn]
-    times = [
-        float(points.value[places[points.label]]) / floor
-        for points, floor in zip(curves.drawn, floors, strict=True)
-        if points.label in places and floor > 0.0
-    ]
-    if not times:
         return ()
-    ends = " to ".join(dict.fromkeys(f"{end:.2g}" for end in (min(times), max(times))))
-    number = Word(ends, "number")
-    return say(f", where {curves.axes.metric} is {HERE} times that of measurement noise", number)
+    known = [x for each in under if (x := _reached(each, curves.floor(each))) is not None]
+    places = curves.marked.places
+    times = [
+        float(points.value[places[points.label]]) / curves.floor(points)
+        for points in under
+        if points.label in places and curves.floor(points) > 0.0
+    ]
+    who = _of(len(known), len(under), "curve") if known else "no curve"
+    reached = f"{who} reach{'es' * (len(known) < 2)}"
+    at = say(f" at {HERE}", Word(f"{_between(known)} {curves.axes.x}")) if known else ()
+    if not times:
+        return say(f"{reached[0].upper()}{reached[1:]} measurement noise{HERE}.", at)
+    ends = dict.fromkeys(f"{end:.2g}" for end in (min(times), max(times)))
+    number = Word(" to ".join(ends), "number")
+    start = f"{curves.axes.metric} there is {HERE} times that of measurement noise"
+    return say(f"{start}, which {reached}{HERE}.", number, at)
 
 
 def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
@@ -122,7 +121,7 @@ def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
     kind = marked.kinds.get(points.label, "")
     place = marked.places.get(points.label, lowest)
     reached = _reached(points, floor)
-    where = "not reached" if reached is None else f"reached at {reached:g}"
+    where = "not reached" if reached is None else f"reached at {reached:g} {axes.x}"
     noise = (("Noise", (f"{number_text(floor, curves.unit)}, {where}",)),)
     return Card(
         title=f"{axes.compare} {points.label}" if axes.compare else axes.metric,
@@ -185,9 +184,10 @@ def _scope(curves: Curves) -> Text:
     kind = " of synthetic recordings" if recordings.synthetic else ""
     data = ", ".join(filter(None, [recordings.names, recordings.sizes]))
     point = f"mean over {' and '.join(axes.blocks)}" if axes.blocks else "single result"
+    people = "; untested on people" * recordings.synthetic
     held = (
         f"{several}{kind}{f' ({data})' if data else ''}, each point a {point}: described, not "
-        "tested; other draws may differ."
+        f"tested; other draws may differ{people}."
     )
     return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])
 
@@ -209,5 +209,5 @@ def _between(values: Sequence[float]) -> str:
 
 def _of(count: int, total: int, what: str) -> str:
     if count == total:
-        return "both curves" if total == 2 else f"all {total} {what}s"
+        return {1: f"the {what}", 2: f"both {what}s"}.get(total, f"all {total} {what}s")
     return f"{count} of {total} {what}s"

@@ -9,18 +9,21 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from nodegraph_compare.cards import line_of
-from nodegraph_compare.words import group_title, has_panels, method_words, varying
+from nodegraph_compare.words import (
+    group_title,
+    has_panels,
+    method_words,
+    unmarked_names,
+    varying,
+)
 from nodegraph_tables.answer import (
-    HERE,
     MOST_CARDS,
-    Text,
     cards_html,
     few,
     html_of,
     joined,
     lead_of_parts,
     listing,
-    say,
 )
 from nodegraph_tables.numbers import span_text
 
@@ -151,13 +154,14 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
     unit = verdicts.metric.unit
     if not group.best:
         return escape(span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit))
-    names: Text = listing(method_words(verdicts, group.best))
     mean = span_text([group.mean[group.best[0]]], unit)
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
-        return f"<small>{html_of(say(f'{why}; first: {HERE} {mean}', names))}</small>"
+        first = unmarked_names(verdicts, group.best)
+        return f"<small>{escape(f'{why}; first: {first} {mean}')}</small>"
     tied = f", {len(group.tied)} tied" if group.tied else ""
-    return f"{html_of(names)} <small>{escape(mean)}{tied}</small>"
+    names = html_of(listing(method_words(verdicts, group.best)))
+    return f"{names} <small>{escape(mean)}{tied}</small>"
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:
@@ -188,4 +192,6 @@ def legend(verdicts: Verdicts) -> str:
     )
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
-    return f"Dots: a method each{scale}; filled: the best{tied}{behind}."
+    suspect = any(group.suspects for group in told)
+    doubt = f"; \N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged" * suspect
+    return f"Dots: a method each{scale}; filled: the best{tied}{behind}{doubt}."

@@ -73,7 +73,7 @@ def test_zeros_are_compared_by_differences_of_arithmetic_means() -> None:
     zero = np.where(np.arange(9) < 3, 0.0, NEAR)
     sentence, verdict = say({"a": zero, "b": NEAR + 3.0})
     assert verdict.mean == pytest.approx([zero.mean(), NEAR.mean() + 3.0])
-    assert "every other is clearly behind" in sentence
+    assert "; the other is clearly behind, by 3.34." in sentence
     nothing, all_zero = say({"a": 0 * NEAR, "b": 0 * NEAR})
     assert nothing.startswith("a and b have the same mean error (0")
     assert all_zero.mean.tolist() == [0.0, 0.0]

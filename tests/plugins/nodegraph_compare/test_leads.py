@@ -53,16 +53,17 @@ def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
         ("actor ME", "20 markers", "knee"), ("actor JZ", "20 markers", "knee"),
     ]  # fmt: skip
     assert "0.100" in plain(answer.cards[0].aside)
-    assert answer.cards[0].facts == (("Noise", ("0.070, reached at 40",)),)
+    assert answer.cards[0].facts == (("Noise", ("0.070, reached at 40 markers",)),)
     assert "20 markers" in text(answer)
-    assert "where mse is 1.4 times that of measurement noise" in text(answer)
-    assert "noise is reached at 40" in text(answer)
+    assert text(answer).endswith(
+        " mse there is 1.4 times that of measurement noise, which both curves reach at 40 markers."
+    )
     assert "<rect" in answer.cards[0].picture
 
 
 def test_a_curve_above_the_noise_says_so() -> None:
     answer = over_markers(0.001, ME=KNEE, JZ=KNEE)
-    assert "no curve comes down to measurement noise" in text(answer)
+    assert text(answer).endswith(" times that of measurement noise, which no curve reaches.")
     assert "not reached" in plain(answer.cards[0].facts[0][1])
 
 

@@ -58,7 +58,7 @@ def test_methods_that_rounding_distinguishes_share_what_is_best(noise: float, na
     first = " and ".join(value for value in names if value in "ab")
     sentence = info_of(frame).answer.lines[0]
     assert sentence.startswith(f"{first} are best (")
-    assert "; every other is clearly behind." in sentence
+    assert "; every other is clearly behind, by 24\N{NO-BREAK SPACE}% or more." in sentence
     assert info_of(frame).best == {"mean": (0, 1)}
     first_two = frame.set_index("fill").loc[["a", "b"]].to_numpy()
     assert np.array_equal(first_two[0], first_two[1])
@@ -100,7 +100,7 @@ def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -
     frame = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
     assert frame["local minimum"].tolist() == [False] * 4 + [True, False]
     assert frame["below floor"].tolist() == [False] * 4 + [True, False]
-    assert ", reached at 4." in info_of(frame).answer.lines[-1]
+    assert ", reached at 4 markers." in info_of(frame).answer.lines[-1]
     flat = curve(
         sweep(0.3, 0.2 * (1 + noise), 0.1), x="markers", metric="mse", mark="minimum"
     ).table

@@ -180,7 +180,7 @@ def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_report
     assert me.loc[me["below floor"], "markers"].tolist() == [25, 35, 55]
     assert not frame.loc[frame["actor"] == "JZ", "below floor"].any()
     assert [card.rpartition("; ")[2] for card in info_of(frame).answer.lines[2:]] == [
-        "noise: 0.250\N{NO-BREAK SPACE}1, reached at 25.",
+        "noise: 0.250\N{NO-BREAK SPACE}1, reached at 25 markers.",
         "noise: 0.010\N{NO-BREAK SPACE}1, not reached.",
     ]
 

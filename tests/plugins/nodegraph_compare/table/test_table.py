@@ -122,7 +122,8 @@ def test_the_answer_names_the_best_and_the_scope() -> None:
     entries = tuple(entry for entry in trials(8) if entry[0]["length"] == 5)
     sentence, scope, card = words(table(Across(trials().axes, entries), within=("length",)).table)
     assert re.match(
-        r"near and twin are best \([\d.]+\smm\); every other is clearly behind\.$", sentence
+        r"near and twin are best \([\d.]+\smm\); the other is clearly behind, by 133\s%\.$",
+        sentence,
     )
     assert scope.startswith("8 trials: holds for further trials. Mean rmse (mm) of a typical trial")
     assert re.match(
@@ -145,7 +146,7 @@ def test_the_answer_names_the_best_and_the_scope() -> None:
 def test_what_is_said_depends_on_the_number_of_clusters(actors: int, expected: str) -> None:
     frame = table(trials(actors, lengths=(5,)), blocks=("trial", "gap")).table
     assert any(line.startswith(expected) for line in words(frame))
-    assert any("every other is clearly behind" in line for line in words(frame)) == (actors >= 5)
+    assert any("the other is clearly behind" in line for line in words(frame)) == (actors >= 5)
     assert ("p" in frame) == (actors >= 5)
     assert ("ratio" in frame) == (actors >= 3)
     assert ("p of flips" in frame) == (actors >= 6)
@@ -290,8 +291,8 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
     frame = table(trials(8), within=("length",)).table
     bests = sorted(frame[frame["fill"] == "near"]["mean"][:2])
     assert words(frame)[0] == (
-        f"near and twin are best throughout ({span_text(bests, 'mm')}); every other is clearly "
-        "behind."
+        f"near and twin are best throughout ({span_text(bests, 'mm')}); the other is clearly "
+        "behind, by 125\N{NO-BREAK SPACE}% or more."
     )
 
 
@@ -342,8 +343,8 @@ def test_a_method_without_any_number_is_not_said_to_be_behind() -> None:
     with pytest.warns(UserWarning, match="without any number, not compared: none"):
         result = table(Across.of(scores, axis="fill"))
     sentence = words(result.table)[0]
-    end = "every other is clearly behind. Not compared, without any number: none."
-    assert sentence.endswith(end)
+    end = "the other is clearly behind, by 800 %. Not compared, without any number: none."
+    assert sentence.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
     shown = html_of(result.overview.answer.sentence)
     assert shown.endswith('without any number: <strong data-method="none">none</strong>.')
 
