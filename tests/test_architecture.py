@@ -24,6 +24,7 @@ ROOT = Path(__file__).parents[1]
 FLOORS = (  # from the top
     {"cli"},
     {"api"},
+    {"editor"},
     {"archive", "audit", "edit", "notebook", "serve", "site"},
     {"lock", "report"},
     {"built_in", "testing"},

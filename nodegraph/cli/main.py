@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from nodegraph.plugin.registry import Registry
 
 COMMANDS = (
-    "run", "check", "live", "fetch", "draw", "show", "view", "new", "diff", "lock", "verify",
-    "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema", "completion",
+    "run", "check", "edit", "live", "fetch", "draw", "show", "view", "new", "diff", "lock",
+    "verify", "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema",
+    "completion",
 )  # fmt: skip
 """Modules of this package, each with a function of its name, `HELP` and `add_arguments`."""
 

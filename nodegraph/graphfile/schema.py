@@ -43,7 +43,7 @@ _MAPPING: Schema = {"type": ["object", "null"]}
 
 def graph_schema(registry: Registry) -> Schema:
     """Return the JSON Schema of graph files that use the nodes of a registry."""
-    names = _names(registry)
+    names = names_of(registry)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "description": "A graph of nodes with alternatives side by side.",
@@ -151,7 +151,7 @@ def _alternatives(families: Iterable[str]) -> Schema:
     }
 
 
-def _names(registry: Registry) -> dict[Registered, list[str]]:
+def names_of(registry: Registry) -> dict[Registered, list[str]]:
     """Return the names under which graph files may call each node, the one to offer first.
 
     They are ``family.method`` where one plugin alone has it, and ``plugin:family.method``.
@@ -179,6 +179,13 @@ def _node_names(names: Mapping[Registered, Sequence[str]], registry: Registry) -
 
 
 def _constant(name: str, registered: Registered) -> Schema:
+    description = "\n\n".join(about_node(registered))
+    schema: Schema = {"const": name, "title": name, "description": description}
+    return {**schema, "deprecated": True} if registered.node.deprecated else schema
+
+
+def about_node(registered: Registered) -> list[str]:
+    """Return what an editor says of a node, a paragraph each: summary, ports, where it is from."""
     node = registered.node
     lines = [node.summary or node.name]
     if node.deprecated:
@@ -189,8 +196,7 @@ def _constant(name: str, registered: Registered) -> Schema:
     if declared := "; ".join(describe_declaration(node)):
         lines.append(f"{declared[0].upper()}{declared[1:]}.")
     lines.append(f"Plugin: {registered.plugin}. Cite: {', '.join(node.cite) or 'nothing'}.")
-    schema: Schema = {"const": name, "title": name, "description": "\n\n".join(lines)}
-    return {**schema, "deprecated": True} if node.deprecated else schema
+    return lines
 
 
 def _when_used(names: Sequence[str], node: Node) -> Schema:

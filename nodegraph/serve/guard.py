@@ -20,7 +20,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MOST_BODY = 1 << 16
-"""Bytes of a body, of the path, and of the query of a request."""
+"""Bytes of an address, and of a body unless the application takes larger ones."""
 
 _OWN = ("", "same-origin", "none")
 """Values of the header Sec-Fetch-Site in requests from the server's own pages or the user."""
@@ -58,6 +58,8 @@ class Guard:
     app
     authority
         The server's own address, as a browser writes it: ``127.0.0.1:8321``.
+    most_body
+        Bytes of the largest body.
 
     Attributes
     ----------
@@ -65,8 +67,9 @@ class Guard:
         Is exchanged for the session's cookie, once.
     """
 
-    def __init__(self, app: ASGIApp, authority: str) -> None:
+    def __init__(self, app: ASGIApp, authority: str, most_body: int = MOST_BODY) -> None:
         self._app = app
+        self._most_body = most_body
         self._authority = authority
         # cookies of one host reach all its ports
         self._cookie = f"nodegraph-{authority.rpartition(':')[2]}"
@@ -110,7 +113,7 @@ class Guard:
             return Refused(HTTPStatus.FORBIDDEN, "requests of other sites are not answered")
         if len(scope["raw_path"]) + len(scope["query_string"]) > MOST_BODY:
             return Refused(HTTPStatus.REQUEST_URI_TOO_LONG, "the address is too long")
-        return _body_refusal(headers) if scope["method"] == "POST" else None
+        return _body_refusal(headers, self._most_body) if scope["method"] == "POST" else None
 
     def _enter(self, token: str, *, has_session: bool) -> ASGIApp | Refused:
         """Exchange a token for the cookie; a browser that has the cookie needs none."""
@@ -139,12 +142,12 @@ def _token_of(scope: Scope) -> str | None:
     return query["token"][0] if "token" in query else None
 
 
-def _body_refusal(headers: Headers) -> Refused | None:
+def _body_refusal(headers: Headers, most: int) -> Refused | None:
     """Return why a body is refused; forms of other sites cannot send JSON."""
     length = headers.get("content-length", "")
     if "transfer-encoding" in headers or not length.isdecimal():
         return Refused(HTTPStatus.LENGTH_REQUIRED, "the length of the body is missing")
-    if int(length[:9]) > MOST_BODY or len(length) > 9:
+    if int(length[:9]) > most or len(length) > 9:
         return Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "the body is too long")
     if headers.get("content-type") != "application/json":
         return Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the body is not JSON")

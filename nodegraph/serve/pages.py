@@ -23,13 +23,14 @@ def page_response(
     scripts: Sequence[str] = (),
     styles: Sequence[str] = (),
     trusted: Sequence[str] = (),
+    package: str = "nodegraph.serve",
     **context: object,
 ) -> Response:
-    """Return a page of the server's own."""
+    """Return a page of the server's own, from a template of a package."""
     from markupsafe import Markup
 
     content = (
-        templates_of("nodegraph.serve")
+        templates_of(package)
         .get_template(template)
         .render(
             policy=policy(trusted, *scripts, connect=True).replace(

@@ -15,7 +15,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.registry import Registry
 from nodegraph.serve.app import application
-from nodegraph.serve.guard import Guard
+from nodegraph.serve.guard import MOST_BODY, Guard
 from nodegraph.serve.runs import OpenRuns
 
 HOST = "127.0.0.1"
@@ -69,6 +69,8 @@ class LocalServer:
         The application that answers; a guard stands before it.
     port
         0 for any that is free.
+    most_body
+        Bytes of the largest body of a request.
 
     Attributes
     ----------
@@ -81,10 +83,10 @@ class LocalServer:
         If the port is not free.
     """
 
-    def __init__(self, app: ASGIApp, port: int = 0) -> None:
+    def __init__(self, app: ASGIApp, port: int = 0, *, most_body: int = MOST_BODY) -> None:
         self._listener = _listening(port)
         authority = f"{HOST}:{self._listener.getsockname()[1]}"
-        guard = Guard(app, authority)
+        guard = Guard(app, authority, most_body)
         self.address = f"http://{authority}/?token={guard.token}"
         self._server = uvicorn.Server(
             uvicorn.Config(

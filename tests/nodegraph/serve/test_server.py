@@ -11,8 +11,10 @@ import stat
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from email.message import Message
+from http.client import HTTPConnection
 from pathlib import Path
 from threading import Thread
 from urllib.error import HTTPError
@@ -29,7 +31,8 @@ from nodegraph.runs.folder import RunFolder
 from nodegraph.serve import server
 from tests.browser import middle, needs_axe, until, violations
 
-_COMMAND = (sys.executable, "-m", "nodegraph.cli.main", "open", "runs/toy")
+_OPEN = ("open", "runs/toy")
+_EDIT = ("edit", "toy.yaml")
 _BROWSER = """\
 #!{python}
 # a browser that ends when it is closed
@@ -46,9 +49,9 @@ for _ in range(300):
 
 @contextmanager
 def served(*words: str, **environment: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    """Start the command; yield the address that it prints."""
+    """Start a command; yield the address that it prints."""
     with subprocess.Popen(
-        [*_COMMAND, *words],
+        [sys.executable, "-m", "nodegraph.cli.main", *words],
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -64,7 +67,7 @@ def served(*words: str, **environment: str) -> Iterator[tuple[str, subprocess.Po
 def test_a_browser_opens_the_address_once(folder: Path, tab: Page) -> None:
     shutil.rmtree("store")
     words = ("--plugin", "toys.py", "--store", "store", "--no-browser")
-    with served(*words) as (address, process):
+    with served(*_OPEN, *words) as (address, process):
         host, _, _ = address.partition("/?token=")
         assert host.startswith("http://127.0.0.1:")
         tab.goto(address)
@@ -93,7 +96,7 @@ def test_cards_show_states_and_lead_to_values_while_a_run_goes_on(folder: Path, 
     going = RunFolder(Path("runs/going"), graph.spec.text)
     going.hear(events[0])
     words = ("--plugin", "toys.py", "--store", "store", "--no-browser")
-    with served(*words) as (address, _):
+    with served(*_OPEN, *words) as (address, _):
         tab.goto(address)
         host = address.partition("/?token=")[0]
         tab.goto(f"{host}/?run=going")
@@ -151,7 +154,7 @@ def test_a_browser_is_sent_to_the_address_by_a_private_file(folder: Path, tab: P
     browser.write_text(_BROWSER.format(python=sys.executable))
     browser.chmod(0o700)
     environment = {"BROWSER": str(browser), "DISPLAY": ":0", "TMPDIR": str(folder)}
-    with served("--plugin", "toys.py", **environment) as (address, process):
+    with served(*_OPEN, "--plugin", "toys.py", **environment) as (address, process):
         words = when_there(folder / "opened").read_text()
         assert address.partition("=")[2] not in words
         page = Path(urlsplit(words).path)
@@ -162,6 +165,54 @@ def test_a_browser_is_sent_to_the_address_by_a_private_file(folder: Path, tab: P
         assert process.wait() == 130
         assert not page.parent.exists()
         (folder / "closed").touch()
+
+
+@pytest.mark.parametrize("command", [_OPEN, _EDIT])
+def test_no_other_program_is_answered(folder: Path, command: tuple[str, ...]) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    with served(*command, "--plugin", "toys.py", "--no-browser") as (address, process):
+        place = urlsplit(address)
+        origin = f"http://{place.netloc}"
+        status, headers = answer_of(place.netloc, "GET", f"/?{place.query}")
+        cookie = str(headers["Set-Cookie"]).partition(";")[0]
+        own = {"Cookie": cookie, "Origin": origin, "Sec-Fetch-Site": "same-origin"}
+        assert (status, answer_of(place.netloc, "GET", "/", own)[0]) == (200, 200)
+        for attack, wanted in (
+            ({}, 403),
+            ({"Cookie": cookie.partition("=")[0] + "=guess"}, 403),
+            ({"Cookie": cookie, "Origin": "https://attacker.example"}, 403),
+            ({"Cookie": cookie, "Origin": "null"}, 403),
+            ({"Cookie": cookie, "Host": "attacker.example"}, 421),
+            ({"Cookie": cookie, "Sec-Fetch-Site": "cross-site"}, 403),
+        ):
+            for method, target in (("GET", "/view"), ("POST", "/edit"), ("POST", "/compute")):
+                assert answer_of(place.netloc, method, target, attack)[0] == wanted
+        assert answer_of(place.netloc, "POST", "/edit", {"Cookie": cookie})[0] == 403
+        size = {**own, "Content-Length": str(1 << 30)}
+        assert answer_of(place.netloc, "POST", "/edit", size)[0] == 413
+        for path in ("/../toys.py", "/%2e%2e/toys.py", "/toy.yaml", "/etc/passwd", "//etc/passwd"):
+            assert answer_of(place.netloc, "GET", path, own)[0] == 404
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate()
+        assert (process.returncode, "Traceback" in errors) == (130, False)
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+def answer_of(
+    place: str, method: str, target: str, headers: Mapping[str, str] | None = None
+) -> tuple[int, Message]:
+    """Return the status and the headers of an answer; nothing of a body is sent."""
+    connection = HTTPConnection(place, timeout=30)
+    named = {"Content-Length": "2", "Content-Type": "application/json"} if method == "POST" else {}
+    named |= headers or {}
+    connection.putrequest(method, target, skip_host="Host" in named)
+    for name, value in named.items():
+        connection.putheader(name, value)
+    connection.endheaders(b"{}" if method == "POST" else None)
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    return answer.status, answer.headers
 
 
 @pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\n", b"GET / HTTP/1.1\r\n\r\nGET "])

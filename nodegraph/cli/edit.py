@@ -1,0 +1,53 @@
+"""``nodegraph edit``: edit a graph file as text and as picture, in a browser."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from pathlib import Path
+
+from nodegraph.cli.arguments import add_page, add_plugin
+from nodegraph.cli.browser import needing_pages, ready
+from nodegraph.cli.output import say
+
+HELP = "Edit a graph file in a browser, as text and as picture."
+_MORE = """\
+The page shows the file beside the picture of its graph, with the mistakes that `nodegraph check`
+finds, where they are. Ctrl-S there saves. Until then, what is edited is kept beside the file, in
+GRAPH.unsaved, with which the next edit begins. Only this machine, and the one browser that opens
+the printed address first, can see the page. Ctrl-C ends it.
+
+example:
+  nodegraph edit fill.yaml
+"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.description = f"{HELP}\n\n{_MORE}"
+    parser.formatter_class = RawDescriptionHelpFormatter
+    parser.add_argument(
+        "graph", type=Path, metavar="GRAPH", help="Graph file; one that is not there begins empty."
+    )
+    add_page(parser)
+    add_plugin(parser)
+
+
+def edit(arguments: Namespace) -> int:
+    """Serve the page until the user ends it."""
+    from nodegraph.editor.file import EditedFile
+    from nodegraph.plugin.registry import Registry
+
+    with needing_pages():
+        from nodegraph.editor.app import MOST_BODY, application
+        from nodegraph.serve.server import LocalServer
+
+    file = EditedFile(arguments.graph)
+    app = application(file, Registry.installed(arguments.plugin))
+    server = LocalServer(app, arguments.port, most_body=MOST_BODY)
+    ready(server.address, with_browser=arguments.browser)
+    try:
+        server.run()
+    finally:
+        if not file.is_saved:
+            say(f"not saved; kept in {file.copy}, with which the next edit begins")
+    return 0

@@ -1,0 +1,187 @@
+"""The page of a file that is edited, and the requests of its scripts."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial, wraps
+from http import HTTPStatus
+from importlib.resources import files
+from threading import RLock
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from nodegraph.editor.completion import about, options_at
+from nodegraph.editor.file import MOST_BYTES, EditedFile
+from nodegraph.editor.view import Places, View, problems_of_files, view_of
+from nodegraph.errors import GraphError, NodegraphError, nearest
+from nodegraph.plugin.registry import Registry
+from nodegraph.report.page import source
+from nodegraph.serve.pages import page_response
+
+MOST_BODY = 6 * MOST_BYTES + 1000
+"""Bytes of a request with a text of the largest size, each character written as an escape."""
+
+_TEMPLATES = "nodegraph.editor"
+
+
+def application(file: EditedFile, registry: Registry) -> Starlette:
+    """Return the application that edits a file; a `Guard` must stand before it."""
+    page = _Page(file, registry)
+    return Starlette(
+        routes=[
+            Route("/", page.page),
+            Route("/view", _as_data(page.view)),
+            Route("/revision", _as_data(page.revision)),
+            Route("/files", _as_data(page.files)),
+            Route("/options", _as_data(page.options)),
+            Route("/about", _as_data(page.about)),
+            Route("/edit", page.edit, methods=["POST"]),
+        ]
+    )
+
+
+def _as_data(answer: Callable[[Request], object]) -> Callable[[Request], Response]:
+    @wraps(answer)
+    def endpoint(request: Request) -> Response:
+        try:
+            return JSONResponse(answer(request))
+        except (NodegraphError, OSError) as error:
+            return JSONResponse({"message": str(error)}, HTTPStatus.CONFLICT)
+
+    return endpoint
+
+
+class _Page:
+    def __init__(self, file: EditedFile, registry: Registry) -> None:
+        self._file = file
+        self._registry = registry
+        self._lock = RLock()
+        self._view: View | None = None
+        self._text = ""
+
+    def page(self, request: Request) -> Response:
+        """Show the page."""
+        folder = files(_TEMPLATES)
+        scripts = [source("modules.js"), source("helpers.js"), source("theme.js")]
+        bundle = folder.joinpath("codemirror", "codemirror.js").read_text(encoding="utf-8")
+        own = (folder.joinpath("templates", f"{name}.js") for name in ("text", "picture", "editor"))
+        scripts += [bundle, *(script.read_text(encoding="utf-8") for script in own)]
+        style = folder.joinpath("templates", "editor.css").read_text(encoding="utf-8")
+        return page_response(
+            "editor.html",
+            package=_TEMPLATES,
+            title=self._file.path.name,
+            scripts=scripts,
+            styles=[style],
+        )
+
+    def view(self, request: Request) -> object:
+        """Return what is shown of the file now."""
+        with self._lock:
+            return self._shown()
+
+    def files(self, request: Request) -> object:
+        """Return what is wrong with files that the graph reads."""
+        with self._lock:
+            self._shown()
+            assert self._view is not None
+            graph, revision = self._view.graph, self._file.revision
+        problems = problems_of_files(graph) if graph is not None else []
+        return {"revision": revision, "problems": problems}
+
+    def options(self, request: Request) -> object:
+        """Return the words that may stand at a place of the text."""
+        text, index = self._place(request)
+        word, options = options_at(text, index, self._registry)
+        return {"word": word, "options": [each._asdict() for each in options]}
+
+    def about(self, request: Request) -> object:
+        """Return what the word at a place of the text means."""
+        option = about(*self._place(request), self._registry)
+        return option._asdict() if option else None
+
+    def revision(self, request: Request) -> object:
+        """Return the revision, after a look at the file on the disk."""
+        with self._lock:
+            with suppress(GraphError):  # saving says it
+                self._file.look()
+            return self._file.revision
+
+    async def edit(self, request: Request) -> Response:
+        """Edit the text of the revision that a request names, and return what is shown then.
+
+        A text of another revision is not changed: the answer is what is shown now.
+        """
+        try:
+            data = json.loads(await request.body())
+            revision, edit = data["revision"], self._edit_of(data)
+        except (ValueError, LookupError, TypeError, RecursionError) as error:
+            return JSONResponse({"message": f"not understood: {error!r}"}, HTTPStatus.BAD_REQUEST)
+        return await run_in_threadpool(self._edited, revision, edit)
+
+    def _edit_of(self, data: Mapping[str, Any]) -> Callable[[], None]:
+        """Return what does the edit that a request asks for."""
+        if "text" in data:
+            return partial(self._file.edit, str(data["text"]))
+        actions = {
+            "undo": self._file.undo,
+            "redo": self._file.redo,
+            "save": self._file.save,
+            "take_theirs": self._file.take_theirs,
+            "keep_mine": self._file.keep_mine,
+        }
+        name = data["action"]
+        if name not in actions:
+            raise LookupError(f"no action {name!r}; {nearest(name, actions)}")
+        return actions[name]
+
+    def _edited(self, revision: object, edit: Callable[[], None]) -> Response:
+        with self._lock:
+            if revision != self._file.revision:
+                return JSONResponse(self._shown(), HTTPStatus.CONFLICT)
+            try:
+                edit()
+            except GraphError as error:
+                refused = "; ".join(str(problem) for problem in error.problems)
+            except (NodegraphError, OSError) as error:
+                refused = str(error)
+            else:
+                return JSONResponse(self._shown())
+            answer = {**self._shown(), "refused": refused}
+            return JSONResponse(answer, HTTPStatus.UNPROCESSABLE_ENTITY)
+
+    def _shown(self) -> dict[str, object]:
+        file = self._file
+        text = file.shown
+        if self._view is None or self._text != text:
+            self._view, self._text = view_of(text, file.path, self._registry), text
+        view = self._view
+        return {
+            "revision": file.revision,
+            "text": text,
+            "is_saved": file.is_saved,
+            "can_undo": file.can_undo,
+            "can_redo": file.can_redo,
+            "theirs": file.theirs,
+            "notice": file.notice,
+            "problems": view.problems,
+            "svg": view.svg,
+            "reason": view.reason,
+            "nodes": view.nodes,
+        }
+
+    def _place(self, request: Request) -> tuple[str, int]:
+        """Return the text, and the index in it that a request names."""
+        with self._lock:
+            text = self._file.shown
+        at = request.query_params.get("at", "")
+        if not at.isdecimal() or len(at) > 9:
+            raise NodegraphError("'at' is a position in the text")
+        return text, Places(text, "").index(int(at))

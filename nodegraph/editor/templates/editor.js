@@ -1,0 +1,219 @@
+// Keeps the text, the picture and the file on the server the same. The page holds no graph: it shows
+// what the server says of a text, and sends edits.
+nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane, picture_pane) => {
+  const PAUSE = 250; // milliseconds without a key before a text is sent
+  const WATCH = 500;
+  const LOOK = 800; // and before the files that it names are read
+  const part = (id) => document.getElementById(id);
+  const known = { revision: 0, text: "", nodes: {}, problems: [] };
+  let queue = Promise.resolve();
+  let timer = 0;
+  let looking = 0;
+  let moving = 0;
+  let chosen = "";
+  let mine = null; // a text of this page that could not be merged with that of the server
+
+  const get = async (address, query = {}) => {
+    const response = await fetch(`${address}?${new URLSearchParams(query)}`);
+    const answer = await response.json();
+    if (!response.ok) throw new Error(answer.message);
+    return answer;
+  };
+
+  const say = (message) => {
+    part("notice").textContent = message;
+    part("notice").hidden = !message;
+  };
+
+  const ended = () => say("The server has ended. What it had is kept beside the file; start nodegraph edit again.");
+
+  // ---- what the server says ----
+
+  const receive = (view) => {
+    const before = known.text;
+    if (pane.text() === before || pane.text() === view.text) pane.set(view.text);
+    else if (view.text !== before && !pane.rebase(before, view.text)) {
+      mine = pane.text();
+      pane.set(view.text);
+    }
+    Object.assign(known, view);
+    if (pane.text() !== known.text) wait();
+    show();
+  };
+
+  const show = () => {
+    const { is_saved, can_undo, can_redo, theirs, notice, svg, reason, problems } = known;
+    part("state").textContent = is_saved ? "saved" : "not saved; Ctrl-S saves";
+    document.title = `${is_saved ? "" : "* "}${part("text").dataset.file}`;
+    part("undo").disabled = !can_undo;
+    part("redo").disabled = !can_redo;
+    part("save").disabled = is_saved;
+    part("reason").textContent = reason;
+    say(notice);
+    picture.draw(svg);
+    show_problems(problems);
+    choose(chosen, { scroll: false });
+    ask(theirs);
+    clearTimeout(looking);
+    if (svg && !problems.some(({ is_error }) => is_error)) looking = setTimeout(look_at_files, LOOK);
+  };
+
+  const show_problems = (problems) => {
+    pane.mistakes(problems);
+    part("problems").querySelector("ul").replaceChildren(...problems.map(({ at, place, message, instead, is_error }) => element(
+      "li", { class: is_error ? "error" : null },
+      at === null ? element("code", {}, place) : element("button", { type: "button", onclick: () => pane.go(at) }, place),
+      ` ${message}`, instead ? element("span", { class: "quiet" }, ` ${instead}`) : null,
+    )));
+  };
+
+  const look_at_files = async () => {
+    const { revision, problems } = await get("/files");
+    if (revision === known.revision && problems.length) show_problems([...known.problems, ...problems]);
+  };
+
+  // ---- what goes to the server ----
+
+  const post = async (body) => {
+    let response;
+    try {
+      response = await fetch("/edit", {
+        method: "POST",
+        headers: { "Content-Type": "application/json" },
+        body: JSON.stringify({ revision: known.revision, ...body }),
+      });
+    } catch {
+      ended();
+      return false;
+    }
+    const answer = await response.json();
+    if (!("revision" in answer)) {
+      say(answer.message);
+      return false;
+    }
+    receive(answer);
+    if (response.status === 409 && !("text" in body)) say("The text has changed meanwhile; do it again.");
+    if (answer.refused) say(answer.refused);
+    return response.ok;
+  };
+  // Requests go one after the other: each names the revision that the one before has made.
+  const send = (make) => {
+    const sent = queue.then(make);
+    queue = sent.catch((error) => { say(String(error)); });
+    return sent;
+  };
+  const flush = () => {
+    clearTimeout(timer);
+    timer = 0;
+    return send(() => (pane.text() === known.text ? true : post({ text: pane.text() })));
+  };
+  const wait = () => {
+    clearTimeout(timer);
+    timer = setTimeout(flush, PAUSE);
+  };
+  const act = (action, values) => {
+    flush();
+    return send(() => post({ action, ...values }));
+  };
+
+  // ---- two texts ----
+
+  const dialog = part("conflict");
+  const ask = (theirs) => {
+    const other = theirs ?? (mine === null ? null : known.text);
+    if (other === null) {
+      if (dialog.open) dialog.close();
+      return;
+    }
+    const [left, right] = dialog.querySelectorAll("pre");
+    left.textContent = other;
+    right.textContent = mine ?? known.text;
+    dialog.querySelector("p").textContent = theirs === null
+      ? "Another page has changed the lines that have changed here."
+      : "Another program has changed lines of the file that have changed here. Neither is lost: undo brings the other back.";
+    if (!dialog.open) dialog.showModal();
+  };
+  dialog.addEventListener("cancel", (event) => event.preventDefault());
+  dialog.addEventListener("click", (event) => {
+    const choice = event.target.value;
+    if (choice !== "theirs" && choice !== "mine") return;
+    if (mine !== null) {
+      const text = mine;
+      mine = null;
+      if (choice === "mine") pane.set(text);
+      flush().then(show);
+    } else act(choice === "theirs" ? "take_theirs" : "keep_mine");
+  });
+
+  // ---- the node in hand ----
+
+  const node_of = (box) => {
+    let name = box;
+    while (name && !(name in known.nodes)) name = name.slice(0, Math.max(0, name.lastIndexOf(".")));
+    return name;
+  };
+  const choose = (name, { scroll }) => {
+    chosen = name in known.nodes ? name : "";
+    picture.choose(chosen, { scroll: scroll === "picture" });
+    pane.mark(known.nodes[chosen] ?? null, { scroll: scroll === "text" });
+    if (chosen && location.hash !== `#${chosen}`) history.replaceState(null, "", `#${chosen}`);
+  };
+  const moved = (line) => {
+    const name = Object.keys(known.nodes).find((each) => known.nodes[each][0] <= line && line <= known.nodes[each][1]) ?? "";
+    if (name && name !== chosen) choose(name, { scroll: "picture" });
+    clearTimeout(moving);
+    moving = setTimeout(explain, PAUSE);
+  };
+  const explain = async () => {
+    if (pane.text() !== known.text) return;
+    const word = await get("/about", { at: pane.cursor() });
+    part("about").replaceChildren(...(word ? [element("p", {}, element("b", {}, word.word)), ...text_pane.paragraphs(word.about)] : []));
+  };
+  const from_address = () => choose(decodeURIComponent(location.hash.slice(1)), { scroll: "text" });
+
+  const keys = [
+    { key: "Mod-z", run: () => { act("undo"); return true; } },
+    { key: "Mod-y", run: () => { act("redo"); return true; } },
+    { key: "Mod-Shift-z", run: () => { act("redo"); return true; } },
+  ];
+  const pane = text_pane.make(part("text"), {
+    keys,
+    edited: wait,
+    moved,
+    options: async (at) => {
+      await flush();
+      return get("/options", { at });
+    },
+  });
+  const picture = picture_pane.make(part("picture"), (box) => choose(node_of(box), { scroll: "text" }));
+
+  for (const action of ["undo", "redo", "save"]) part(action).addEventListener("click", () => act(action));
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+    const key = event.key.toLowerCase();
+    const is_writing = event.target.closest("input, textarea, select, dialog, .cm-editor");
+    if (key === "s") act("save");
+    else if (key === "z" && !is_writing) act(event.shiftKey ? "redo" : "undo");
+    else return;
+    event.preventDefault();
+  });
+  addEventListener("beforeunload", (event) => {
+    if (pane.text() !== known.text) event.preventDefault();
+  });
+  addEventListener("hashchange", from_address);
+
+  const begin = async () => {
+    await send(async () => receive(await get("/view")));
+    from_address();
+    watch();
+  };
+  // Another page may edit, another program write the file.
+  const watch = () => setTimeout(async () => {
+    const revision = await get("/revision").catch(ended);
+    if (revision === undefined) return;
+    if (revision !== known.revision) await send(async () => receive(await get("/view")));
+    watch();
+  }, WATCH);
+  begin();
+  return { act, get, flush, known, choose, say };
+});

@@ -1,0 +1,140 @@
+"""What a page shows of a text: its mistakes, its picture, and where its nodes stand."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from nodegraph.draw.from_graph import drawing_for_page
+from nodegraph.editor.outline import Span, outline_of
+from nodegraph.errors import GraphError, Place, Problem, Problems, one_line
+from nodegraph.execute import StoredSteps, open_store
+from nodegraph.execute.preflight import check_files_and_settings
+from nodegraph.formatting import number_of
+from nodegraph.graph import Graph, build
+from nodegraph.graphfile import read_graph_text
+from nodegraph.plan import plan
+from nodegraph.plugin.registry import Registry
+
+_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """What is shown of a text.
+
+    Attributes
+    ----------
+    graph : Graph or None
+        None if there are mistakes.
+    problems : list of mapping
+        Each with its `place`, where it is in the text or None, `message`, `instead`, and whether
+        it `is_error`.
+    svg : str
+        Empty if there is none.
+    reason : str
+        Why there is no picture.
+    nodes : mapping of name to Span
+    """
+
+    graph: Graph | None
+    problems: list[Mapping[str, object]]
+    svg: str
+    reason: str
+    nodes: Mapping[str, Span]
+
+
+def view_of(text: str, path: Path, registry: Registry) -> View:
+    """Return what a page shows of the text of a graph file.
+
+    Parameters
+    ----------
+    text
+    path
+        Of the file.
+    registry
+    """
+    places = Places(text, path.name)
+    nodes = outline_of(text).nodes()
+    try:
+        graph = build(read_graph_text(text, path.name, path.parent), registry)
+    except GraphError as error:
+        problems = places.problems(error.problems, is_error=True)
+        reason = f"{number_of(len(problems), 'mistake')}: the picture is drawn once they are mended"
+        return View(None, problems, "", reason if text.strip() else "the file is empty", nodes)
+    except Exception as error:  # of a plugin, or of ours: the text must stay editable
+        message = f"internal error; please report it: {type(error).__name__}: {error}"
+        problem = Problem(Place(path.name), message)
+        return View(None, places.problems([problem], is_error=True), "", message, nodes)
+    svg = drawing_for_page(graph, fold=False)
+    reason = "" if svg else f"too many nodes to draw: {len(graph.nodes):,}"
+    return View(graph, places.problems(graph.notices, is_error=False), svg, reason, nodes)
+
+
+def problems_of_files(graph: Graph) -> list[Mapping[str, object]]:
+    """Return what is wrong with the files that a graph reads, and with settings for their content.
+
+    They are the checks of ``nodegraph check`` that take longer.
+    """
+    places = Places(graph.spec.text, graph.spec.file)
+    planned = plan(graph)
+    problems = Problems()
+    stored = StoredSteps(planned, open_store(graph.registry, None, lambda message: None))
+    warnings = check_files_and_settings(planned, stored, problems)
+    notices = [Problem(Place(graph.spec.file), warning) for warning in warnings]
+    return [
+        *places.problems(problems.all(), is_error=True),
+        *places.problems(notices, is_error=False),
+    ]
+
+
+class Places:
+    """Where lines and columns are in a text, in the units in which browsers count.
+
+    Parameters
+    ----------
+    text
+    file
+        Its name in messages.
+    """
+
+    def __init__(self, text: str, file: str) -> None:
+        self._file = file
+        self._starts = [0, *(match.end() for match in _BREAK.finditer(text))]
+        # a browser counts these twice
+        self._wide = [at for at, character in enumerate(text) if character > "\uffff"]
+        self._length = len(text)
+
+    def problems(
+        self, problems: Iterable[Problem], *, is_error: bool
+    ) -> list[Mapping[str, object]]:
+        """Return problems as data."""
+        return [
+            {
+                "at": self.position(problem.place),
+                "place": str(problem.place),
+                "message": one_line(problem.message),
+                "instead": one_line(problem.instead),
+                "is_error": is_error,
+            }
+            for problem in problems
+        ]
+
+    def position(self, place: Place) -> int | None:
+        """Return the position of a place in this file."""
+        if place.file != self._file or not 0 < place.line <= len(self._starts):
+            return None
+        position = min(self._starts[place.line - 1] + place.column - 1, self._length)
+        return position + bisect(self._wide, position - 1)
+
+    def index(self, position: int) -> int:
+        """Return the index in the text of a position in a browser."""
+        index = position
+        for wide in self._wide:
+            if wide >= index:
+                break
+            index -= 1
+        return max(0, min(index, self._length))

@@ -1,0 +1,164 @@
+"""The page in a browser: text and picture are the same, whichever is touched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+import pytest
+from playwright.sync_api import Page
+
+from tests.browser import needs_axe, resize, until, violations
+from tests.nodegraph.editor.conftest import GRAPH
+
+EDITOR = ".cm-content"
+TEXT = "[...document.querySelectorAll('.cm-line')].map((line) => line.textContent).join('\\n')"
+
+
+def has_box(name: str) -> str:
+    return f"document.querySelector('#picture [data-box={name}]')"
+
+
+def state(text: str) -> str:
+    return f"document.getElementById('state').textContent.startsWith({text!r})"
+
+
+@pytest.fixture
+def page(tab: Page, address: str) -> Iterator[Page]:
+    resize(tab, 1600, 900)
+    tab.goto(address)
+    tab.wait_for_selector("#picture [data-box=error]")
+    yield tab
+    tab.goto("about:blank")  # before the server ends
+
+
+def put_cursor(page: Page, before: str) -> None:
+    """Put the cursor behind a part of the text."""
+    lines = GRAPH[: GRAPH.index(before) + len(before)].split("\n")
+    page.click(EDITOR)
+    page.keyboard.press("Control+Home")
+    for _ in lines[1:]:
+        page.keyboard.press("ArrowDown")
+    page.keyboard.press("Home")
+    page.keyboard.press("Home")
+    for _ in lines[-1]:
+        page.keyboard.press("ArrowRight")
+
+
+def test_what_is_typed_is_drawn_undone_and_saved(page: Page, path: Path) -> None:
+    assert page.evaluate(TEXT) == GRAPH
+    put_cursor(page, "[5, 15")
+    page.keyboard.type(", 45")
+    until(page, state("not saved"))
+    until(page, "document.querySelector('#picture').textContent.includes('length: 5, 15, 45')")
+    page.keyboard.press("Control+z")
+    until(page, state("saved"))
+    assert page.evaluate(TEXT) == GRAPH
+    page.keyboard.press("Control+Shift+Z")
+    until(page, state("not saved"))
+    page.keyboard.press("Control+s")
+    until(page, state("saved"))
+    assert path.read_text() == GRAPH.replace("[5, 15]", "[5, 15, 45]")
+    page.click("#undo")
+    until(page, state("not saved"))
+    assert not page.is_disabled("#save")
+
+
+def test_a_mistake_stands_at_its_place_until_it_is_mended(page: Page) -> None:
+    put_cursor(page, "fill.muscle")
+    page.keyboard.type("s")
+    page.keyboard.press("Escape")
+    until(page, "document.querySelector('#problems li.error')")
+    assert "no node 'fill.muscles'" in page.inner_text("#problems")
+    assert page.inner_text(".cm-lintRange-error") == "fill.muscles"
+    assert "mistake" in page.inner_text("#reason")
+    page.keyboard.press("Control+Home")
+    page.click("#problems li button")
+    page.keyboard.press("Control+ArrowRight")
+    page.keyboard.press("Control+ArrowRight")
+    page.keyboard.press("Control+ArrowRight")
+    page.keyboard.press("Backspace")
+    until(page, "!document.querySelector('#problems li')")
+    assert page.evaluate(TEXT) == GRAPH
+    assert page.inner_text("#reason") == ""
+
+
+def test_words_are_completed_and_explained(page: Page) -> None:
+    put_cursor(page, "with: {length: $length")
+    page.keyboard.type(", coun")
+    until(page, "document.querySelector('.cm-tooltip-autocomplete li[aria-selected]')")
+    assert "count" in page.inner_text(".cm-tooltip-autocomplete li[aria-selected]")
+    page.click(".cm-tooltip-autocomplete li[aria-selected]")
+    page.keyboard.type("3")
+    until(page, state("not saved"))
+    until(page, "document.querySelector('.cm-content').textContent.includes('count: 3}')")
+    until(page, "!document.querySelector('#problems li')")
+    for _ in range(4):
+        page.keyboard.press("ArrowLeft")
+    until(page, "document.querySelector('#about b')?.textContent === 'count'")
+
+
+def test_a_card_and_its_lines_are_chosen_together(page: Page) -> None:
+    chosen = "document.querySelector('#picture [aria-pressed=true]')?.dataset.box"
+    page.click("#picture [data-box=fill] .frame")
+    assert page.evaluate(chosen) == "fill"
+    assert page.evaluate("location.hash") == "#fill"
+    marked = page.locator(".cm-chosen").all_inner_texts()
+    assert "\n".join(marked) == GRAPH[GRAPH.index("  fill:") : GRAPH.index("\n  error:")]
+    put_cursor(page, "use: score.ga")
+    until(page, f"{chosen} === 'error'")
+    page.focus("#picture [aria-pressed=true]")
+    page.keyboard.press("Home")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    assert page.evaluate(chosen) == "gaps"
+    page.evaluate("location.hash = '#capture'")
+    until(page, f"{chosen} === 'capture'")
+    page.goto(page.url.partition("#")[0] + "#fill")
+    until(page, f"{chosen} === 'fill'")
+
+
+def test_another_program_changes_the_file(page: Page, path: Path) -> None:
+    put_cursor(page, "Two")
+    page.keyboard.type(" good")
+    until(page, state("not saved"))
+    path.write_text(GRAPH.replace("report: [error]", "report: [error, gaps.hidden]"))
+    until(page, "document.querySelector('.cm-content').textContent.includes('gaps.hidden]')")
+    assert "taken over" in page.inner_text("#notice")
+    assert "Two good fills" in page.evaluate(TEXT)
+    path.write_text(GRAPH.replace("Two", "Three"))
+    until(page, "document.getElementById('conflict').open")
+    theirs, mine = page.locator("#conflict pre").all_inner_texts()
+    assert "title: Three fills" in theirs
+    assert "title: Two good fills" in mine
+    page.click("#conflict button[value=theirs]")
+    until(page, state("saved"))
+    assert page.evaluate(TEXT) == path.read_text()
+    page.keyboard.press("Control+z")
+    until(page, state("not saved"))
+    assert "Two good fills" in page.evaluate(TEXT)
+
+
+def test_two_pages_of_one_file_show_the_same(page: Page) -> None:
+    other = page.context.new_page()
+    resize(other, 1600, 900)
+    other.goto(page.url)
+    until(other, has_box("error"))
+    put_cursor(page, "Two")
+    page.keyboard.type(" good")
+    until(other, "document.querySelector('.cm-content').textContent.includes('Two good')")
+    assert other.evaluate(TEXT) == page.evaluate(TEXT)
+    other.click("#undo")
+    until(page, "document.querySelector('.cm-content').textContent.includes('Two fills')")
+
+
+@needs_axe
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_readers_with_disabilities_can_use_it(page: Page, scheme: Literal["light", "dark"]) -> None:
+    page.emulate_media(color_scheme=scheme)
+    assert violations(page) == []
+    put_cursor(page, "fill.muscle")
+    page.keyboard.type("s")
+    until(page, "document.querySelector('#problems li.error')")
+    assert violations(page) == []
