@@ -3,12 +3,14 @@
 After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2), 109-125: a cell
 stands in a column after its sources, the barycentres of its neighbours order each column, and a
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
-themselves; outside, the frame is one cell, whose edge wires cross at the same heights.
+themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
+that are wider than a page together stand in bands, like lines of text; wires turn at their ends.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right, insort
+from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, takewhile
@@ -34,6 +36,13 @@ PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
 _BETWEEN_COLUMNS = 44.0
+_BETWEEN_TURNS = 8.0
+_BEFORE_HEAD = 20.0
+"""Between the head of an arrow and the turn of a wire that comes from the band above."""
+_TURN = 0.05
+"""Cost of a wire between two bands; that of a band of full width is 1."""
+_WIDEST = 1100.0
+"""Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
 _STRAIGHTENINGS = 3
 _NEARLY_LEVEL = 36.0
@@ -74,8 +83,14 @@ class Area:
     width: float = 0.0
     height: float = 0.0
 
-    def arrange(self) -> None:
-        """Find a place for every cell and a way for every wire."""
+    def arrange(self, widest: float = inf) -> None:
+        """Find a place for every cell and a way for every wire.
+
+        Parameters
+        ----------
+        widest
+            Columns that are wider together stand in several bands, one below the other.
+        """
         depths = _depths(self.sizes, self.wires)
         columns: list[list[Cell]] = [[] for _ in range(max(depths.values(), default=-1) + 1)]
         for cell, depth in depths.items():
@@ -92,28 +107,138 @@ class Area:
                     sizes[bend] = _BEND
                 ways[wire].append((bend, ""))
             ways[wire].append(wire[1])
-        pieces = [
-            _Piece(left, sizes[left].outputs[port], right, sizes[right].inputs[right_port])
-            for (left, port), (right, right_port) in dict.fromkeys(
-                piece for way in ways.values() for piece in pairwise(way)
-            )
+        pieces = _pieces(ways.values(), sizes)
+        bands = _bands(_ordered(columns, sizes, pieces), sizes, pieces, widest)
+        band_of = _bands_of(bands)
+        for wire, way in ways.items():  # past the bands in which it neither begins nor ends
+            ends = {band_of[way[0][0]], band_of[way[-1][0]]}
+            ways[wire] = [each for each in way if band_of[each[0]] in ends]
+        used = {*self.sizes, *(cell for way in ways.values() for cell, _ in way)}
+        kept = [[[cell for cell in column if cell in used] for column in band] for band in bands]
+        self._place([columns for band in kept if (columns := [*filter(None, band)])], sizes, ways)
+
+    def _place(
+        self,
+        bands: Sequence[list[list[Cell]]],
+        sizes: Mapping[Cell, Size],
+        ways: Mapping[Wire, Sequence[End]],
+    ) -> None:
+        """Give bands their places one below the other, and wires their points."""
+        band_of = _bands_of(bands)
+        inside: list[list[_Piece]] = [[] for _ in bands]
+        leaving: list[dict[_Start, int]] = [{} for _ in bands]  # with the last band that it reaches
+        for piece in _pieces(ways.values(), sizes):
+            at, last = band_of[piece.left], band_of[piece.right]
+            if last == at:
+                inside[at].append(piece)
+            else:
+                start = piece.left, piece.left_offset
+                leaving[at][start] = max(last, leaving[at].get(start, 0))
+        settled = [
+            _settled(band, sizes, within) for band, within in zip(bands, inside, strict=True)
         ]
-        tops = _settled(_ordered(columns, sizes, pieces), sizes, pieces)
-        self.height = max((tops[cell] + sizes[cell].height for cell in tops), default=0.0)
+        for at, (starts, tops) in enumerate(zip(leaving, settled, strict=True)):
+            height = {(cell, offset): tops[cell] + offset for cell, offset in starts}
+            ranked = sorted(starts, key=lambda start: (starts[start] > at + 1, height[start]))
+            leaving[at] = {start: starts[start] for start in ranked}
+        tracks = _tracks(leaving)
+        indent = max(tracks.values(), default=0.0)
         edges: dict[Cell, tuple[float, float]] = {}
-        x = 0.0
-        for column in filter(None, columns):
-            self.width = x + max(sizes[cell].width for cell in column)
-            edges |= dict.fromkeys(column, (x, self.width))
-            x = self.width + _BETWEEN_COLUMNS
+        turns: dict[_Start, _Turn] = {}
+        tops = {}
+        top = 0.0
+        for band, offsets, starts in zip(bands, settled, leaving, strict=True):
+            x = indent
+            for column in band:
+                edge = x + max(sizes[cell].width for cell in column)
+                edges |= dict.fromkeys(column, (x, edge))
+                x = edge + _BETWEEN_COLUMNS
+            tops |= {cell: top + offset for cell, offset in offsets.items()}
+            self.height = top + max(offsets[cell] + sizes[cell].height for cell in offsets)
+            # in this order they do not cross: the uppermost runs outside, then below all others
+            for out, start in zip(range(len(starts), 0, -1), starts, strict=True):
+                out_by = out * _BETWEEN_TURNS
+                low = self.height + _BETWEEN_CELLS + out_by
+                turns[start] = _Turn(edge + out_by, low, indent - tracks[start])
+            self.width = max(self.width, edge + len(starts) * _BETWEEN_TURNS)
+            top = self.height + 2 * _BETWEEN_CELLS + len(starts) * _BETWEEN_TURNS
         self.corners = {cell: (edges[cell][0], tops[cell]) for cell in self.sizes}
-        for wire, [(source, port), *bends, (target, target_port)] in ways.items():
-            left, right = edges[source]
-            y = tops[source] + sizes[source].outputs[port]
-            points = [(left + sizes[source].width, y), (right, y)]
-            points += [(x, tops[bend] + _BEND.height / 2) for bend, _ in bends for x in edges[bend]]
-            y = tops[target] + sizes[target].inputs[target_port]
-            self.wires[wire] = [*points, (edges[target][0], y)]
+        for wire, way in ways.items():
+            points = self.wires[wire] = []
+            for (left, port), (right, right_port) in pairwise(way):
+                start = left, sizes[left].outputs[port]
+                y, end = tops[left] + start[1], tops[right] + sizes[right].inputs[right_port]
+                points += [(edges[left][0] + sizes[left].width, y), (edges[left][1], y)]
+                if band_of[left] != band_of[right]:
+                    points += turns[start].corners(y, end)
+                points.append((edges[right][0], end))
+
+
+_Start = tuple[Cell, float]
+"""The last cell of a wire in a band, and how far from its top the wire leaves it."""
+
+
+def _bands_of(bands: Sequence[list[list[Cell]]]) -> dict[Cell, int]:
+    return {cell: at for at, band in enumerate(bands) for column in band for cell in column}
+
+
+def _tracks(leaving: Sequence[Mapping[_Start, int]]) -> dict[_Start, float]:
+    """Return how far left of the boxes each wire runs down to the last band that it reaches.
+
+    It runs outside those that begin below it.
+    """
+    tracks: dict[_Start, float] = {}
+    outermost = [_BEFORE_HEAD] * len(leaving)
+    for at in reversed(range(len(leaving))):
+        for start, last in leaving[at].items():
+            outermost[at] = tracks[start] = max(outermost[at:last]) + _BETWEEN_TURNS
+    return tracks
+
+
+class _Turn(NamedTuple):
+    """How a wire runs from the end of a band to the begin of one below."""
+
+    right: float
+    low: float
+    left: float
+
+    def corners(self, start: float, end: float) -> list[Point]:
+        """Return the points at which it turns, if it begins and ends at these heights."""
+        right, low, left = self
+        return [(right, start), (right, low), (left, low), (left, end)]
+
+
+def _bands(
+    ordered: Iterable[list[Cell]],
+    sizes: Mapping[Cell, Size],
+    pieces: Iterable[_Piece],
+    widest: float,
+) -> list[list[list[Cell]]]:
+    """Return columns in as few bands as fit, of like widths, cut where few wires cross."""
+    columns = [*filter(None, ordered)]
+    depths = {cell: depth for depth, column in enumerate(columns) for cell in column}
+    begins = {(piece.left, piece.left_offset) for piece in pieces}
+    crossing = Counter(depths[cell] + 1 for cell, _ in begins)
+    widths = [max(sizes[cell].width for cell in column) for column in columns]
+    best: list[tuple[int, float, int]] = [(0, 0.0, 0)]
+    for end in range(1, len(columns) + 1):
+        options = []
+        wide = -_BETWEEN_COLUMNS
+        for start in reversed(range(end)):
+            wide += widths[start] + _BETWEEN_COLUMNS
+            if wide > widest and start < end - 1:
+                break
+            bands, cost, _ = best[start]
+            cost += (wide / widest) ** 2 + _TURN * crossing[start]
+            options.append((bands + 1, cost, start))
+        best.append(min(options))
+    found: list[list[list[Cell]]] = []
+    end = len(columns)
+    while end:
+        start = best[end][2]
+        found.insert(0, columns[start:end])
+        end = start
+    return found
 
 
 def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
@@ -148,6 +273,15 @@ class _Piece(NamedTuple):
     def drop(self, tops: Mapping[Cell, float]) -> float:
         """Return how far the right end is below the left one."""
         return tops[self.right] + self.right_offset - tops[self.left] - self.left_offset
+
+
+def _pieces(ways: Iterable[Sequence[End]], sizes: Mapping[Cell, Size]) -> list[_Piece]:
+    return [
+        _Piece(left, sizes[left].outputs[port], right, sizes[right].inputs[right_port])
+        for (left, port), (right, right_port) in dict.fromkeys(
+            piece for way in ways for piece in pairwise(way)
+        )
+    ]
 
 
 def _stack(column: Sequence[Cell], sizes: Mapping[Cell, Size], tops: dict[Cell, float]) -> None:
@@ -370,7 +504,7 @@ def layout(picture: Picture) -> Layout:
         pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}
         areas[frame].sizes.update(pins)
     for frame in reversed(areas):  # inner frames first
-        areas[frame].arrange()
+        areas[frame].arrange(inf if frame else _WIDEST)
         if frame:
             areas[frame[:-1]].sizes["frame", frame] = _size_of_frame(frame, areas[frame])
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}

@@ -114,16 +114,17 @@ def legend(picture: Picture, top: float) -> tuple[str, float, float]:
 
 
 _MARGIN = 16.0
-_SMALLEST_SCALE = 0.8
+_SMALLEST_SCALE = 0.6
 
 
 def svg(picture: Picture) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
-    Boxes stand in columns, so that arrows run to the right, and none runs through a box. Boxes
-    whose dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is
-    wide. Types of ports show on hover. Colours follow the reader's light or dark scheme; a page
-    sets ``--picture-paper`` and ``--picture-face`` to fit its own.
+    Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
+    wider than a page goes on below, like lines of text. Boxes whose dotted names have a common
+    prefix stand in a frame. Truth is dashed, a gathering arrow is wide. Types of ports show on
+    hover. Colours follow the reader's light or dark scheme; a page sets ``--picture-paper`` and
+    ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
 
     Raises

@@ -221,6 +221,29 @@ def test_a_long_wire_runs_level_past_the_boxes_between() -> None:
     assert len({box[1] for box in boxes.values()}) == 1
 
 
+def test_what_is_wider_than_a_page_goes_on_below_like_lines_of_text() -> None:
+    root = check(chain(20))
+    boxes = list(rectangles(root).values())
+    assert 800 < float(root.attrib["width"]) < 1200
+    assert len({top for _, top, _, _ in boxes}) == 4
+    assert sorted(boxes, key=lambda box: (box[1], box[0])) == boxes
+    assert len({left for left, _, _, _ in boxes}) < 10  # one column stands below the other
+
+
+def test_a_wire_runs_past_the_lines_in_which_it_does_not_end() -> None:
+    names = [f"step{number}" for number in range(20)]
+    root = check(plain(names, [*pairwise(names), ("step0", "step19")]))
+    boxes = rectangles(root)
+    between = [box for box in boxes.values() if boxes["step0"][3] < box[1] < boxes["step19"][1]]
+    arrows = {group.get("data-arrow"): group for group in arrows_of(root)}
+    ((*points,),) = lines(arrows["step0.x step19.x"])
+    top, bottom = min(box[1] for box in between), max(box[3] for box in between)
+    beside = [x for x, y in points if top <= y <= bottom]
+    assert between
+    assert beside
+    assert max(beside) < min(box[0] for box in between)
+
+
 def test_a_source_that_is_needed_late_stands_before_its_reader() -> None:
     names = ["a", "b", "c", "late"]
     boxes = rectangles(check(plain(names, [("a", "b"), ("b", "c"), ("late", "c")])))
