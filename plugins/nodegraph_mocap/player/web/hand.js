@@ -6,11 +6,16 @@ nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum"], (page, 
   const BOTTOM = 20;
   const TOP = 6;
   const LINES = 4; // that differ by colour
+  const NEAR = 30; // px between the last number of an axis and the one before it
   const DECADES = 7; // of a spectrum, at most
 
-  const powers = (low, high) => {
-    const first = Math.ceil(Math.log10(low) - 1e-9);
-    return Array.from({ length: Math.max(0, Math.floor(Math.log10(high) + 1e-9) - first + 1) }, (_, i) => 10 ** (first + i));
+  // Powers of ten between two numbers; where there are not two of them, twice and five times these, too.
+  const powersOf = (low, high) => {
+    const first = Math.floor(Math.log10(low));
+    const powers = Array.from({ length: Math.floor(Math.log10(high)) - first + 1 }, (_, i) => 10 ** (first + i));
+    const between = (values) => values.filter((value) => value >= low && value <= high);
+    const whole = between(powers);
+    return whole.length > 1 ? whole : between(powers.flatMap((power) => [power, 2 * power, 5 * power]));
   };
 
   // Round steps, about `count` of them.
@@ -120,7 +125,7 @@ nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum"], (page, 
       const least = Math.max(Math.min(...points.map(([, size]) => size)), most / 10 ** DECADES);
       const x = (hertz) => LEFT + (Math.log(hertz / low) / Math.log(high / low)) * (this.width - LEFT - 4);
       const y = (size) => HEIGHT - BOTTOM - (Math.log(Math.max(size, least) / least) / Math.log(most / least)) * (HEIGHT - BOTTOM - TOP);
-      const plot = chart(`Spectrum of ${this.marker}`, this.width, { x, y, across: [...powers(low, high), high], up: powers(least, most) });
+      const plot = chart(`Spectrum of ${this.marker}`, this.width, { x, y, across: [...powersOf(low, high).filter((hertz) => x(high) - x(hertz) > NEAR), high], up: powersOf(least, most) });
       plot.append(...found.map(({ kind, spectrum }) => svg("path", { class: kind, d: pathOf(spectrum.points.map(([hertz, size]) => [x(hertz), y(size)])) })));
       return plot;
     }

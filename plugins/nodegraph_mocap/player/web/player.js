@@ -51,9 +51,6 @@ nodegraph.define("mocap/player", [
         class: "stage", tabindex: 0, role: "group",
         "aria-label": "Playback. Space plays, arrows step, Shift and arrows turn, plus and minus enlarge, 0 is the front.",
       });
-      const help = element("p", { class: "quiet" },
-        `${this.study.with_hand ? "Click a marker for its speed and spectrum, anything else of" : "Click"} a picture to enlarge it. Drag to turn, with Shift or two fingers to move; pinch or Ctrl and wheel to zoom. ` +
-        "With the pictures in focus, Space plays, arrows step, Shift and arrows turn.");
       figure.classList.toggle("compared", this.study.truth !== null);
       this.hand = this.study.with_hand ? new Hand(this) : null;
       const take = (marker) => selection.toggle("marker", marker);
@@ -64,12 +61,23 @@ nodegraph.define("mocap/player", [
       ];
       const pictures = this.panels.length ? [this.legend, this.stage] : [];
       const below = this.strips.length ? element("div", { class: "below" }, ...this.strips.map((strip) => strip.element)) : null;
+      const help = element("p", { class: "quiet" }, this.help);
       figure.append(...[this.chooser?.element, this.controls.element, ...pictures, below, help].filter(Boolean));
       this.controls.clock.dataset.longest = this.clockTextsAt(this.study.ticks - 1).join(" \u00b7 ").replace(/\d/g, "0");
       this.tell();
-      keyed(this, this.stage);
+      for (const place of [this.stage, ...this.strips.map((strip) => strip.table).filter(Boolean)]) keyed(this, place);
       this.watch();
       this.arrange();
+    }
+
+    get help() {
+      const { panels, with_hand } = this.study;
+      const marker = "Click a marker for its speed and spectrum, a row to go there, anything else of a picture to enlarge it.";
+      return [
+        ...(with_hand ? [marker] : panels.length ? ["Click a picture to enlarge it."] : []),
+        ...(panels.length ? ["Drag to turn, with Shift or two fingers to move; pinch or Ctrl and wheel to zoom."] : []),
+        `With ${panels.length ? "the pictures" : "the rows"} in focus, Space plays, arrows step${panels.length ? ", Shift and arrows turn" : ""}.`,
+      ].join(" ");
     }
 
     built(panel, place) {

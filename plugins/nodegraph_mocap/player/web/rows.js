@@ -19,9 +19,9 @@ nodegraph.define("mocap/player/rows", ["page", "theme"], ({ element }, theme) =>
       this.labels = names.map((name) => element("span", { title: name }, name));
       const column = (kind, spans) => element("span", { class: kind, style: `line-height: ${height}px` }, ...spans);
       const over = element("span", { class: "over" }, this.canvas, this.now);
-      const table = element("div", { class: "rows", tabindex: 0, role: "group", "aria-label": title },
+      this.table = element("div", { class: "rows", tabindex: 0, role: "group", "aria-label": title },
         column("labels", this.labels), over, ...(valueAt ? [column("values", this.values)] : []));
-      this.element = element("div", { class: "strip" }, element("p", { class: "name" }, title), table);
+      this.element = element("div", { class: "strip" }, element("p", { class: "name" }, title), this.table);
       this.canvas.style.height = `${height * names.length}px`;
       this.listen();
       new ResizeObserver(() => this.draw()).observe(over);

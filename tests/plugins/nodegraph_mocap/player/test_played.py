@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from nodegraph_mocap import Animation, Origin, Panel, Playback, Trajectories
+from nodegraph_mocap.player import data
 from nodegraph_mocap.player.data import error_scale, packed, step_of
 from nodegraph_mocap.specimens import animations, recordings
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
@@ -116,6 +117,20 @@ def test_gaps_are_what_methods_made_for_a_while() -> None:
         [20 / 60, 31 / 60, truth.markers[4]],
     ]
     assert Read.of(playback(with_filled(truth, 2, 0, 40))).head["gaps"] == []
+
+
+def test_where_nothing_was_made_gaps_are_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    truth = recordings()["complete"]
+    missing = np.zeros(truth.origin.shape, dtype=bool)
+    for marker, start, stop in ((2, 20, 30), (3, 5, 12), (4, 0, 8), (5, 0, 40), (6, 9, 10)):
+        missing[start:stop, marker] = True
+    positions = np.where(missing[..., None], np.nan, truth.positions)
+    gappy = truth.with_samples(positions, changed=missing, origin=Origin.MISSING)
+    gaps = [(0, 8, 4), (5, 12, 3), (20, 30, 2)]
+    expected = [[start / 60, stop / 60, truth.markers[m]] for start, stop, m in gaps]
+    assert Read.of(playback(gappy)).head["gaps"] == expected
+    monkeypatch.setattr(data, "_MOST_GAPS", 2)
+    assert Read.of(playback(gappy)).head["gaps"] == [expected[0], expected[2]]
 
 
 def test_each_panel_has_the_mean_error_of_what_was_made() -> None:

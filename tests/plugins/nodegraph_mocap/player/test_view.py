@@ -205,6 +205,9 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         assert tab.locator(".panel").count() == 1
         check_marker_in_hand(tab, face)
         tab.locator("label:has-text('Names') input").press("Space")
+        before = tab.evaluate(f"{PLAYER}.state.tick")
+        rows.press("ArrowRight")
+        assert tab.evaluate(f"{PLAYER}.state.tick") == before + 1
         for scheme, width in (("light", 1280), ("dark", 390)):
             tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
             resize(tab, width)
