@@ -56,6 +56,8 @@ _CHIP_INSET = 8.0
 _CHIP_GAP = 5.0
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
+_LONGEST_NOTE = 36
+_LONGEST = {"port": 24, "note": 26}
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 11.0, "note": 10.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 15.0, "note": 12.5, "name": 19.0, "line": 16.0}
@@ -107,7 +109,7 @@ class Shape:
     outputs: Mapping[str, float]
 
 
-def shape(box: Box, label: str, notes: Mapping[str, Sequence[str]]) -> Shape:
+def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
     """Return the box laid out.
 
     Parameters
@@ -115,16 +117,21 @@ def shape(box: Box, label: str, notes: Mapping[str, Sequence[str]]) -> Shape:
     box : Box
     label : str
         Shown as its name.
-    notes : mapping of input port to texts
-        Which labels the arrows into each port fix.
+    fixed : mapping of input port to texts
+        The labels that each arrow into the port fixes: ``trial=0, length=45``.
     """
     heading = [("name", label), *(("line", line) for line in box.lines)]
-    common = _common(notes)
-    heading += [("note", text) for text in common]
-    notes = {port: [text for text in texts if text not in common] for port, texts in notes.items()}
+    common = _common(fixed)
+    heading += [("note", line) for line in _lines_at(common)]
+    notes = {port: [_at(text, common) for text in texts] for port, texts in fixed.items()}
     inputs = [_lines(socket, notes.get(socket.name, ())) for socket in box.inputs]
     outputs = [_lines(socket, ()) for socket in box.outputs]
-    sides = [_widest(line for lines in side for line in lines) for side in (inputs, outputs)]
+    sides = [
+        _widest(
+            (style, shortened(text, _LONGEST[style])) for lines in side for style, text in lines
+        )
+        for side in (inputs, outputs)
+    ]
     inner = max(_NARROWEST, _widest(heading), sum(sides) + _BETWEEN_SIDES * all(sides))
     texts: list[Text] = []
     y = 4.0
@@ -160,25 +167,44 @@ def shape(box: Box, label: str, notes: Mapping[str, Sequence[str]]) -> Shape:
             hint = "; ".join([str(socket), *(text for _, text in lines[1:])])
             for style, text in lines:
                 y += _LEADING[style]
-                texts.append(Text(style, text, x, y - 3.5, hint, at_end=side is outputs))
+                short = shortened(text, _LONGEST[style])
+                texts.append(Text(style, short, x, y - 3.5, hint, at_end=side is outputs))
         lows.append(y)
     wide, high = inner + 2 * _PADDING, max(lows) + 6.0
     return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
 
 
-def _common(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the notes that stand at several ports, at all that have any."""
-    marked = [texts for texts in notes.values() if texts]
-    if len(marked) < 2:
+def _common(fixed: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the labels that stand at several ports, at all that have any."""
+    marked = [text.split(", ") for texts in fixed.values() for text in texts]
+    if sum(map(bool, fixed.values())) < 2:
         return []
-    return [text for text in dict.fromkeys(marked[0]) if all(text in texts for texts in marked)]
+    return [label for label in marked[0] if all(label in labels for labels in marked)]
+
+
+def _at(text: str, common: Sequence[str]) -> str:
+    """Return the note of a port: the labels that are not common."""
+    own = ", ".join(label for label in text.split(", ") if label not in common)
+    return own and f"at {own}"
+
+
+def _lines_at(labels: Sequence[str]) -> list[str]:
+    """Return the note on common labels in lines."""
+    lines = [f"at {label}" for label in labels[:1]]
+    for label in labels[1:]:
+        lines[-1] += ","
+        if len(lines[-1]) + len(label) < _LONGEST_NOTE:
+            lines[-1] += f" {label}"
+        else:
+            lines.append(label)
+    return lines
 
 
 def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:
     """Return the style and text of each line at a port."""
-    texts = dict.fromkeys([socket.gathers, *notes] if socket.gathers else notes)
+    texts = dict.fromkeys(filter(None, (socket.gathers, *notes)))
     name = socket.shown or socket.name
-    return [("port", shortened(name, 24)), *(("note", shortened(it, 26)) for it in texts)]
+    return [("port", name), *(("note", text) for text in texts)]
 
 
 def _widest(lines: Iterable[tuple[str, str]]) -> float:

@@ -527,15 +527,15 @@ def layout(picture: Picture) -> Layout:
 
 
 def _shapes(picture: Picture, frames: Mapping[str, Frame]) -> list[Shape]:
-    notes: dict[tuple[str, str], list[str]] = {}
+    fixed: dict[tuple[str, str], list[str]] = {}
     for arrow in picture.arrows:
         if arrow.fixed:
-            notes.setdefault((arrow.target, arrow.target_port), []).append(f"at {arrow.fixed}")
+            fixed.setdefault((arrow.target, arrow.target_port), []).append(arrow.fixed)
     return [
         shape(
             box,
             label_of(box.name, frames[box.name]),
-            {socket.name: notes.get((box.name, socket.name), ()) for socket in box.inputs},
+            {socket.name: fixed.get((box.name, socket.name), ()) for socket in box.inputs},
         )
         for box in picture.boxes
     ]

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph.draw.boxes import clean, shortened, width
+from nodegraph.draw.boxes import clean, shape, shortened, width
+from nodegraph.draw.picture import Box, Socket
 
 
 def test_texts_that_xml_cannot_hold_are_marked() -> None:
@@ -19,3 +20,13 @@ def test_widths_grow_with_text_and_type() -> None:
     assert width("abc", 10, bold=True) > width("abc", 10)
     assert width("日本", 10) == pytest.approx(21)
     assert width("il", 10, monospace=True) == pytest.approx(12.2)
+
+
+def test_labels_that_all_arrows_fix_are_said_once_in_lines() -> None:
+    box = Box("table", inputs=(Socket("scores"), Socket("truth"), Socket("hidden")))
+    common = "actor=1, damage=occlusions, length=45"
+    drawn = shape(box, "table", {"scores": [f"{common}, fill=muscle"], "truth": [common]})
+    notes = [text.text for text in drawn.texts if text.style == "note"]
+    assert notes == ["at actor=1, damage=occlusions,", "length=45", "at fill=muscle"]
+    alone = shape(box, "table", {"scores": [common], "truth": []})
+    assert [text.hint for text in alone.texts if text.style == "note"] == [f"scores; at {common}"]
