@@ -218,8 +218,9 @@ def _clock(seconds: float) -> str:
 
 
 def settled_line(event: Event) -> str:
-    """Return one line on the end of a step: ``failed: fill(length=5): no frame``."""
-    where = name_at(event.node, event.labels)
+    """Return one line on the end of a step: ``failed: fill(length=5): no frame (mine.py:12)``."""
+    where, place = name_at(event.node, event.labels), event.detail.get("place", "")
     text = f"{event.kind}: {where}: {event.detail.get('reason', '')}"
+    text += f" ({place})" if place else ""
     # control characters would be commands to the terminal
     return "".join(character if character.isprintable() else " " for character in text)

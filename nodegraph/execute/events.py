@@ -159,8 +159,9 @@ class EventLog:
         detail: dict[str, object] = {"took": round(outcome.seconds, 6)}
         if outcome.stored and status is not State.STORED:
             detail["stored"] = True
-        if outcome.reason:
-            detail["reason"] = outcome.message
+        for name in ("reason", "place"):
+            if text := getattr(outcome, name):
+                detail[name] = text
         if outcome.warnings:
             detail["warnings"] = list(outcome.warnings)
         now = self._emit(status, step, detail)

@@ -47,7 +47,7 @@ def open_unfinished(
         See `saved_graph`.
     settings
     ended
-        How steps ended, by `Cell.key`; the others are expected to succeed.
+        How steps ended without a value, by `Cell.key`; the others are expected to succeed.
     store
     """
     planned = plan(graph)

@@ -44,17 +44,25 @@ class StepState(NamedTuple):
     state : str
         `WAITING`, `RUNNING`, or how the step ended.
     reason : str
-        Why there is no value, and the place if it is known.
+        Why there is no value.
+    place : str
+        The line in the code of the node where it failed.
     """
 
     cell: Cell
     state: str
     reason: str = ""
+    place: str = ""
 
     @property
     def has_value(self) -> bool:
         """Whether there is a value, which may have to be computed first."""
         return self.state in _WITH_VALUE
+
+    @property
+    def message(self) -> str:
+        """The reason with its place."""
+        return f"{self.reason} ({self.place})" if self.place else self.reason
 
 
 def counts_of(states: Iterable[StepState]) -> defaultdict[str, Counter[str]]:
@@ -104,7 +112,7 @@ def node_state(counts: Mapping[str, int]) -> NodeState:
 def failures_of(states: Iterable[StepState]) -> list[str]:
     """Return the first failures."""
     failed = (each for each in states if each.state == State.FAILED)
-    return [f"{each.cell.name}: {each.reason}" for each in islice(failed, MOST_FAILURES)]
+    return [f"{each.cell.name}: {each.message}" for each in islice(failed, MOST_FAILURES)]
 
 
 @dataclass
@@ -191,7 +199,7 @@ class Progress:
 
     def _settle(self, event: Mapping[str, Any], state: str) -> None:
         index, cell = int(event["step"]), Cell(str(event["node"]), dict(event.get("labels", {})))
-        now = StepState(cell, state, str(event.get("reason", "")))
+        now = StepState(cell, state, str(event.get("reason", "")), str(event.get("place", "")))
         before = self.states.get(index)
         if before is not None:
             self._counts[before.cell.node][before.state] -= 1

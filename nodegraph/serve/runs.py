@@ -38,6 +38,7 @@ from nodegraph.serve.progress import (
 from nodegraph.state import State
 
 _LONGEST = 1 << 20
+_WITHOUT_VALUE = frozenset(state.value for state in State if not state.has_value)
 _QUIET = 10
 """After how many looks without a new event a run may have been killed."""
 
@@ -137,9 +138,7 @@ class OpenRun:
                 self._read_events()
                 return list(self._events.progress.states.values())
         return [
-            StepState(
-                cell, step.status, f"{step.reason} ({step.place})" if step.place else step.reason
-            )
+            StepState(cell, step.status, step.reason, step.place)
             for step in record.steps
             for cell in step.cells
         ]
@@ -261,9 +260,11 @@ class OpenRun:
     @property
     def title(self) -> str:
         """The title of the study."""
+        record = self._record_if_any()
         with self._lock:
             self._read_events()
-            return str(self._events.progress.planned.get("title", ""))
+            planned = self._events.progress.planned
+        return record.title if record is not None else str(planned.get("title", ""))
 
     def _begun(self) -> tuple[RunSettings, Path]:
         """Return the settings of an unfinished run and its working directory."""
@@ -281,12 +282,12 @@ class OpenRun:
         return settings, Path(str(planned.get("folder", "")))
 
     def _ended(self) -> Mapping[CellKey, Outcome]:
-        """Return how steps of an unfinished run ended."""
-        ended = {}
-        for each in self.states():
-            with suppress(ValueError):  # it is running
-                ended[each.cell.key] = Outcome(State(each.state), reason=each.reason)
-        return ended
+        """Return how steps of an unfinished run ended that have no value."""
+        return {
+            each.cell.key: Outcome(State(each.state), reason=each.reason)
+            for each in self.states()
+            if each.state in _WITHOUT_VALUE
+        }
 
     def _read_events(self) -> bool:
         try:

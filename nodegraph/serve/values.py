@@ -66,13 +66,15 @@ class Combination(NamedTuple):
         Of the axes along which the node has several; else its name.
     address : str
         The query of its value; empty without one.
-    state, reason : str
+    state : str
+    message : str
+        Why there is no value, with the place if it failed.
     """
 
     labels: str
     address: str
     state: str
-    reason: str
+    message: str
 
 
 class Combinations:
@@ -112,7 +114,7 @@ class Combinations:
                 self._text(each.cell),
                 _address(run, each.cell) if each.has_value else "",
                 each.state,
-                each.reason,
+                each.message,
             )
             for state in self.states
             for each in of_node

@@ -313,6 +313,27 @@ def test_a_run_that_goes_on_is_drawn_with_its_states(opened: Opened, folder: Pat
     assert "going" in shown(opened("runs").get("/runs"))
 
 
+@pytest.mark.parametrize("stored", [False, True])
+def test_what_an_unfinished_run_has_gathered_is_shown(opened: Opened, stored: bool) -> None:
+    text = Path("toys.py").read_text()
+    Path("toys.py").write_text(text.replace("    return x\n", "    raise ValueError('no')\n"))
+    if stored:
+        ng.run(ng.load("toy.yaml", plugins=["toys.py"]), store="store")
+    graph = ng.load("toy.yaml", plugins=["toys.py"])
+    events: list[Any] = []
+    ng.run(graph, store="store", listeners=[events.append])
+    going = RunFolder(Path("runs/going"), graph.spec.text)
+    for event in events[:-1]:
+        going.hear(event)
+    kinds = {event.kind for event in events}
+    assert kinds >= {"refused", "skipped", "failed", "stored" if stored else "done"}
+    pages = opened("runs/going")
+    page = shown(pages.get("/value?run=going&node=table"))
+    assert '<div class="rendered">' in page
+    going.close()
+    assert re.search("<td>failed</td><td>no .toys.py:", pages.get("/values?node=fill").text)
+
+
 @pytest.mark.parametrize("name", ["run.json", "study.json.gz", "events.jsonl", "graph.yaml"])
 @pytest.mark.parametrize("content", [None, b"", b"\x1f\x8b", b"{}", b"[" * 9999])
 def test_a_damaged_folder_is_a_message(opened: Opened, name: str, content: bytes | None) -> None:
