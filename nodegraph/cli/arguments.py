@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _METAVARS = {
     "set": "INPUT=VALUE",
+    "with": "SETTING=VALUE",
     "axis": "AXIS=LABELS",
     "only": "AXIS=LABELS",
     "at": "AXIS=LABEL",
@@ -74,6 +75,16 @@ def add_page(parser: ArgumentParser) -> None:
         action="store_false",
         dest="browser",
         help="Print the address and open no browser.",
+    )
+
+
+def add_reading(parser: ArgumentParser) -> None:
+    """Add the option that sets what a file does not state."""
+    add_pairs(
+        parser,
+        "with",
+        "Setting of the node that reads a file, for what it does not state: --with rate=120, "
+        "--with unit=cm.",
     )
 
 
@@ -139,12 +150,12 @@ def pairs(arguments: Namespace, option: str) -> dict[str, str]:
     return _split(option, getattr(arguments, option))
 
 
-def input_values(arguments: Namespace) -> dict[str, object]:
-    """Return the values of ``--set``."""
+def values_of(arguments: Namespace, option: str) -> dict[str, object]:
+    """Return the values of an option ``--set`` or ``--with`` by their names."""
     from nodegraph.execute.option_text import read_value
 
-    texts = pairs(arguments, "set")
-    return {name: read_value(f"--set {name}", text) for name, text in texts.items()}
+    texts = pairs(arguments, option)
+    return {name: read_value(f"--{option} {name}", text) for name, text in texts.items()}
 
 
 def labels_at(arguments: Namespace) -> dict[str, str]:

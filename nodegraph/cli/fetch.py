@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from nodegraph.cli.arguments import add_graph, input_values
+from nodegraph.cli.arguments import add_graph, values_of
 from nodegraph.cli.output import say
 from nodegraph.errors import NodegraphError
 
@@ -35,7 +35,7 @@ def fetch(arguments: Namespace) -> int:
                     raise NodegraphError("a lock has its labels: --axis and --only are for graphs")
                 registry = Registry.installed(arguments.plugin)
                 path = arguments.graph
-                unlocked(read_lock(path), path, registry, input_values(arguments))
+                unlocked(read_lock(path), path, registry, values_of(arguments, "set"))
             else:
                 graph_of(arguments)
         finally:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph import supervisor
-from nodegraph.cli.arguments import input_values, pairs
+from nodegraph.cli.arguments import pairs, values_of
 from nodegraph.cli.output import say
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute import Event, EventKind, HowToRun, Listener, open_store
@@ -34,7 +34,7 @@ def graph_of(arguments: Namespace) -> Graph:
         name: tuple(read_labels(f"--only {name}", text))
         for name, text in pairs(arguments, "only").items()
     }
-    choices = Choices(input_values(arguments), axes, only)
+    choices = Choices(values_of(arguments, "set"), axes, only)
     graph = build(_spec_of(arguments.graph, registry), registry, choices)
     for notice in graph.notices:
         say(str(notice))

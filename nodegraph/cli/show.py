@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_json, add_plugin
+from nodegraph.cli.arguments import add_json, add_plugin, add_reading, values_of
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError, nearest
 
@@ -28,18 +28,19 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="Node, such as fill.muscle; or family, such as fill, or part of a name or summary, to "
         "list the nodes; or file, such as take.c3d.",
     )
+    add_reading(parser)
     add_plugin(parser)
     add_json(parser)
 
 
 def show(arguments: Namespace) -> int:
     """Print the description of a node or a file, or the list of nodes to which a word applies."""
-    from nodegraph.execute.read_file import is_file
+    from nodegraph.execute.read_files import is_file
     from nodegraph.plugin.registry import Registry
 
     registry = Registry.installed(arguments.plugin)
     if not _names_nodes(arguments.word, registry) and is_file(arguments.word, registry):
-        _print_file(arguments.word, registry, as_json=arguments.json)
+        _print_file(arguments, registry)
         return 0
     is_node = "." in arguments.word and not arguments.word.endswith(".*")
     if arguments.json:
@@ -56,11 +57,11 @@ def _names_nodes(word: str, registry: Registry) -> bool:
     return not word or name in (*registry.families, *nodes)
 
 
-def _print_file(word: str, registry: Registry, *, as_json: bool) -> None:
-    from nodegraph.execute.read_file import read_file
+def _print_file(arguments: Namespace, registry: Registry) -> None:
+    from nodegraph.execute.read_files import read_files
 
-    file = read_file(word, registry)
-    if as_json:
+    (file,) = read_files([arguments.word], registry, values_of(arguments, "with"))
+    if arguments.json:
         from nodegraph.cli.answers import FileAnswer, ShownFact, print_json
 
         facts = [ShownFact(fact.name, fact.value, fact.unit) for fact in file.facts]

@@ -15,7 +15,7 @@ from nodegraph.cli.arguments import (
     add_pairs,
     add_plugin,
     add_store,
-    input_values,
+    values_of,
 )
 from nodegraph.cli.differences import origin_lines, origins
 from nodegraph.cli.output import columns, counted, few, say
@@ -79,7 +79,7 @@ def verify(arguments: Namespace) -> int:
         )
     lock = read_lock(path)
     registry = Registry.installed(arguments.plugin)
-    graph = unlocked(lock, path, registry, input_values(arguments))
+    graph = unlocked(lock, path, registry, values_of(arguments, "set"))
     for text in edited_files(lock, path):
         say(text)
     if arguments.repeat:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 
-from nodegraph.cli.arguments import add_page, add_plugin
+from nodegraph.cli.arguments import add_page, add_plugin, add_reading, values_of
 from nodegraph.cli.browser import needing_pages, ready
 
 HELP = "Show what files hold in a browser, several of them together."
@@ -28,13 +28,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="FILE",
         help="File, such as take.c3d, or a folder that holds one.",
     )
+    add_reading(parser)
     add_page(parser)
     add_plugin(parser)
 
 
 def view(arguments: Namespace) -> int:
     """Read files and serve their page until the user ends it."""
-    from nodegraph.execute.read_file import read_file
+    from nodegraph.execute.read_files import read_files
     from nodegraph.plugin.registry import Registry
 
     with needing_pages():
@@ -42,7 +43,7 @@ def view(arguments: Namespace) -> int:
         from nodegraph.serve.server import LocalServer
 
     registry = Registry.installed(arguments.plugin)
-    files = [read_file(word, registry) for word in dict.fromkeys(arguments.files)]
+    files = read_files(arguments.files, registry, values_of(arguments, "with"))
     server = LocalServer(application_of_files(files, registry.hooks), arguments.port)
     ready(server.address, with_browser=arguments.browser)
     server.run()

@@ -14,7 +14,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from nodegraph.errors import Refusal
-from nodegraph.execute.read_file import ReadFile
+from nodegraph.execute.read_files import ReadFile
 from nodegraph.plugin.hook_results import HookResults
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.page import SCRIPTS, source

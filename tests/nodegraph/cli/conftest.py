@@ -67,15 +67,17 @@ nodes:
 """
 READER = """
 from pathlib import Path
+from typing import Annotated
 import warnings
+from pydantic import Field
 from nodegraph import Fact, InputFile, Kind, hookimpl, node
 
 @node("read.count")
-def count(*, path: InputFile, by: int = 1) -> int:
+def count(*, path: InputFile, times: Annotated[int, Field(ge=1)] = 1) -> int:
     if not (number := int(Path(path).read_text().split(":")[1])):
         raise ValueError(f"{path}:1: there is nothing")
     warnings.warn(f"{path}: it states no unit")
-    return number
+    return times * number
 
 @hookimpl
 def nodegraph_readers():

@@ -127,3 +127,18 @@ def test_a_file_that_is_too_large_is_refused_unread(command: Command) -> None:
 def test_a_folder_named_as_a_family_does_not_hide_its_nodes(command: Command) -> None:
     Path("fill").mkdir()
     assert command("show", "fill")[1].split()[0] == "fill.hold"
+
+
+def test_what_a_file_does_not_state_can_be_set(command: Command) -> None:
+    Path("reader.py").write_text(READER)
+    Path("a.count").write_text("count:3")
+    words = ("show", "a.count", "--plugin", "reader.py")
+    assert "number   6 things" in command(*words, "--with", "times=2")[1]
+    for setting, message in (
+        ("time=2", "read.count: no setting 'time'; did you mean 'times'?"),
+        ("times=two", "a.count: times: input should be a valid integer"),
+        ("times=0", "a.count: times: input should be greater than or equal to 1"),
+    ):
+        status, out, err = command(*words, "--with", setting)
+        assert (status, out) == (2, "")
+        assert message in err

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.execute.read_file import read_file
+from nodegraph.execute.read_files import read_files
 from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry
 from nodegraph.serve.files import application_of_files
@@ -41,7 +41,7 @@ def _alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def page(*names: str, plugin: str = READER + VIEWER) -> str:
     Path("reader.py").write_text(plugin)
     registry = Registry.installed([Path("reader.py")])
-    files = [read_file(name, registry) for name in names]
+    files = read_files(names, registry)
     guard = Guard(application_of_files(files, registry.hooks), HOST)
     answer = send(guard, f"/?token={guard.token}")
     cookie = answer.headers["set-cookie"].partition(";")[0]

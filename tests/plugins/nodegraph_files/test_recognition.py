@@ -9,7 +9,7 @@ import pytest
 
 import nodegraph as ng
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.read_file import ReadFile, read_file
+from nodegraph.execute.read_files import ReadFile, read_files
 from nodegraph.plugin.registry import default_registry
 from nodegraph_mocap.specimens import animations, masks, models, recordings, weights
 
@@ -17,7 +17,8 @@ FACE = recordings()["complete"]
 
 
 def read(path: Path | str) -> ReadFile:
-    return read_file(str(path), default_registry())
+    (file,) = read_files([str(path)], default_registry())
+    return file
 
 
 def written(folder: Path, node: str, value: object, **settings: object) -> Path:
