@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from pandas import DataFrame
 from scipy.stats import gmean
@@ -16,7 +15,7 @@ from nodegraph_compare.table.node import table
 from nodegraph_compare.verdict import Verdict
 from nodegraph_tables import TableInfo, Take, with_info
 
-STUDIES, METHODS = 60, 5
+STUDIES, METHODS = 20, 5
 KINDS = {
     "one recording": (1, 1, 30),
     "one recording, draws": (1, 4, 15),
@@ -27,10 +26,7 @@ KINDS = {
 """Recordings, draws on each, and gaps in a draw."""
 
 
-@pytest.fixture(autouse=True)
-def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw nothing, which would take most of the time."""
-    monkeypatch.setattr("nodegraph_compare.table.figure.draw", lambda verdicts: Figure())
+pytestmark = pytest.mark.usefixtures("without_pictures")
 
 
 def study(values: NDArray[np.float64], methods: list[int], frames: int = 500) -> list[Verdict]:

@@ -19,6 +19,8 @@ from nodegraph_compare.ties import ROUNDING, apart, at_most, settled, tied
 from nodegraph_mocap import Table
 from nodegraph_tables import info_of
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
 NAN = np.nan
 NOISE = (1e-15, -1e-15, 1e-12, -1e-12)
 MAGNITUDES = st.floats(1e-3, 1e3)

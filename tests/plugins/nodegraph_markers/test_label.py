@@ -53,7 +53,7 @@ def test_takes_of_real_and_animated_faces_by_their_own_first_frame(name: str) ->
 
 
 def test_tracked_points_get_the_names_of_their_markers() -> None:
-    synthetic = face(seed=0)
+    synthetic = face(seed=0, seconds=5.0)
     with quiet():
         tracks = assignment(synthetic.detections)
         named = label(tracks, synthetic.neutral)

@@ -1,0 +1,12 @@
+"""Comparisons of which nobody sees the picture."""
+
+from __future__ import annotations
+
+import pytest
+from matplotlib.figure import Figure
+
+
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing, which would take most of the time."""
+    monkeypatch.setattr("nodegraph_compare.table.figure.draw", lambda verdicts: Figure())
