@@ -121,31 +121,6 @@ def test_the_order_of_asking_does_not_count(
         assert code.of(functions[name]) == answers[name]
 
 
-def printed(script: str, *, seeds: str, folder: Path | None = None) -> set[str]:
-    """Return what a script prints in processes that order sets in different ways."""
-    return {
-        subprocess.run(
-            [sys.executable, "-c", script],
-            capture_output=True,
-            text=True,
-            check=True,
-            cwd=folder,
-            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
-        ).stdout.strip()
-        for seed in seeds
-    }
-
-
-def test_another_process_finds_the_same(answers: dict[str, Reached]) -> None:
-    script = (
-        "from nodegraph.cache_key import Code, followed\n"
-        "from nodegraph.plugin.registry import default_registry\n"
-        "registry = default_registry()\n"
-        "print(Code(followed(registry)).of(registry.find('compare.table').node.function).digest)"
-    )
-    assert printed(script, seeds="12") == {answers["compare:compare.table"].digest}
-
-
 GRAPH = """
 nodegraph: 1
 axes: {recording: ["sample:face_1", "sample:face_2"]}
@@ -156,15 +131,33 @@ nodes:
   error: {use: score.distance, in: {estimate: fill, reference: truth}}
   table: {use: compare.table, in: error, with: {compare: fill}}
 """
+SCRIPT = """
+import nodegraph as ng
+from nodegraph.cache_key import Code, followed
+from nodegraph.plan import plan
+from nodegraph.plugin.registry import default_registry
+
+registry = default_registry()
+print(Code(followed(registry)).of(registry.find("compare.table").node.function).digest)
+step = plan(ng.load("study.yaml")).steps[-1]
+print(step.name, *(source.files for source in step.inputs.values()))
+"""
 
 
-def test_another_process_gathers_the_same(tmp_path: Path) -> None:
+def test_processes_that_order_sets_in_other_ways_find_and_gather_the_same(
+    answers: dict[str, Reached], tmp_path: Path
+) -> None:
     (tmp_path / "study.yaml").write_text(GRAPH)
-    script = (
-        "import nodegraph as ng\n"
-        "from nodegraph.plan import plan\n"
-        "step = plan(ng.load('study.yaml')).steps[-1]\n"
-        "print(step.name, *(source.files for source in step.inputs.values()))"
-    )
-    result = printed(script, seeds="1234", folder=tmp_path)
-    assert result == {"table ('face_1', 'face_2', 'face_3')"}
+    printed = {
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=tmp_path,
+            env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
+        ).stdout
+        for seed in "123"
+    }
+    digest = answers["compare:compare.table"].digest
+    assert printed == {f"{digest}\ntable ('face_1', 'face_2', 'face_3')\n"}
