@@ -92,6 +92,8 @@ def test_the_python_code_runs(tmp_path: Path) -> None:
 def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) -> None:
     (tmp_path / ".ci").mkdir()
     shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci" / "run")
+    packages = Path("nodegraph", "editor", "codemirror")
+    shutil.copytree(ROOT / packages, tmp_path / packages)
     tools = tmp_path / "tools"
     tools.mkdir()
     for name in ("chromium", "npm", "tar", "apt-get"):

@@ -14,7 +14,7 @@ from nodegraph.graphfile.spec import Reference
 from nodegraph.node.ports import Label, Port
 
 _MOST_METHODS = 12
-_MOST_ON_A_PAGE = 500
+MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 16
 
 _Ends = tuple[str, str, str, str]
@@ -32,7 +32,7 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
     fold
         Whether one box stands for all nodes that only show something.
     """
-    if len(graph.nodes) > _MOST_ON_A_PAGE:
+    if len(graph.nodes) > MOST_ON_A_PAGE:
         return ""
     picture = picture_of(graph)
     return svg(folded(picture) if fold else picture)

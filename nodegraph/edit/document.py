@@ -144,11 +144,12 @@ class Document:
     def put(self, path: Path, value: object, after: object = None) -> str:
         """Return the text with a value at a path, in place of what is there.
 
-        Mappings that are missing on the way are added. A new key stands last, or after another.
+        Mappings that are missing on the way are added. A new key, or the outermost of these, stands
+        last, or after another.
         """
         path = tuple(path)
         while len(path) > 1 and value_at(self.data, path[:-1]) is None:
-            path, value, after = path[:-1], {path[-1]: value}, None
+            path, value = path[:-1], {path[-1]: value}
         exists = self.has(path)
         self._refuse_shared(path if exists else path[:-1], whole=exists)
         intended = copy.deepcopy(self.data)
@@ -339,7 +340,7 @@ class Document:
         node, parent = self._written_at(path), self.find(path[:-1])
         if self._is_in_flow(path):
             lead = " " if node.start == node.end else ""
-            return [Patch(node.start, node.end, lead + _flow(value))]
+            return [Patch(node.start, node.end, lead + flow(value))]
         if parent.kind is dict:
             key = self._key(path)
             column, mark = self._column(key.start), self.text.index(":", key.end) + 1
@@ -372,9 +373,9 @@ class Document:
         if self._is_in_flow((*path[:-1], "")):
             if not parent.parts:
                 end = parent.end - 1
-                return [Patch(end, end, entry + _flow(value))]
+                return [Patch(end, end, entry + flow(value))]
             end = parent.parts[place].end
-            return [Patch(end, end, f", {entry}{_flow(value)}")]
+            return [Patch(end, end, f", {entry}{flow(value)}")]
         last = parent.parts[place]
         if parent.kind is dict:
             column, mark = self._column(parent.keys[0].start), f"{_scalar(path[-1], is_flow=True)}:"
@@ -462,13 +463,13 @@ def _scalar(value: object, is_flow: bool) -> str:
     return repr(value)
 
 
-def _flow(value: object) -> str:
+def flow(value: object) -> str:
     """Return a value as it is written in one line, brackets around it."""
     if isinstance(value, Mapping):
-        pairs = (f"{_scalar(key, is_flow=True)}: {_flow(each)}" for key, each in value.items())
+        pairs = (f"{_scalar(key, is_flow=True)}: {flow(each)}" for key, each in value.items())
         return f"{{{', '.join(pairs)}}}"
     if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(_flow, value))}]"
+        return f"[{', '.join(map(flow, value))}]"
     return _scalar(value, is_flow=True)
 
 
@@ -480,9 +481,9 @@ def _written(value: object, column: int, start: int) -> tuple[str, list[str]]:
             chomping = {0: "-", 1: ""}.get(len(value) - len(value.rstrip("\n")), "+")
             body = lines[:-1] if value.endswith("\n") else lines
             return f"|{chomping}", [f"{' ' * (column + 2)}{line}" if line else "" for line in body]
-    flow = _flow(value) if isinstance(value, (Mapping, list, tuple)) else _scalar(value, False)
-    if start + len(flow) <= _WIDTH or not isinstance(value, (Mapping, list, tuple)):
-        return flow, []
+    line = flow(value) if isinstance(value, (Mapping, list, tuple)) else _scalar(value, False)
+    if start + len(line) <= _WIDTH or not isinstance(value, (Mapping, list, tuple)):
+        return line, []
     return "", list(_block(value, column + 2))
 
 

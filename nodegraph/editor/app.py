@@ -18,9 +18,11 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from nodegraph.editor.completion import about, options_at
+from nodegraph.editor.edits import Edits
 from nodegraph.editor.file import MOST_BYTES, EditedFile
+from nodegraph.editor.panel import axes_of, installed, panel_of
 from nodegraph.editor.view import Places, View, problems_of_files, view_of
-from nodegraph.errors import GraphError, NodegraphError, nearest
+from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.page import source
 from nodegraph.serve.pages import page_response
@@ -28,6 +30,7 @@ from nodegraph.serve.pages import page_response
 MOST_BODY = 6 * MOST_BYTES + 1000
 """Bytes of a request with a text of the largest size, each character written as an escape."""
 
+_SCRIPTS = ("text", "picture", "editor", "panel")
 _TEMPLATES = "nodegraph.editor"
 
 
@@ -42,6 +45,9 @@ def application(file: EditedFile, registry: Registry) -> Starlette:
             Route("/files", _as_data(page.files)),
             Route("/options", _as_data(page.options)),
             Route("/about", _as_data(page.about)),
+            Route("/node", _as_data(page.node)),
+            Route("/nodes", _as_data(page.nodes)),
+            Route("/axes", _as_data(page.axes)),
             Route("/edit", page.edit, methods=["POST"]),
         ]
     )
@@ -62,6 +68,7 @@ class _Page:
     def __init__(self, file: EditedFile, registry: Registry) -> None:
         self._file = file
         self._registry = registry
+        self._edits = Edits(registry, file.path.name)
         self._lock = RLock()
         self._view: View | None = None
         self._text = ""
@@ -71,7 +78,7 @@ class _Page:
         folder = files(_TEMPLATES)
         scripts = [source("modules.js"), source("helpers.js"), source("theme.js")]
         bundle = folder.joinpath("codemirror", "codemirror.js").read_text(encoding="utf-8")
-        own = (folder.joinpath("templates", f"{name}.js") for name in ("text", "picture", "editor"))
+        own = (folder.joinpath("templates", f"{name}.js") for name in _SCRIPTS)
         scripts += [bundle, *(script.read_text(encoding="utf-8") for script in own)]
         style = folder.joinpath("templates", "editor.css").read_text(encoding="utf-8")
         return page_response(
@@ -107,6 +114,19 @@ class _Page:
         option = about(*self._place(request), self._registry)
         return option._asdict() if option else None
 
+    def node(self, request: Request) -> object:
+        """Return what is shown of the node that a request names."""
+        name = request.query_params.get("name", "")
+        return panel_of(self._file.text, name, self._registry, self._file.path.name)
+
+    def nodes(self, request: Request) -> object:
+        """Return the nodes that can be added."""
+        return installed(self._registry)
+
+    def axes(self, request: Request) -> object:
+        """Return the axes of the graph."""
+        return axes_of(self._file.text, self._file.path.name)
+
     def revision(self, request: Request) -> object:
         """Return the revision, after a look at the file on the disk."""
         with self._lock:
@@ -130,6 +150,7 @@ class _Page:
         """Return what does the edit that a request asks for."""
         if "text" in data:
             return partial(self._file.edit, str(data["text"]))
+        name, arguments = data["action"], data.get("arguments", {})
         actions = {
             "undo": self._file.undo,
             "redo": self._file.redo,
@@ -137,10 +158,10 @@ class _Page:
             "take_theirs": self._file.take_theirs,
             "keep_mine": self._file.keep_mine,
         }
-        name = data["action"]
-        if name not in actions:
-            raise LookupError(f"no action {name!r}; {nearest(name, actions)}")
-        return actions[name]
+        if name in actions:
+            return actions[name]
+        edit = self._edits.named(name, arguments)
+        return lambda: self._file.put(edit(self._file.text))
 
     def _edited(self, revision: object, edit: Callable[[], None]) -> Response:
         with self._lock:
@@ -175,6 +196,7 @@ class _Page:
             "svg": view.svg,
             "reason": view.reason,
             "nodes": view.nodes,
+            "wrong": view.wrong,
         }
 
     def _place(self, request: Request) -> tuple[str, int]:

@@ -24,6 +24,7 @@ from nodegraph.node.description import meanings
 from nodegraph.plugin.registry import Registered, Registry
 
 _IN_BRACKETS = re.compile(r"[\w$.*]*(?:[:-][\w$.*]+)*")
+_WORD_TYPES = {"boolean", "null"}
 
 
 class Option(NamedTuple):
@@ -188,10 +189,24 @@ def words_of(schema: Mapping[str, Any]) -> list[str]:
     words: list[str] = []
     for option in schema.get("anyOf", [schema]):
         words += map(str, option.get("enum", ()))
-        types = option.get("type", ())
-        types = [types] if isinstance(types, str) else types
+        types = _types(option)
         words += ["true", "false"] * ("boolean" in types) + ["null"] * ("null" in types)
     return words
+
+
+def is_closed(schema: Mapping[str, Any]) -> bool:
+    """Return whether a setting can be nothing but one of its words, or a variable."""
+    return all(
+        "enum" in option or "$ref" in option or _types(option) <= _WORD_TYPES
+        for option in schema.get("anyOf", [schema])
+    )
+
+
+def _types(option: Mapping[str, Any]) -> set[str]:
+    """Return the types that an option allows, but for the text of a variable; all for any."""
+    types = option.get("type", "any")
+    named = {types} if isinstance(types, str) else set(types)
+    return named - {"string"} if "pattern" in option else named
 
 
 def _about_uses(used: list[Registered]) -> Iterator[str]:

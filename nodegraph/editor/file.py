@@ -97,7 +97,16 @@ class EditedFile:
         NodegraphError
             If it cannot be written.
         """
-        text = self._with_breaks(shown.replace("\r\n", "\n").replace("\r", "\n"))
+        self.put(self._with_breaks(shown.replace("\r\n", "\n").replace("\r", "\n")))
+
+    def put(self, text: str) -> None:
+        """Take another text as it is.
+
+        Raises
+        ------
+        NodegraphError
+            If it cannot be written.
+        """
         try:
             size = len(text.encode())
         except UnicodeEncodeError as error:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import re
 from bisect import bisect
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from nodegraph.draw.from_graph import drawing_for_page
+from nodegraph.draw import svg
+from nodegraph.draw.from_graph import MOST_ON_A_PAGE, drawing_for_page
+from nodegraph.draw.from_spec import picture_of_spec
 from nodegraph.editor.outline import Span, outline_of
 from nodegraph.errors import GraphError, Place, Problem, Problems, one_line
 from nodegraph.execute import StoredSteps, open_store
 from nodegraph.execute.preflight import check_files_and_settings
 from nodegraph.formatting import number_of
 from nodegraph.graph import Graph, build
-from nodegraph.graphfile import read_graph_text
+from nodegraph.graphfile import GraphSpec, read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
 
@@ -38,6 +40,8 @@ class View:
     reason : str
         Why there is no picture.
     nodes : mapping of name to Span
+    wrong : sequence of str
+        Nodes with mistakes.
     """
 
     graph: Graph | None
@@ -45,6 +49,7 @@ class View:
     svg: str
     reason: str
     nodes: Mapping[str, Span]
+    wrong: Sequence[str] = ()
 
 
 def view_of(text: str, path: Path, registry: Registry) -> View:
@@ -59,19 +64,39 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
     """
     places = Places(text, path.name)
     nodes = outline_of(text).nodes()
+    spec = None
     try:
-        graph = build(read_graph_text(text, path.name, path.parent), registry)
+        spec = read_graph_text(text, path.name, path.parent)
+        graph = build(spec, registry)
     except GraphError as error:
         problems = places.problems(error.problems, is_error=True)
-        reason = f"{number_of(len(problems), 'mistake')}: the picture is drawn once they are mended"
-        return View(None, problems, "", reason if text.strip() else "the file is empty", nodes)
+        reason = f"{number_of(len(problems), 'mistake')}: drawn as far as the text can be read"
+        drawing = _drawn(spec, registry) if spec else ""
+        if not drawing:
+            reason = f"{number_of(len(problems), 'mistake')}: the picture is that of before"
+        lines = {
+            problem.place.line for problem in error.problems if problem.place.file == path.name
+        }
+        wrong = [name for name, (first, last) in nodes.items() if lines & {*range(first, last + 1)}]
+        reason = reason if text.strip() else "the file is empty"
+        return View(None, problems, drawing, reason, nodes, wrong)
     except Exception as error:  # of a plugin, or of ours: the text must stay editable
         message = f"internal error; please report it: {type(error).__name__}: {error}"
         problem = Problem(Place(path.name), message)
         return View(None, places.problems([problem], is_error=True), "", message, nodes)
-    svg = drawing_for_page(graph, fold=False)
-    reason = "" if svg else f"too many nodes to draw: {len(graph.nodes):,}"
-    return View(graph, places.problems(graph.notices, is_error=False), svg, reason, nodes)
+    drawing = drawing_for_page(graph, fold=False)
+    reason = "" if drawing else f"too many nodes to draw: {len(graph.nodes):,}"
+    return View(graph, places.problems(graph.notices, is_error=False), drawing, reason, nodes)
+
+
+def _drawn(spec: GraphSpec, registry: Registry) -> str:
+    """Return the picture of a graph with mistakes; empty if it goes in circles, or is too large."""
+    if len(spec.nodes) > MOST_ON_A_PAGE:
+        return ""
+    try:
+        return svg(picture_of_spec(spec, registry))
+    except ValueError:
+        return ""
 
 
 def problems_of_files(graph: Graph) -> list[Mapping[str, object]]:

@@ -5,7 +5,8 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   const WATCH = 500;
   const LOOK = 800; // and before the files that it names are read
   const part = (id) => document.getElementById(id);
-  const known = { revision: 0, text: "", nodes: {}, problems: [] };
+  const known = { revision: 0, text: "", nodes: {}, wrong: [], problems: [] };
+  const readers = []; // hear of another view, and of another node in hand
   let queue = Promise.resolve();
   let timer = 0;
   let looking = 0;
@@ -50,9 +51,9 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     part("save").disabled = is_saved;
     part("reason").textContent = reason;
     say(notice);
-    picture.draw(svg);
+    picture.draw(svg, known.wrong);
     show_problems(problems);
-    choose(chosen, { scroll: false });
+    choose(chosen, { scroll: "" });
     ask(theirs);
     clearTimeout(looking);
     if (svg && !problems.some(({ is_error }) => is_error)) looking = setTimeout(look_at_files, LOOK);
@@ -154,8 +155,9 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   };
   const choose = (name, { scroll }) => {
     chosen = name in known.nodes ? name : "";
-    picture.choose(chosen, { scroll: scroll === "picture" });
-    pane.mark(known.nodes[chosen] ?? null, { scroll: scroll === "text" });
+    picture.choose(chosen, { scroll: scroll === "picture" || scroll === "both" });
+    pane.mark(known.nodes[chosen] ?? null, { scroll: scroll === "text" || scroll === "both" });
+    for (const reader of readers) reader();
     if (chosen && location.hash !== `#${chosen}`) history.replaceState(null, "", `#${chosen}`);
   };
   const moved = (line) => {
@@ -215,5 +217,5 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     watch();
   }, WATCH);
   begin();
-  return { act, get, flush, known, choose, say };
+  return { act, get, known, choose, say, chosen: () => chosen, on: (reader) => { readers.push(reader); } };
 });

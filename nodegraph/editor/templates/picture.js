@@ -37,8 +37,9 @@ nodegraph.define("picture", [], () => {
       event.preventDefault();
     });
     return {
-      // Show another picture; without one, the last stays, and looks as if it were behind.
-      draw: (svg) => {
+      // Show another picture, with the names of nodes that have mistakes; without one, the last stays, and
+      // looks as if it were behind.
+      draw: (svg, wrong) => {
         holder.classList.toggle("stale", !svg);
         if (!svg) return;
         const focused = document.activeElement?.dataset?.box;
@@ -46,7 +47,10 @@ nodegraph.define("picture", [], () => {
         const picture = holder.querySelector("svg");
         picture.setAttribute("role", "group");
         picture.setAttribute("aria-label", "Nodes");
-        for (const box of boxes()) box.setAttribute("role", "button"); // its title names it
+        for (const box of boxes()) {
+          box.setAttribute("role", "button"); // its title names it
+          if (wrong.some((name) => has(box, name))) box.dataset.wrong = "";
+        }
         show();
         if (focused) boxes().find((box) => box.dataset.box === focused)?.focus();
       },

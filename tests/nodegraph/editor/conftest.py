@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from threading import Thread
+from typing import Any
 
 import pytest
 
 from nodegraph.editor.app import application
 from nodegraph.editor.file import EditedFile
 from nodegraph.plugin.registry import Registry, default_registry
+from nodegraph.serve.guard import Guard
 from nodegraph.serve.server import LocalServer
+from tests.nodegraph.serve.requests import HOST, ORIGIN, Answer, send
 
 GRAPH = """\
 nodegraph: 1
@@ -29,6 +33,39 @@ report: [error]
 """
 
 
+class Editor:
+    """The requests of the browser that has opened the printed address."""
+
+    def __init__(self, path: Path, registry: Registry) -> None:
+        self._guard = Guard(application(EditedFile(path), registry), HOST)
+        answer = send(self._guard, f"/?token={self._guard.token}")
+        self._cookie = answer.headers["set-cookie"].partition(";")[0]
+
+    def get(self, target: str) -> Answer:
+        return send(self._guard, target, cookie=self._cookie)
+
+    def view(self) -> Any:
+        return self.get("/view").data
+
+    def post(self, body: bytes) -> Answer:
+        return send(
+            self._guard,
+            "/edit",
+            method="POST",
+            body=body,
+            cookie=self._cookie,
+            origin=ORIGIN,
+            content_type="application/json",
+            content_length=str(len(body)),
+        )
+
+    def edit(self, status: int = 200, **data: object) -> Any:
+        """Edit the present text."""
+        answer = self.post(json.dumps({"revision": self.view()["revision"], **data}).encode())
+        assert answer.status == status, answer.text
+        return answer.data
+
+
 @pytest.fixture(scope="session")
 def registry() -> Registry:
     return default_registry()
@@ -39,6 +76,11 @@ def path(tmp_path: Path) -> Path:
     path = tmp_path / "graph.yaml"
     path.write_text(GRAPH)
     return path
+
+
+@pytest.fixture
+def editor(path: Path, registry: Registry) -> Editor:
+    return Editor(path, registry)
 
 
 @pytest.fixture

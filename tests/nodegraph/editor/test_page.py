@@ -9,11 +9,14 @@ from typing import Literal
 import pytest
 from playwright.sync_api import Page
 
+import nodegraph as ng
 from tests.browser import needs_axe, resize, until, violations
 from tests.nodegraph.editor.conftest import GRAPH
 
 EDITOR = ".cm-content"
 TEXT = "[...document.querySelectorAll('.cm-line')].map((line) => line.textContent).join('\\n')"
+
+CHOSEN = "document.querySelector('#picture [aria-pressed=true]')?.dataset.box"
 
 
 def has_box(name: str) -> str:
@@ -100,23 +103,22 @@ def test_words_are_completed_and_explained(page: Page) -> None:
 
 
 def test_a_card_and_its_lines_are_chosen_together(page: Page) -> None:
-    chosen = "document.querySelector('#picture [aria-pressed=true]')?.dataset.box"
     page.click("#picture [data-box=fill] .frame")
-    assert page.evaluate(chosen) == "fill"
+    assert page.evaluate(CHOSEN) == "fill"
     assert page.evaluate("location.hash") == "#fill"
     marked = page.locator(".cm-chosen").all_inner_texts()
     assert "\n".join(marked) == GRAPH[GRAPH.index("  fill:") : GRAPH.index("\n  error:")]
     put_cursor(page, "use: score.ga")
-    until(page, f"{chosen} === 'error'")
+    until(page, f"{CHOSEN} === 'error'")
     page.focus("#picture [aria-pressed=true]")
     page.keyboard.press("Home")
     page.keyboard.press("ArrowRight")
     page.keyboard.press("Enter")
-    assert page.evaluate(chosen) == "gaps"
+    assert page.evaluate(CHOSEN) == "gaps"
     page.evaluate("location.hash = '#capture'")
-    until(page, f"{chosen} === 'capture'")
+    until(page, f"{CHOSEN} === 'capture'")
     page.goto(page.url.partition("#")[0] + "#fill")
-    until(page, f"{chosen} === 'fill'")
+    until(page, f"{CHOSEN} === 'fill'")
 
 
 def test_another_program_changes_the_file(page: Page, path: Path) -> None:
@@ -153,6 +155,106 @@ def test_two_pages_of_one_file_show_the_same(page: Page) -> None:
     until(page, "document.querySelector('.cm-content').textContent.includes('Two fills')")
 
 
+def add(page: Page, words: str, name: str) -> None:
+    """Add a node by keys: search it, and take the first that is found."""
+    page.focus("#add")
+    page.keyboard.press("/")
+    until(page, "document.activeElement?.id === 'search-words'")
+    page.keyboard.type(words)
+    page.keyboard.press("Enter")
+    until(page, f"{CHOSEN} === {name!r}")
+    until(page, f"document.querySelector('#panel h2')?.textContent === {name!r}")
+
+
+def has_text(text: str) -> str:
+    return f"document.querySelector('.cm-content').textContent.includes({text!r})"
+
+
+def test_a_study_is_made_from_an_empty_file_by_keys(page: Page, path: Path) -> None:
+    page.focus(EDITOR)
+    page.keyboard.press("Control+a")
+    page.keyboard.press("Delete")
+    until(page, "document.getElementById('reason').textContent === 'the file is empty'")
+    add(page, "read recording", "recording")
+    page.get_by_label("path", exact=True).fill("sample:face")
+    page.keyboard.press("Tab")
+    until(page, "!document.querySelector('#problems li')")
+    add(page, "gaps.cut", "cut")
+    page.focus("#panel-name")
+    page.keyboard.press("Control+a")
+    page.keyboard.type("gaps")
+    page.keyboard.press("Enter")
+    until(page, f"{CHOSEN} === 'gaps'")
+    add(page, "fill.linear", "linear")
+    assert page.get_by_label("recording", exact=True).input_value() == "gaps.gappy"
+    page.get_by_label("Another method beside it").select_option("fill.muscle")
+    page.get_by_text("Add a rival").press("Enter")
+    until(page, has_text("muscle: {use: fill.muscle}"))
+    add(page, "score.gaps", "gaps_2")
+    assert page.get_by_label("estimate", exact=True).input_value() == "linear"
+    truth = page.get_by_label("truth", exact=True)
+    refused = truth.locator("optgroup option", has_text="gaps.hidden").text_content()
+    assert refused == "gaps.hidden: 'truth' takes Trajectories, not Mask"
+    truth.select_option("gaps.truth")
+    until(page, has_text("truth: gaps.truth"))
+    page.get_by_label("hidden", exact=True).select_option("gaps.hidden")
+    until(page, "!document.querySelector('#problems li')")
+    page.locator("#axes-open").press("Enter")
+    page.get_by_label("New axis").fill("length")
+    page.locator("#axes").get_by_label("Labels").last.fill("[5, 15]")
+    page.locator("#axes-rows button").last.press("Enter")
+    until(page, has_text("axes: {length: [5, 15]}"))
+    page.locator("#axes-close").press("Enter")
+    page.evaluate("location.hash = '#gaps'")
+    until(page, "document.querySelector('#panel h2')?.textContent === 'gaps'")
+    page.get_by_label("length", exact=True).fill("$length")
+    page.keyboard.press("Tab")
+    until(page, "document.querySelector('#picture').textContent.includes('length: 5, 15')")
+    until(page, "!document.querySelector('#problems li')")
+    page.keyboard.press("Control+s")
+    until(page, state("saved"))
+    graph = ng.load(path)
+    assert list(graph.nodes) == ["recording", "gaps", "linear", "gaps_2"]
+    assert {name: axis.labels for name, axis in graph.axes.items()} == {
+        "length": (5, 15),
+        "linear": ("linear", "muscle"),
+    }
+
+
+def test_a_node_is_removed_and_comes_back_by_mouse(page: Page, complaints: list[str]) -> None:
+    page.click("#picture [data-box=gaps] .frame")
+    page.click("text=Remove the node")
+    until(page, "document.getElementById('notice').textContent.includes('feeds fill, error')")
+    assert [each for each in complaints if "422" not in each] == []
+    complaints.clear()
+    page.click("#picture [data-box=error] .frame")
+    until(page, "document.querySelector('#panel h2')?.textContent === 'error'")
+    page.click("text=Remove the node")
+    until(page, f"!{has_box('error')}")
+    page.click("#undo")
+    until(page, has_box("error"))
+    assert page.evaluate(TEXT) == GRAPH
+    page.click("#picture [data-box=fill] .frame")
+    page.get_by_label("An alternative").select_option("linear")
+    page.click("text=Remove it")
+    until(page, has_text("alternatives: [fill.muscle]"))
+    page.get_by_label("ends", exact=True).select_option("met")
+    until(page, has_text("with: {ends: met}"))
+    page.get_by_label("ends", exact=True).select_option("")
+    until(page, f"!({has_text('ends: met')})")
+
+
+def test_a_graph_with_mistakes_is_mended_in_the_picture(page: Page) -> None:
+    put_cursor(page, "in: capture")
+    page.keyboard.type("d")
+    page.keyboard.press("Escape")
+    until(page, "document.querySelector('#picture [data-box=gaps][data-wrong]')")
+    page.get_by_label("recording", exact=True).select_option("capture")
+    until(page, "!document.querySelector('#problems li')")
+    assert page.evaluate(TEXT) == GRAPH
+    assert page.query_selector("[data-wrong]") is None
+
+
 @needs_axe
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_readers_with_disabilities_can_use_it(page: Page, scheme: Literal["light", "dark"]) -> None:
@@ -160,5 +262,12 @@ def test_readers_with_disabilities_can_use_it(page: Page, scheme: Literal["light
     assert violations(page) == []
     put_cursor(page, "fill.muscle")
     page.keyboard.type("s")
+    page.keyboard.press("Escape")
     until(page, "document.querySelector('#problems li.error')")
+    until(page, "document.querySelector('#panel h2')?.textContent === 'fill'")
     assert violations(page) == []
+    for opens, dialog in (("#add", "search"), ("#axes-open", "axes")):
+        page.click(opens)
+        until(page, f"document.getElementById({dialog!r}).open")
+        assert violations(page) == []
+        page.keyboard.press("Escape")

@@ -1,0 +1,75 @@
+"""A graph file that is not valid as a picture, as far as it can be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from nodegraph.draw.picture import Arrow, Box, Picture, Socket
+from nodegraph.errors import UnknownNodeError
+from nodegraph.graphfile.spec import GraphSpec, NodeSpec, Reference
+from nodegraph.node.decorator import Node
+from nodegraph.plugin.registry import Registry
+
+
+def picture_of_spec(spec: GraphSpec, registry: Registry) -> Picture:
+    """Return the picture of a spec: its nodes, and the arrows between nodes that are there.
+
+    Ports that must be fed are drawn, too. Axes and what an arrow carries only a valid graph has.
+    """
+    used = {name: _installed(node, registry) for name, node in spec.nodes.items()}
+    arrows: dict[Arrow, None] = {}
+    for name, node in spec.nodes.items():
+        for port, reference in _feeds(node):
+            if reference.node in used:
+                arrows[_arrow(used, name, port, reference)] = None
+    boxes = []
+    for name, node in spec.nodes.items():
+        fed = [arrow.target_port for arrow in arrows if arrow.target == name]
+        read = [arrow.source_port for arrow in arrows if arrow.source == name]
+        boxes.append(_box(spec, node, used[name], fed, read))
+    return Picture(spec.title or spec.file, tuple(boxes), tuple(arrows))
+
+
+def _installed(node: NodeSpec, registry: Registry) -> Node | None:
+    """Return the first of a node's methods that is installed."""
+    for method in node.methods:
+        family = registry.family(method.use[:-2]) if method.use.endswith(".*") else {}
+        try:
+            registered = next(iter(family.values()), None) or registry.find(method.use)
+        except UnknownNodeError:
+            continue
+        return registered.node
+    return None
+
+
+def _feeds(node: NodeSpec) -> Iterator[tuple[str, Reference]]:
+    """Yield each port that is fed, as it is written, and what feeds it."""
+    for wiring in (node.wiring, *(method.wiring for method in node.methods)):
+        for port, feed in wiring.items():
+            sources = [feed] if isinstance(feed, Reference) else feed.sources.values()
+            yield from ((port, source) for source in sources)
+
+
+def _arrow(used: dict[str, Node | None], name: str, port: str, source: Reference) -> Arrow:
+    target, origin = used[name], used[source.node]
+    first_input = target.inputs[0].name if target and target.inputs else "input"
+    output = source.port or (origin.outputs[0].name if origin else "output")
+    known = origin.output(output) if origin else None
+    truth = known is not None and known.truth
+    return Arrow(source.node, output, name, port or first_input, truth=truth)
+
+
+def _box(
+    spec: GraphSpec, node: NodeSpec, used: Node | None, fed: list[str], read: list[str]
+) -> Box:
+    required = [port.name for port in used.inputs if not port.optional] if used else []
+    uses = tuple(method.label or method.use for method in node.methods)
+    is_reported = any(entry.node == node.name for entry in spec.report)
+    return Box(
+        node.name,
+        lines=() if node.has_alternatives else uses,
+        inputs=tuple(Socket(port) for port in dict.fromkeys([*required, *fed])),
+        outputs=tuple(Socket(port) for port in dict.fromkeys(read)),
+        alternatives=uses if node.has_alternatives else (),
+        kind="report" if is_reported else "node" if required or fed else "input",
+    )

@@ -1,0 +1,130 @@
+"""The edits that a page asks for, by name, with their arguments as text."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from nodegraph import edit
+from nodegraph.edit.document import Document, Path, value_at
+from nodegraph.edit.uses import nodes_of
+from nodegraph.errors import GraphError, nearest
+from nodegraph.execute.option_text import read_axis, read_value
+from nodegraph.graphfile.keys import FORMAT
+from nodegraph.graphfile.nodes import label_of
+from nodegraph.node.ports import mismatch
+from nodegraph.plugin.registry import Registry
+
+_KEYS = (str, int, float, bool)
+
+
+class Edits:
+    """Edits of the text of one file.
+
+    Parameters
+    ----------
+    registry
+    file
+        Its name in messages.
+    """
+
+    def __init__(self, registry: Registry, file: str) -> None:
+        self._registry = registry
+        self._file = file
+
+    def named(self, name: str, arguments: Mapping[str, Any]) -> Callable[[str], str]:
+        """Return the edit of a name: a function from text to text.
+
+        Raises
+        ------
+        LookupError
+            If there is none, or it has other arguments.
+        """
+        actions: dict[str, Callable[..., str]] = {
+            "set": self._set,
+            "add_node": self._add_node,
+            "remove_node": self._remove_node,
+            "rename": self._rename,
+            "connect": self._connect,
+            "disconnect": self._disconnect,
+            "add_alternative": self._add_alternative,
+            "remove_alternative": self._remove_alternative,
+            "set_axis": self._set_axis,
+        }
+        if name not in actions:
+            raise LookupError(f"no action {name!r}; {nearest(name, actions)}")
+        action = actions[name]
+        try:
+            inspect.signature(action).bind("", **arguments)
+        except TypeError as error:
+            raise LookupError(f"{name}: {error}") from error
+        for key, value in arguments.items():
+            if not (_is_path(value) if key == "path" else isinstance(value, str)):
+                raise LookupError(f"{name}: {key} is of another type")
+        return lambda text: action(text, **arguments)
+
+    def _set(self, text: str, *, path: Path, value: str) -> str:
+        """Write a setting as YAML, or remove it if that is empty."""
+        if not value.strip():
+            return edit.unset(text, path, file=self._file)
+        return edit.set_value(text, path, read_value(str(path[-1]), value), file=self._file)
+
+    def _add_node(self, text: str, *, name: str, use: str, after: str) -> str:
+        """Add a node, and feed its first port from another if that fits."""
+        entry: dict[str, object] = {"use": use}
+        if after and (source := self._fitting(text, use, after)):
+            entry["in"] = source
+        if not text.strip("\ufeff \r\n"):
+            text = f"nodegraph: {FORMAT}\nnodes:\n  {name}: {{}}\n"
+            return edit.set_value(text, ("nodes", name), entry, file=self._file)
+        return edit.add_node(text, name, entry, after=after, file=self._file)
+
+    def _remove_node(self, text: str, *, name: str) -> str:
+        return edit.remove_node(text, name, registry=self._registry, file=self._file)
+
+    def _rename(self, text: str, *, old: str, new: str) -> str:
+        return edit.rename(text, old, new, registry=self._registry, file=self._file)
+
+    def _connect(self, text: str, *, node: str, port: str, source: str) -> str:
+        return edit.connect(text, node, source, port=port, registry=self._registry, file=self._file)
+
+    def _disconnect(self, text: str, *, node: str, port: str) -> str:
+        """Remove what feeds a port, whether it is named there or is the first."""
+        wiring = value_at(Document(text, self._file).data, ("nodes", node, "in"))
+        named = port if isinstance(wiring, dict) and port in wiring else ""
+        return edit.disconnect(text, node, port=named, file=self._file)
+
+    def _add_alternative(self, text: str, *, node: str, use: str) -> str:
+        label = label_of(use)
+        return edit.add_alternative(text, node, label, {"use": use}, file=self._file)
+
+    def _remove_alternative(self, text: str, *, node: str, label: str) -> str:
+        return edit.remove_alternative(text, node, label, file=self._file)
+
+    def _set_axis(self, text: str, *, name: str, labels: str) -> str:
+        if not labels.strip():
+            return edit.unset(text, ("axes", name), file=self._file)
+        value = read_axis(name, labels)
+        return edit.set_axis(text, name, value, file=self._file)
+
+    def _fitting(self, text: str, use: str, source: str) -> str:
+        """Return the first output of a node that fits the first port of a method, if any does."""
+        try:
+            entry = value_at(Document(text, self._file).data, ("nodes", source))
+        except GraphError:
+            return ""
+        node = next(nodes_of(entry, self._registry), None)
+        target = next(nodes_of(use, self._registry), None)
+        if node is None or target is None or not target.inputs:
+            return ""
+        port = target.inputs[0]
+        for output in node.outputs:
+            if not mismatch(output, port):
+                return f"{source}.{output.name}" if len(node.outputs) > 1 else source
+        return ""
+
+
+def _is_path(value: object) -> bool:
+    """Return whether a value is keys of mappings, from the outermost."""
+    return isinstance(value, list) and value != [] and all(type(key) in _KEYS for key in value)

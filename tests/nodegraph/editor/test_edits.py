@@ -1,0 +1,198 @@
+"""What the page does with one node: each edit changes its lines, or is refused with the reason."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nodegraph.plugin.registry import Registry
+from tests.nodegraph.editor.conftest import GRAPH, Editor
+
+
+def act(editor: Editor, action: str, status: int = 200, **arguments: object) -> Any:
+    return editor.edit(status, action=action, arguments=arguments)
+
+
+def lines(view: Any) -> set[str]:
+    """Return the lines that are not in the first text."""
+    return set(view["text"].splitlines()) - set(GRAPH.splitlines())
+
+
+@pytest.mark.parametrize(
+    ("action", "arguments", "expected"),
+    [
+        (
+            "set",
+            {"path": ["nodes", "gaps", "with", "count"], "value": "3"},
+            {"  gaps:    {use: gaps.cut, in: capture, with: {length: $length, count: 3}}"},
+        ),
+        (
+            "set",
+            {"path": ["nodes", "gaps", "with", "length"], "value": " "},
+            {"  gaps:    {use: gaps.cut, in: capture}"},
+        ),
+        (
+            "connect",
+            {"node": "error", "port": "estimate", "source": "gaps.gappy"},
+            {
+                "  error:   {use: score.gaps, in: {estimate: gaps.gappy, truth: gaps.truth, "
+                "hidden: gaps.hidden}}"
+            },
+        ),
+        (
+            "disconnect",
+            {"node": "error", "port": "truth"},
+            {"  error:   {use: score.gaps, in: {estimate: fill, hidden: gaps.hidden}}"},
+        ),
+        (
+            "disconnect",
+            {"node": "gaps", "port": "recording"},
+            {"  gaps:    {use: gaps.cut, with: {length: $length}}"},
+        ),
+        (
+            "add_alternative",
+            {"node": "fill", "use": "fill.pchip"},
+            {"    alternatives: [fill.linear, fill.muscle, fill.pchip]"},
+        ),
+        (
+            "remove_alternative",
+            {"node": "fill", "label": "muscle"},
+            {"    alternatives: [fill.linear]"},
+        ),
+        (
+            "add_node",
+            {"name": "smooth", "use": "smooth.butterworth", "after": "gaps"},
+            {"  smooth: {use: smooth.butterworth, in: gaps.gappy}"},
+        ),
+        (
+            "add_node",
+            {"name": "take", "use": "read.recording", "after": ""},
+            {"  take: {use: read.recording}"},
+        ),
+        ("set_axis", {"name": "length", "labels": "{count: 3}"}, {"  length: {count: 3}"}),
+        ("set_axis", {"name": "trial", "labels": "[a, b]"}, {"  trial: [a, b]"}),
+        ("remove_node", {"name": "error"}, {"report: []"}),
+    ],
+)
+def test_an_action_changes_the_lines_that_it_names(
+    editor: Editor, action: str, arguments: dict[str, Any], expected: set[str]
+) -> None:
+    view = act(editor, action, **arguments)
+    assert lines(view) == expected
+    assert "# of three" in view["text"]
+    assert editor.edit(action="undo")["text"] == GRAPH
+
+
+def test_a_name_changes_wherever_it_stands(editor: Editor) -> None:
+    view = act(editor, "rename", old="gaps", new="cuts")
+    assert "gaps." not in view["text"].replace("gaps.cut", "").replace("score.gaps", "")
+    assert "cuts" in view["nodes"]
+    assert view["problems"] == []
+
+
+@pytest.mark.parametrize(
+    ("action", "arguments", "reason"),
+    [
+        ("remove_node", {"name": "gaps"}, "'gaps' feeds fill, error"),
+        ("remove_node", {"name": "none"}, "no 'none'"),
+        ("rename", {"old": "gaps", "new": "fill"}, "'fill' is a name already"),
+        ("rename", {"old": "gaps", "new": "a b"}, "cannot be a name"),
+        ("add_node", {"name": "gaps", "use": "gaps.cut", "after": ""}, "is a name already"),
+        ("add_alternative", {"node": "fill", "use": "fill.muscle"}, "is there already"),
+        ("remove_alternative", {"node": "gaps", "label": "x"}, "does not list 'x'"),
+        ("set_axis", {"name": "gaps", "labels": "[1]"}, "is a name already"),
+        ("set_axis", {"name": "k", "labels": "count: 3"}, "that would be a label"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_with_the_reason(
+    editor: Editor, action: str, arguments: dict[str, str], reason: str
+) -> None:
+    view = act(editor, action, 422, **arguments)
+    assert reason in view["refused"]
+    assert (view["text"], view["can_undo"]) == (GRAPH, False)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{}, {"name": 7}, {"name": "gaps", "more": "x"}, {"name": ["gaps"]}, [], "gaps", None],
+)
+def test_other_arguments_are_not_understood(editor: Editor, arguments: object) -> None:
+    editor.edit(400, action="remove_node", arguments=arguments)
+    paths: tuple[object, ...] = ("nodes", 7, {}, [], [[]], [None], None)
+    for path in paths:
+        editor.edit(400, action="set", arguments={"path": path, "value": "1"})
+    assert editor.view()["text"] == GRAPH
+
+
+def test_a_graph_begins_with_its_first_node(tmp_path: Path, registry: Registry) -> None:
+    editor = Editor(tmp_path / "new.yaml", registry)
+    assert editor.view()["reason"] == "the file is empty"
+    act(editor, "add_node", name="take", use="read.recording", after="")
+    act(editor, "set", path=["nodes", "take", "with", "path"], value="sample:face")
+    act(editor, "add_node", name="gaps", use="gaps.cut", after="take")
+    act(editor, "add_node", name="fill", use="fill.linear", after="gaps")
+    act(editor, "add_alternative", node="fill", use="fill.muscle")
+    act(editor, "set_axis", name="length", labels="[5, 15]")
+    view = act(editor, "set", path=["nodes", "gaps", "with", "length"], value="$length")
+    assert view["problems"] == []
+    editor.edit(action="save")
+    assert (
+        (tmp_path / "new.yaml").read_text()
+        == """\
+nodegraph: 1
+axes: {length: [5, 15]}
+nodes:
+  take: {use: read.recording, with: {path: "sample:face"}}
+  gaps: {use: gaps.cut, in: take, with: {length: $length}}
+  fill: {alternatives: {linear: {use: fill.linear}, muscle: {use: fill.muscle}}, in: gaps.gappy}
+"""
+    )
+
+
+def test_a_panel_has_forms_and_what_fits(editor: Editor) -> None:
+    panel = editor.get("/node?name=fill").data
+    (shared,) = panel["sections"]
+    settings = {each["name"]: each for each in shared["settings"]}
+    assert settings["ends"]["words"] == ["as_published", "met"]
+    assert (settings["ends"]["is_closed"], settings["max_gap"]["is_closed"]) == (True, False)
+    assert settings["ends"]["variables"] == ["$length"]
+    assert "in frames" in settings["max_gap"]["about"]
+    (port,) = panel["ports"]
+    assert (port["name"], port["feed"]) == ("recording", "gaps.gappy")
+    reasons = {each["source"]: each["reason"] for each in port["sources"]}
+    assert reasons["capture"] == reasons["gaps.gappy"] == ""
+    assert "gives the truth" in reasons["gaps.truth"]
+    assert reasons["gaps.hidden"] == "'recording' takes Trajectories, not Mask"
+    assert reasons["error"] == "error reads fill"
+    rivals = {each["use"] for each in panel["rivals"]}
+    assert "fill.pchip" in rivals
+    assert not {"fill.linear", "fill.muscle"} & rivals
+    assert panel["alternatives"] == ["linear", "muscle"]
+    ports = editor.get("/node?name=error").data["ports"]
+    assert [each["feed"] for each in ports[:2]] == ["fill", "gaps.truth"]
+
+
+def test_a_panel_of_a_graph_with_mistakes(editor: Editor) -> None:
+    view = editor.edit(text=GRAPH.replace("in: capture", "in: none"))
+    assert view["svg"].count("data-box=") == 4
+    assert (view["wrong"], len(view["problems"])) == (["gaps"], 1)
+    assert "drawn as far" in view["reason"]
+    port = editor.get("/node?name=gaps").data["ports"][0]
+    assert (port["name"], port["feed"]) == ("recording", "none")
+    view = act(editor, "connect", node="gaps", port="recording", source="capture")
+    assert (view["text"], view["problems"]) == (GRAPH, [])
+    circle = editor.edit(text=GRAPH.replace("in: capture", "in: fill"))
+    assert circle["svg"] == ""
+    assert "picture is that of before" in circle["reason"]
+    editor.edit(text="nodes: [a\n")
+    assert editor.get("/node?name=gaps").status == 409
+    assert editor.get("/axes").status == 409
+
+
+def test_axes_and_nodes_that_can_be_added(editor: Editor) -> None:
+    assert editor.get("/axes").data == [{"name": "length", "labels": "[5, 15]"}]
+    nodes = {each["use"]: each["about"] for each in editor.get("/nodes").data}
+    assert "fill.muscle" in nodes
+    assert "Out: gappy: Trajectories" in " ".join(nodes["gaps.cut"])
