@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_json, add_plugin, add_reading, values_of
@@ -35,13 +36,14 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def show(arguments: Namespace) -> int:
     """Print the description of a node or a file, or the list of nodes to which a word applies."""
-    from nodegraph.execute.read_files import is_file
     from nodegraph.plugin.registry import Registry
 
     registry = Registry.installed(arguments.plugin)
-    if not _names_nodes(arguments.word, registry) and is_file(arguments.word, registry):
+    if _names_file(arguments.word, registry):
         _print_file(arguments, registry)
         return 0
+    if getattr(arguments, "with"):
+        raise NodegraphError(f"--with sets what a file does not state; {arguments.word!r} is none")
     is_node = "." in arguments.word and not arguments.word.endswith(".*")
     if arguments.json:
         _print_json(arguments.word, registry, is_node=is_node)
@@ -50,11 +52,16 @@ def show(arguments: Namespace) -> int:
     return 0
 
 
-def _names_nodes(word: str, registry: Registry) -> bool:
-    """Return whether a word is a node or a family, or there is none."""
+def _names_file(word: str, registry: Registry) -> bool:
+    """Return whether a word, by its form or because it is there, names a file and no node."""
     name = word.removesuffix(".*")
     nodes = {name for each in registry for name in (each.node.name, each.full_name)}
-    return not word or name in (*registry.families, *nodes)
+    if not word or name in (*registry.families, *nodes):
+        return False
+    path = Path(word)
+    suffixes = {suffix for each in registry.hooks.formats for suffix in each.suffixes}
+    has_form = len(path.parts) > 1 or path.suffix.lower() in suffixes
+    return has_form or path.exists() or registry.hooks.is_place(word)
 
 
 def _print_file(arguments: Namespace, registry: Registry) -> None:

@@ -48,14 +48,6 @@ class ReadFile:
     warnings: tuple[str, ...]
 
 
-def is_file(word: str, registry: Registry) -> bool:
-    """Return whether a word names a file or a folder: one that is there, or by its form."""
-    path = Path(word)
-    suffixes = {suffix for each in registry.hooks.formats for suffix in each.suffixes}
-    has_form = len(path.parts) > 1 or path.suffix.lower() in suffixes
-    return has_form or path.exists() or registry.hooks.is_place(word)
-
-
 def read_files(
     words: Iterable[str], registry: Registry, settings: Mapping[str, object] = MappingProxyType({})
 ) -> list[ReadFile]:
@@ -123,7 +115,9 @@ def _read(
     with collecting_warnings():
         outcome = perform(Call(0, entry.node, entry.plugin, {}, known, registry=registry))
     if outcome.state is not State.DONE:
-        raise NodegraphError(outcome.reason)
+        named = [name for name in entry.node.settings if f"`{name}`" in outcome.reason]
+        hint = f"; write --with {named[0]}=VALUE" if named else ""
+        raise NodegraphError(f"{outcome.reason}{hint}")
     value = outcome.values[0]
     kind = registry.hooks.kind(type(value), "facts")
     facts = tuple(kind.facts(value)) if kind is not None and kind.facts is not None else ()

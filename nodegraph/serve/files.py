@@ -69,13 +69,11 @@ def _page(files: Sequence[ReadFile], hooks: HookResults) -> Response:
 
 def _by_label(files: Sequence[ReadFile]) -> Mapping[str, ReadFile]:
     """Return files by their names; by what the user wrote where several have one name."""
-    names = Counter(Path(file.path).name for file in files)
-    labels: dict[str, ReadFile] = {}
-    for file in files:
-        name = Path(file.path).name
-        label = name if names[name] == 1 else file.path
-        labels.setdefault(label, file)
-    return labels
+    names = [Path(file.path).name for file in files]
+    is_alone = {name: bool(name) and count == 1 for name, count in Counter(names).items()}
+    return {
+        name if is_alone[name] else file.path: file for name, file in zip(names, files, strict=True)
+    }
 
 
 def _seen(files: Mapping[str, ReadFile], hooks: HookResults) -> Iterator[_Seen]:

@@ -33,12 +33,12 @@ _MOST_INFLATION = 1032
 
 def is_model(path: Path) -> bool:
     """Return whether a ZIP archive holds the arrays of a blendshape model."""
-    from zipfile import BadZipFile, ZipFile
+    from zipfile import ZipFile
 
     try:
         with ZipFile(path) as archive:
             return {"neutral.npy", "shapes.npy"} <= set(archive.namelist())
-    except BadZipFile:
+    except Exception:  # zipfile has several errors for bad bytes; the reader says what is wrong
         return False
 
 

@@ -75,7 +75,7 @@ from nodegraph import Fact, InputFile, Kind, hookimpl, node
 @node("read.count")
 def count(*, path: InputFile, times: Annotated[int, Field(ge=1)] = 1) -> int:
     if not (number := int(Path(path).read_text().split(":")[1])):
-        raise ValueError(f"{path}:1: there is nothing")
+        raise ValueError(f"{path}:1: there is nothing; set `times`")
     warnings.warn(f"{path}: it states no unit")
     return times * number
 

@@ -99,7 +99,7 @@ def test_a_file_is_read_by_the_node_of_its_format_and_its_facts_are_shown(
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("empty.count", "count:0", "empty.count:1: there is nothing"),
+        ("empty.count", "count:0", "empty.count:1: there is nothing; set `times`; write --with t"),
         ("a.other", "", "a.other: no node reads it"),
         ("far/away", None, "far/away: no such file"),
     ],
@@ -142,3 +142,4 @@ def test_what_a_file_does_not_state_can_be_set(command: Command) -> None:
         status, out, err = command(*words, "--with", setting)
         assert (status, out) == (2, "")
         assert message in err
+    assert "'fill.hold' is none" in command("show", "fill.hold", "--with", "times=2")[2]

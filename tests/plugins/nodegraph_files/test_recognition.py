@@ -91,10 +91,14 @@ def test_a_file_of_another_format_is_named(tmp_path: Path, content: bytes, messa
         read(path)
 
 
-def test_an_archive_cut_short_is_a_damaged_recording(tmp_path: Path) -> None:
+def test_a_damaged_archive_is_a_damaged_recording(tmp_path: Path) -> None:
     path = written(tmp_path, "write.npz", FACE)
-    path.write_bytes(path.read_bytes()[:300])
-    with pytest.raises(NodegraphError, match=rf"{path.name}: not a readable NPZ recording"):
-        read(path)
+    whole = path.read_bytes()
+    directory = whole.rindex(b"PK\x01\x02")
+    newer = whole[: directory + 6] + b"\xff" + whole[directory + 7 :]  # version of ZIP
+    for content in (whole[:300], newer):
+        path.write_bytes(content)
+        with pytest.raises(NodegraphError, match=rf"{path.name}: not a readable NPZ recording"):
+            read(path)
     with pytest.raises(NodegraphError, match="no column"):
         read(written(tmp_path, "write.mask_csv", masks()["complete"]))

@@ -196,6 +196,14 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         assert shown == pytest.approx(values[90, :2], abs=0.006)
         rows.locator("canvas").click(position={"x": 5, "y": 5})
         assert tab.evaluate(f"{PLAYER}.state.tick") < 90
+        tab.evaluate(f"{PLAYER}.seek(90)")
+        drawn = tab.evaluate(f"{PLAYER}.state.panels[1]")
+        across = tab.evaluate("document.querySelectorAll('.panel canvas')[1].clientWidth")
+        first = 3 * face.markers.index("M_nose2")
+        x, y = (value * across / drawn["size"] for value in drawn["dots"][first : first + 2])
+        tab.locator(".panel canvas").nth(1).click(position={"x": x, "y": y})
+        assert tab.evaluate(f"{PLAYER}.state.hand.marker") == "M_nose2"
+        assert len(tab.evaluate(f"{PLAYER}.state.hand.lines")) == 2
         tab.locator("label:has-text('Over each other') input").press("Space")
         tab.evaluate(f"{PLAYER}.seek(90)")
         both = face.present[90].sum()
