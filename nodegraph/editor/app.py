@@ -58,10 +58,18 @@ def _as_data(answer: Callable[[Request], object]) -> Callable[[Request], Respons
     def endpoint(request: Request) -> Response:
         try:
             return JSONResponse(answer(request))
-        except (NodegraphError, OSError) as error:
-            return JSONResponse({"message": str(error)}, HTTPStatus.CONFLICT)
+        except Exception as error:
+            return JSONResponse({"message": _text(error)}, HTTPStatus.CONFLICT)
 
     return endpoint
+
+
+def _text(error: Exception) -> str:
+    if isinstance(error, GraphError):
+        return "; ".join(map(str, error.problems))
+    if isinstance(error, (NodegraphError, OSError)):
+        return str(error)
+    return f"internal error; please report it: {type(error).__name__}: {error}"
 
 
 class _Page:
@@ -169,14 +177,10 @@ class _Page:
                 return JSONResponse(self._shown(), HTTPStatus.CONFLICT)
             try:
                 edit()
-            except GraphError as error:
-                refused = "; ".join(str(problem) for problem in error.problems)
-            except (NodegraphError, OSError) as error:
-                refused = str(error)
-            else:
-                return JSONResponse(self._shown())
-            answer = {**self._shown(), "refused": refused}
-            return JSONResponse(answer, HTTPStatus.UNPROCESSABLE_ENTITY)
+            except Exception as error:
+                answer = {**self._shown(), "refused": _text(error)}
+                return JSONResponse(answer, HTTPStatus.UNPROCESSABLE_ENTITY)
+            return JSONResponse(self._shown())
 
     def _shown(self) -> dict[str, object]:
         file = self._file

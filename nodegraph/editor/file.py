@@ -174,24 +174,24 @@ class EditedFile:
             raise NodegraphError(f"not saved: {self.notice}")
         _write(self.path, self.text)
         self._base = self.text
-        self._keep()
-        self._changed("")
+        self._turn_to(self.text)
 
     def _set(self, text: str) -> None:
         self._past.append(self.text)
         while sum(map(len, self._past)) > _MOST_KEPT:
             del self._past[0]
         self._future.clear()
-        self.text = text
-        self._keep()
-        self._changed("")
+        self._turn_to(text)
 
     def _step(self, source: list[str], target: list[str]) -> None:
         if source:
             target.append(self.text)
-            self.text = source.pop()
-            self._keep()
-            self._changed("")
+            self._turn_to(source.pop())
+
+    def _turn_to(self, text: str) -> None:
+        self.text = text
+        self._changed("")
+        self._keep()
 
     def _changed(self, notice: str) -> None:
         self.revision += 1
@@ -199,10 +199,13 @@ class EditedFile:
 
     def _keep(self) -> None:
         """Keep what is not saved beside the file; remove that once it is."""
-        if self.is_saved:
-            self.copy.unlink(missing_ok=True)
-        else:
-            _write(self.copy, self.text)
+        try:
+            if self.is_saved:
+                self.copy.unlink(missing_ok=True)
+            else:
+                _write(self.copy, self.text)
+        except OSError as error:
+            self.notice = f"save soon: what is not saved cannot be kept in {self.copy}: {error}"
 
     def _with_breaks(self, shown: str) -> str:
         """Return a text with the mark and the line breaks of this one."""

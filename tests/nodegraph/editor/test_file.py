@@ -79,6 +79,18 @@ def test_nothing_but_the_copy_is_written_before_saving(path: Path) -> None:
     assert os.listdir(path.parent) == ["graph.yaml"]
 
 
+def test_a_folder_that_cannot_be_written_is_said_and_the_edit_stays(path: Path) -> None:
+    copy_of(path).mkdir()
+    with pytest.raises(GraphError, match=r"graph\.yaml\.unsaved: is no regular file"):
+        EditedFile(path)
+    copy_of(path).rmdir()
+    file = EditedFile(path)
+    copy_of(path).mkdir()
+    file.edit("changed")
+    assert (file.text, file.can_undo) == ("changed", True)
+    assert "cannot be kept" in file.notice
+
+
 def test_a_link_is_followed_and_stays(path: Path, tmp_path: Path) -> None:
     link = tmp_path / "link.yaml"
     link.symlink_to(path)
