@@ -76,7 +76,7 @@ class _Page:
     def __init__(self, file: EditedFile, registry: Registry) -> None:
         self._file = file
         self._registry = registry
-        self._edits = Edits(registry, file.path.name)
+        self._edits = Edits(registry, file.path)
         self._lock = RLock()
         self._view: View | None = None
         self._text = ""

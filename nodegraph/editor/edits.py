@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import inspect
+import pathlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from nodegraph import edit
 from nodegraph.edit.document import Document, Path, value_at
 from nodegraph.edit.uses import nodes_of
-from nodegraph.errors import GraphError, nearest
+from nodegraph.errors import GraphError, NodegraphError, nearest
 from nodegraph.execute.option_text import read_axis, read_value
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.nodes import label_of
@@ -17,6 +18,8 @@ from nodegraph.node.ports import mismatch
 from nodegraph.plugin.registry import Registry
 
 _KEYS = (str, int, float, bool)
+_LISTS = ("path", "nodes")
+"""Arguments that are lists of keys; the others are text."""
 
 
 class Edits:
@@ -25,13 +28,14 @@ class Edits:
     Parameters
     ----------
     registry
-    file
-        Its name in messages.
+    path
+        Of the file.
     """
 
-    def __init__(self, registry: Registry, file: str) -> None:
+    def __init__(self, registry: Registry, path: pathlib.Path) -> None:
         self._registry = registry
-        self._file = file
+        self._folder = path.parent
+        self._file = path.name
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Callable[[str], str]:
         """Return the edit of a name: a function from text to text.
@@ -51,6 +55,7 @@ class Edits:
             "add_alternative": self._add_alternative,
             "remove_alternative": self._remove_alternative,
             "set_axis": self._set_axis,
+            "move_to_graph": self._move_to_graph,
         }
         if name not in actions:
             raise LookupError(f"no action {name!r}; {nearest(name, actions)}")
@@ -60,7 +65,7 @@ class Edits:
         except TypeError as error:
             raise LookupError(f"{name}: {error}") from error
         for key, value in arguments.items():
-            if not (_is_path(value) if key == "path" else isinstance(value, str)):
+            if not (_is_path(value) if key in _LISTS else isinstance(value, str)):
                 raise LookupError(f"{name}: {key} is of another type")
         return lambda text: action(text, **arguments)
 
@@ -107,6 +112,22 @@ class Edits:
             return edit.unset(text, ("axes", name), file=self._file)
         value = read_axis(name, labels)
         return edit.set_axis(text, name, value, file=self._file)
+
+    def _move_to_graph(self, text: str, *, nodes: list[str], name: str, into: str) -> str:
+        """Move nodes into a new graph file below the folder of this, which is written at once."""
+        folder = self._folder.resolve()
+        target = (folder / into).resolve()
+        if not target.is_relative_to(folder):
+            raise NodegraphError(f"{into} is outside the folder of {self._file}")
+        if target.exists():
+            raise NodegraphError(f"{into} is there already; name a new file")
+        text, inner = edit.move_to_graph(
+            text, nodes, name, into, registry=self._registry, file=self._file
+        )
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with target.open("x", encoding="utf-8", newline="") as file:
+            file.write(inner)
+        return text
 
     def _fitting(self, text: str, use: str, source: str) -> str:
         """Return the first output of a node that fits the first port of a method, if any does."""

@@ -214,6 +214,29 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   });
   axes.querySelector("#axes-close").addEventListener("click", () => axes.close());
 
+  // ---- a graph of their own ----
+
+  const move = document.getElementById("move");
+  const [moved, title, file, refused] = ["nodes", "name", "file", "refused"].map((part) => move.querySelector(`#move-${part}`));
+  document.getElementById("move-open").addEventListener("click", () => {
+    moved.replaceChildren(...Object.keys(editor.known.nodes).map((each) => option(each, each, { selected: each === editor.chosen() })));
+    title.value = "part";
+    file.value = "part.yaml";
+    refused.textContent = "";
+    move.showModal();
+  });
+  title.addEventListener("input", () => { file.value = `${title.value.trim()}.yaml`; });
+  move.querySelector("#move-done").addEventListener("click", async () => {
+    const nodes = [...moved.selectedOptions].map(({ value }) => value);
+    const wanted = title.value.trim();
+    if (!nodes.length) refused.textContent = "Choose the nodes that go.";
+    else if (await edit("move_to_graph", { nodes, name: wanted, into: file.value.trim() })) {
+      move.close();
+      editor.choose(wanted, { scroll: "both" });
+    } else refused.textContent = document.getElementById("notice").textContent;
+  });
+  move.querySelector("#move-cancel").addEventListener("click", () => move.close());
+
   editor.on(draw);
   draw();
 });

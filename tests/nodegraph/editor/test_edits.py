@@ -196,3 +196,27 @@ def test_axes_and_nodes_that_can_be_added(editor: Editor) -> None:
     nodes = {each["use"]: each["about"] for each in editor.get("/nodes").data}
     assert "fill.muscle" in nodes
     assert "Out: gappy: Trajectories" in " ".join(nodes["gaps.cut"])
+
+
+def test_nodes_move_into_a_graph_beside_this(editor: Editor, path: Path) -> None:
+    view = act(
+        editor, "move_to_graph", nodes=["gaps", "fill"], name="part", into="parts/filled.yaml"
+    )
+    assert view["problems"] == []
+    assert list(view["nodes"]) == ["capture", "part", "error"]
+    assert 'data-frame="part"' in view["svg"]
+    inner = path.parent / "parts" / "filled.yaml"
+    assert "alternatives: [fill.linear, fill.muscle]" in inner.read_text()
+    assert path.read_text() == GRAPH
+    before = sorted(path.parent.parent.rglob("*"))
+    for into, reason in (
+        ("../part.yaml", "is outside the folder"),
+        ("/tmp/part.yaml", "is outside the folder"),
+        ("parts/filled.yaml", "is there already"),
+        ("part.txt", "no name of a graph file"),
+        ("", "is there already"),
+    ):
+        view = act(editor, "move_to_graph", 422, nodes=["error"], name="last", into=into)
+        assert reason in view["refused"]
+    assert sorted(path.parent.parent.rglob("*")) == before
+    assert editor.edit(action="undo")["text"] == GRAPH

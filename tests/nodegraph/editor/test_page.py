@@ -244,6 +244,20 @@ def test_a_node_is_removed_and_comes_back_by_mouse(page: Page, complaints: list[
     until(page, f"!({has_text('ends: met')})")
 
 
+def test_nodes_move_into_a_graph_of_their_own(page: Page, path: Path) -> None:
+    page.click("#move-open")
+    page.get_by_label("Nodes", exact=True).last.select_option(["gaps", "fill"])
+    page.get_by_label("Name of the node").fill("cut")
+    assert page.get_by_label("New file").input_value() == "cut.yaml"
+    page.click("#move-done")
+    until(page, has_box("cut\\\\.fill"))
+    assert "cut:" in page.evaluate(TEXT)
+    assert page.evaluate("location.hash") == "#cut"
+    assert (path.parent / "cut.yaml").is_file()
+    page.click("#picture [data-box='cut.gaps'] .frame")
+    assert page.evaluate("location.hash") == "#cut"
+
+
 def test_a_graph_with_mistakes_is_mended_in_the_picture(page: Page) -> None:
     put_cursor(page, "in: capture")
     page.keyboard.type("d")
@@ -266,7 +280,7 @@ def test_readers_with_disabilities_can_use_it(page: Page, scheme: Literal["light
     until(page, "document.querySelector('#problems li.error')")
     until(page, "document.querySelector('#panel h2')?.textContent === 'fill'")
     assert violations(page) == []
-    for opens, dialog in (("#add", "search"), ("#axes-open", "axes")):
+    for opens, dialog in (("#add", "search"), ("#axes-open", "axes"), ("#move-open", "move")):
         page.click(opens)
         until(page, f"document.getElementById({dialog!r}).open")
         assert violations(page) == []
