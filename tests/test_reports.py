@@ -27,8 +27,8 @@ Object.defineProperty(navigator, 'clipboard', {
 PLAYER = "document.querySelector('figure.playback').playback"
 DESKTOP, PHONE, SMALLEST = (1280, 800), 390, 320
 PAPER = 673
-MOST_PAGES = 6
 """What is left of the width of A4 between the margins."""
+MOST_PAGES = 6
 # what WCAG 2.2 (1.4.12) asks of a page: readers may set letters wider, and fonts differ
 WIDER = """
 {
@@ -38,6 +38,15 @@ WIDER = """
 }
 """
 
+# tables in print of which rows are left out, without a word or with a wrong number
+LEFT_OUT = """
+[...document.querySelectorAll("figure.table")].filter((figure) => {
+  if (!figure.checkVisibility()) return false;
+  const hidden = [...figure.querySelectorAll("tr")].filter((row) => !row.checkVisibility());
+  const said = getComputedStyle(figure, "::after").content.includes("more rows are in the CSV");
+  return said ? figure.dataset.more !== String(hidden.length) : hidden.length > 0;
+}).length
+"""
 TABLES = """
 [...document.querySelectorAll(".result .rendered > figure.table table")].map((table) => {
   const beside = table.closest(".rendered")?.previousElementSibling;
@@ -136,6 +145,9 @@ def test_the_page_says_what_its_files_hold_and_fits_screens_and_paper(
     resize(page, PAPER)
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     assert page.locator(".printed").is_visible()
+    assert page.evaluate(LEFT_OUT) == 0
+    useless = page.locator(".files, .hint, details:not([open]) > summary")
+    assert not useless.filter(visible=True).count()
     assert page.evaluate("document.documentElement.scrollWidth") <= PAPER
     assert 0 < len(re.findall(rb"/Type /Page\b", page.pdf(format="A4"))) <= MOST_PAGES
     page.evaluate("dispatchEvent(new Event('afterprint'))")

@@ -163,6 +163,11 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     end = EXTREME[verdicts.metric.better].capitalize()
     metric = verdicts.metric.name
     by_leader = _by_leader(groups)
+    if len(by_leader) > 1 and len(varying(verdicts)) > 1 and len(groups) > MOST_CARDS:
+        counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
+        names = [f"{unmarked_names(verdicts, each)} in {len(of)}" for each, of in counts]
+        start = f"{end} mean {metric}, of {len(groups)} groups: {HERE}"
+        return say(start, few(names, _MOST_NAMES))
     if len(by_leader) > 1:
         clauses = [
             say(
@@ -302,8 +307,9 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     several = len(axes) > 1 and len(by_leader[most]) > 1
     otherwise = several and len(by_leader) > 1 and len(told) == len(verdicts.groups)
     order = [place for place in by_leader if not (otherwise and place == most)]
+    named = axes if len(told) == len(verdicts.groups) else varying(verdicts)
     clauses = [
-        _clause(verdicts, place, by_leader[place], f"for {_where(verdicts, by_leader[place])}")
+        _clause(verdicts, place, of := by_leader[place], f"for {_where(verdicts, of, named)}")
         for place in order
     ]
     if otherwise:
@@ -339,13 +345,16 @@ def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: s
     return say(f"{HERE} {where} ({HERE})", listing(names, "or"), number)
 
 
-def _where(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
-    """Return the labels of groups, by as few of them as tell them from all others."""
-    axes = varying(verdicts)
+def _where(verdicts: Verdicts, groups: Sequence[Verdict], axes: Sequence[int] | None = None) -> str:
+    """Return the labels of groups along some axes, by as few as tell them from all others.
+
+    The axes are, by default, those in which groups differ.
+    """
+    axes = varying(verdicts) if axes is None else axes
     if not axes:
         return "all"
     if len(axes) == 1:
-        return _both([str(group.labels[axes[0]]) for group in groups])
+        return _both([*dict.fromkeys(str(group.labels[axes[0]]) for group in groups)])
     left = {group.labels for group in groups}
     texts: dict[str, list[str]] = {}
     for axis in reversed(axes):
@@ -359,7 +368,7 @@ def _where(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
             first = group_title(verdicts, group, axes[:-1])
             name = ", ".join(filter(None, [first, verdicts.within[axes[-1]]]))
             texts.setdefault(name, []).append(str(group.labels[axes[-1]]))
-    named = [f"{name} {_both(labels)}" for name, labels in texts.items()]
+    named = [f"{name} {_both([*dict.fromkeys(labels)])}" for name, labels in texts.items()]
     return " and for ".join(filter(None, [", ".join(named[:-1]), *named[-1:]]))
 
 

@@ -128,11 +128,12 @@ def _html(
     )
     stacked = sum(column.has_intervals for column in columns) > _MOST_BESIDE
     kinds = ["table", *(["stacked"] if stacked else []), *(["folded"] if folded else [])]
+    more = f' data-more="{len(folded)}"' if folded else ""
     cut = [f"The first {_MOST_ROWS} of {len(rows)} rows; the CSV file has all."]
     if any(unit == SHARE for unit in info.units.values()):
         notes = [*notes, "Percentages are shares in the CSV file: 0.49 for 49 %."]
     return (
-        f'<figure{_class(kinds)}><div class="scroll"><table class="sortable">'
+        f'<figure{_class(kinds)}{more}><div class="scroll"><table class="sortable">'
         f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         f'</div><template class="csv">{escape(csv, quote=False)}</template>'
         f"{_notes([*(cut if len(rows) > _MOST_ROWS else []), *notes])}</figure>"

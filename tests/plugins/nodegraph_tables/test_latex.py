@@ -203,7 +203,7 @@ def test_a_column_of_text_that_is_the_same_throughout_stands_in_the_caption() ->
 def test_long_heads_stand_in_lines_no_longer_than_the_cells() -> None:
     table = pd.DataFrame({"marker": ["left lip", "jaw"], "largest error of any": [0.5, 1.25]})
     latex = latex_of(with_info(table, TableInfo(units={"largest error of any": "mm^2"})), "t")
-    head = r"\shortstack[r]{largest\\error of\\any\\{[}mm\textsuperscript{2}]}"
+    head = r"\shortstack[r]{largest\\error\\of any\\{[}mm\textsuperscript{2}]}"
     assert body(latex)[0] == ["marker", head]
 
 

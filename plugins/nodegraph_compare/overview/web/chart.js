@@ -149,10 +149,12 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
   const widest = (names) => Math.max(0, ...names.map(textWidth));
 
   const strong = (text) => element("b", {}, String(text));
+  // what a reader can do with a chart, but not on paper
+  const hint = (text) => element("span", { class: "hint" }, text);
   const picture = (width, height, label, ...children) =>
     svg("svg", { viewBox: `0 0 ${width} ${height}`, width, height, role: "group", "aria-label": label }, ...children);
   const text = (x, y, content, attributes) => svg("text", { x, y, ...attributes }, content);
   const line = (x1, y1, x2, y2, className) => svg("line", { x1, y1, x2, y2, class: className });
 
-  return { mount, methodMark, walk, showNote, hideNote, strong, picture, text, line, textWidth, widest };
+  return { mount, methodMark, walk, showNote, hideNote, strong, hint, picture, text, line, textWidth, widest };
 });

@@ -3,7 +3,7 @@
 // both.
 nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale", "compare/view"], (page, chart, scales, { seconds }) => {
   const { svg } = page;
-  const { strong, text, line } = chart;
+  const { strong, hint, text, line } = chart;
   const HEIGHT = 400;
   const LEFT = 46;
   const BOTTOM = 44;
@@ -85,7 +85,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
         "The time of a result is that of its step and of the steps that its method alone needs: the median, without the longest, which may be a first call. ",
         front.length ? "The stepped line joins methods that none beats in both. " : "",
         tied.length ? "Ringed: tied with the best. " : "",
-        "Click a dot to follow the method through the page.",
+        hint("Click a dot to follow the method through the page."),
       ],
     };
   };

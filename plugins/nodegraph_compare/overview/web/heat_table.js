@@ -3,7 +3,7 @@
 // tied with the best. Deeper colour is nearer the best.
 nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"], (page, chart, { seconds }) => {
   const { element } = page;
-  const { strong } = chart;
+  const { strong, hint } = chart;
   const MOST = 24;
   const FADED = 2.6;
 
@@ -125,7 +125,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
           groups.some((group) => view.numbers(group).best.length) ? "Deeper blue is nearer the best. " : "",
           verdict ? "Outlined cells are tied with the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
-          `A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`,
+          hint(`A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`),
         ],
       };
     };

@@ -3,7 +3,7 @@
 // of the other labels. Of a single group, methods are dots on one line.
 nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"], (page, chart, scales) => {
   const { svg } = page;
-  const { strong, text, line } = chart;
+  const { strong, hint, text, line } = chart;
   const HEIGHT = 500;
   const ROW = 15.5;
   const TOP = 46;
@@ -149,7 +149,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
         ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
         ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: tied with the best there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
-        log ? "Equal slopes are equal ratios. " : "", "Click a line or a name to follow it through the page.",
+        log ? "Equal slopes are equal ratios. " : "", hint("Click a line or a name to follow it through the page."),
       ],
     };
   };
@@ -229,7 +229,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     return {
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.log ? ", log scale" : ""}. `),
-        "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: tied with it. " : "", "Click a dot or a name to follow it through the page.",
+        "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: tied with it. " : "", hint("Click a dot or a name to follow it through the page."),
       ],
     };
   };

@@ -3,7 +3,7 @@
 // selected or next best one and the reference, on one scale. A place without blocks is hollow.
 nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale", "compare/overview"], (page, chart, scales, { medianOf }) => {
   const { element, svg } = page;
-  const { strong, text, line } = chart;
+  const { strong, hint, text, line } = chart;
   const SIZE = 220;
   const MARGIN = 14;
 
@@ -95,7 +95,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
       caption: [
         strong(`${view.statistic === "median" ? "Median" : "Mean"} ${view.metric.name} at each ${layout.column}, ${log ? "log scale, " : ""}one scale for all. `),
         "Area and colour say the same. ", hollow ? `Hollow: a ${layout.column} without ${view.overview.json.blocks_name}. ` : "", `Median number of ${view.overview.json.blocks_name} behind a disc: ${medianOf(pictures[0].at.map(({ count }) => count).filter(Boolean))}. Trust regions, not single discs. `,
-        `Click a disc to show its ${view.overview.json.blocks_name} only, and to open one.`,
+        hint(`Click a disc to show its ${view.overview.json.blocks_name} only, and to open one.`),
       ],
     };
   };

@@ -236,7 +236,7 @@ def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
     scores = gathered(("kitchen", "oven", "heat", "recipe"), entries)
     section = rendered(compared(scores, within=("oven", "heat")).overview)
     sentence, scope, *cards = section.answer
-    assert sentence.startswith("It depends on heat: plain for heat 180")
+    assert sentence.startswith("It depends on heat: plain for 180")
     assert scope.startswith("5 kitchens: holds for further kitchens.")
     assert [card.partition(":")[0] for card in cards[:2]] == [
         "oven gas, heat 180\N{NO-BREAK SPACE}K", "oven gas, heat 220\N{NO-BREAK SPACE}K",
