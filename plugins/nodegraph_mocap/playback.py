@@ -20,13 +20,13 @@ _SQUARE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Faults(Value):
-    """Where samples of a recording are missing or look like impulses, in all its frames.
+class Strip(Value):
+    """Where samples of a recording are missing, made or look like impulses, in all its frames.
 
     Attributes
     ----------
-    missing : (S, M) array of uint8
-        How much of each of S stretches of equal length is missing: 0 none, 255 all of it.
+    missing, filled, repaired : (S, M) arrays of uint8
+        How much of each of S stretches of equal length is so: 0 none, 255 all of it.
     impulse_markers : (N,) array of int64
         Columns of the markers.
     impulse_seconds : (N,) array of float64
@@ -35,6 +35,8 @@ class Faults(Value):
     """
 
     missing: NDArray[np.uint8]
+    filled: NDArray[np.uint8]
+    repaired: NDArray[np.uint8]
     impulse_markers: NDArray[np.int64]
     impulse_seconds: NDArray[np.float64]
     left_out: int = 0
@@ -54,8 +56,8 @@ class Panel(Value):
         Unit vectors along the picture's axes, at right angles.
     radius : float
         Millimetres from the middle to the picture's edge that hold what there is to see.
-    faults : Faults or None
-        Those of a recording that are to be seen over its time.
+    strip : Strip or None
+        Of a recording, what is to be seen over its time.
 
     Raises
     ------
@@ -70,7 +72,7 @@ class Panel(Value):
     right: NDArray[np.float64]
     up: NDArray[np.float64]
     radius: float
-    faults: Faults | None = None
+    strip: Strip | None = None
 
     def __post_init__(self) -> None:
         if not self.shown.frames:

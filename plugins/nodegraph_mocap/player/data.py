@@ -19,7 +19,7 @@ import numpy as np
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.frame_ranges import runs_of
-from nodegraph_mocap.playback import Curves, Faults, Panel, Playback
+from nodegraph_mocap.playback import Curves, Panel, Playback, Strip
 from nodegraph_mocap.recording import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -214,8 +214,8 @@ class _Packing:
         }
         if isinstance(shown, Animation):
             return entry | self._animation(shown)
-        faults = panel.faults and self._faults(panel.faults)
-        return entry | self._recording(place, shown) | {"faults": faults}
+        strip = panel.strip and self._strip(panel.strip)
+        return entry | self._recording(place, shown) | {"strip": strip}
 
     def _recording(self, place: int, recording: Trajectories) -> dict[str, object]:
         origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)
@@ -265,12 +265,14 @@ class _Packing:
             "motion": turned,
         }
 
-    def _faults(self, faults: Faults) -> dict[str, object]:
+    def _strip(self, strip: Strip) -> dict[str, object]:
+        # as the script expects them
+        kinds = [self.blob.small(each.T) for each in (strip.missing, strip.filled, strip.repaired)]
         return {
-            "stretches": len(faults.missing),
-            "missing": self.blob.small(faults.missing.T),
-            "impulses": [faults.impulse_markers.tolist(), faults.impulse_seconds.tolist()],
-            "left_out": faults.left_out,
+            "stretches": len(strip.missing),
+            "kinds": kinds,
+            "impulses": [strip.impulse_markers.tolist(), strip.impulse_seconds.tolist()],
+            "left_out": strip.left_out,
         }
 
     def _curves(self, curves: Curves) -> dict[str, object]:

@@ -31,7 +31,7 @@ _SCRIPTS = (
     "mesh",
     "rows",
     "curves",
-    "faults",
+    "strip",
     "spectrum",
     "hand",
     "controls",

@@ -13,7 +13,6 @@ from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.playback import Curves, Panel, Playback
-from nodegraph_mocap.player.faults import faults_of
 from nodegraph_mocap.player.fitting import (
     check_meshes,
     frames_apart,
@@ -24,6 +23,7 @@ from nodegraph_mocap.player.fitting import (
 )
 from nodegraph_mocap.player.page import render_view
 from nodegraph_mocap.player.panels import panel_of
+from nodegraph_mocap.player.strip import strip_of
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.view import AUTO
 
@@ -133,8 +133,8 @@ class _Files:
 def _panel(label: str, shown: Trajectories | Animation, every: int) -> Panel:
     if not shown.frames:
         raise Refusal(f"{label} has no frame")
-    faults = faults_of(shown) if isinstance(shown, Trajectories) else None
-    return replace(panel_of(label, thinned(shown, every), AUTO), faults=faults)
+    strip = strip_of(shown) if isinstance(shown, Trajectories) else None
+    return replace(panel_of(label, thinned(shown, every), AUTO), strip=strip)
 
 
 def _one_after_another(names: tuple[str, ...]) -> Weights:

@@ -28,9 +28,9 @@ nodegraph.define("mocap/player/data", [], () => {
 
   const scaledBy = (steps, step) => Float32Array.from(steps, (count) => count * step);
 
-  // How much of each stretch of time is missing: (marker, stretch), 255 for all of it.
-  const faultsOf = (blob, { faults, markers }) => faults && {
-    ...faults, missing: new Uint8Array(blob.buffer, blob.start + faults.missing, markers.length * faults.stretches),
+  // How much of each stretch of time is missing, filled, repaired: (marker, stretch), 255 for all of it.
+  const stripOf = (blob, { strip, markers }) => strip && {
+    ...strip, kinds: strip.kinds.map((at) => new Uint8Array(blob.buffer, blob.start + at, markers.length * strip.stretches)),
   };
 
   const recordingOf = (blob, packed, panels) => {
@@ -38,7 +38,7 @@ nodegraph.define("mocap/player/data", [], () => {
     const count = packed.markers.length * packed.frames;
     const origin = new Uint8Array(blob.buffer, blob.start + packed.origin, count);
     const made = origin.some((code) => code > 1);
-    return { ...packed, steps, origin, made, faults: faultsOf(blob, packed), places: scaledBy(steps, packed.positions.step) };
+    return { ...packed, steps, origin, made, strip: stripOf(blob, packed), places: scaledBy(steps, packed.positions.step) };
   };
 
   const animationOf = (blob, packed) => {
@@ -85,7 +85,7 @@ nodegraph.define("mocap/player/data", [], () => {
     const timed = [...panels, ...curves];
     const rate = Math.max(...timed.map((part) => part.rate));
     const seconds = Math.max(...timed.map((part) => part.frames / part.rate));
-    const with_hand = panels.some((panel) => panel.faults);
+    const with_hand = panels.some((panel) => panel.strip);
     return { ...blob.head, panels, curves, truth, with_hand, rate, seconds, ticks: Math.max(1, Math.round(seconds * rate)) };
   };
 

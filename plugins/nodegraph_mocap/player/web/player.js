@@ -1,8 +1,8 @@
 // One clock, in seconds, for all panels of a playback; each shows the frame that began last.
 nodegraph.define("mocap/player", [
   "page", "selection", "theme", "mocap/player/data", "mocap/player/camera", "mocap/player/markers", "mocap/player/mesh",
-  "mocap/player/curves", "mocap/player/faults", "mocap/player/hand", "mocap/player/controls", "mocap/player/gestures",
-], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, { faultsFor }, { Hand }, controls, { dragged, keyed }) => {
+  "mocap/player/curves", "mocap/player/strip", "mocap/player/hand", "mocap/player/controls", "mocap/player/gestures",
+], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, { stripFor }, { Hand }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
   const { drawMarkers, textOfMarkers, textOfSample, textOfDistance, tintOf, pointedMarker, namePointed, inksOf } = markers;
@@ -56,7 +56,7 @@ nodegraph.define("mocap/player", [
       const take = (marker) => selection.toggle("marker", marker);
       this.strips = [
         ...[this.hand].filter(Boolean),
-        ...this.study.panels.filter((panel) => panel.faults).map((panel) => faultsFor(this, panel, take)),
+        ...this.study.panels.filter((panel) => panel.strip).map((panel) => stripFor(this, panel, take)),
         ...this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves)),
       ];
       const pictures = this.panels.length ? [this.legend, this.stage] : [];

@@ -4,8 +4,8 @@ nodegraph.define("mocap/player/rows", ["page", "theme"], ({ element }, theme) =>
   const MOST = 8192; // dots that a canvas is high
 
   const INKS = {
-    light: { line: "#dfe3e8", curve: "#1a5fb4", missing: "#c9302c", impulse: "#8a2f7d" },
-    dark: { line: "#2e3640", curve: "#82b4ff", missing: "#ff7a70", impulse: "#e59adb" },
+    light: { line: "#dfe3e8", curve: "#1a5fb4", missing: "#17202c", filled: "#e0453c", repaired: "#d98a00", impulse: "#8a2f7d" },
+    dark: { line: "#2e3640", curve: "#82b4ff", missing: "#e7ebf0", filled: "#e0453c", repaired: "#d98a00", impulse: "#e59adb" },
   };
 
   class Rows {

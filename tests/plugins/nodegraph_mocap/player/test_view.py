@@ -18,9 +18,9 @@ from scipy.signal import welch
 
 import nodegraph as ng
 from nodegraph import Refusal
-from nodegraph_mocap import MarkerSet, Trajectories, Weights
-from nodegraph_mocap.player import faults, fitting
-from nodegraph_mocap.player.faults import MOST_STRETCHES, faults_of
+from nodegraph_mocap import MarkerSet, Origin, Trajectories, Weights
+from nodegraph_mocap.player import fitting, strip
+from nodegraph_mocap.player.strip import MOST_STRETCHES, strip_of
 from nodegraph_mocap.player.viewer import view
 from nodegraph_mocap.specimens import animations, heads, models, recordings, weights
 from nodegraph_mocap.suspect import impulses
@@ -109,11 +109,18 @@ def test_no_gap_is_too_short_for_the_strip(frames: int) -> None:
     positions[frames // 2, 1] = np.nan
     positions[:, 2] = np.nan
     face = Trajectories(positions=positions, markers=("a", "b", "c", "d"), rate=60.0)
-    missing = faults_of(face).missing
+    missing = strip_of(face).missing
     assert len(missing) == min(frames, MOST_STRETCHES)
     assert not missing[:, [0, 3]].any()
     assert np.count_nonzero(missing[:, 1]) == 1
     assert (missing[:, 2] == 255).all()
+
+
+def test_made_samples_are_in_the_strip() -> None:
+    face = recordings()["filled, repaired and with sigma"]
+    shown = strip_of(face)
+    for part, origin in ((shown.filled, Origin.FILLED), (shown.repaired, Origin.REPAIRED)):
+        assert np.array_equal(part == 255, face.origin == origin)
 
 
 def test_of_too_many_impulses_the_largest_are_marked(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -121,9 +128,9 @@ def test_of_too_many_impulses_the_largest_are_marked(monkeypatch: pytest.MonkeyP
     for frame, size in ((20, 5.0), (50, 9.0), (80, 7.0)):
         positions[frame, 0, 0] = size
     face = Trajectories(positions=positions, markers=("a",), rate=50.0)
-    assert faults_of(face).impulse_seconds.tolist() == [0.4, 1.0, 1.6]
-    monkeypatch.setattr(faults, "MOST_IMPULSES", 2)
-    fewer = faults_of(face)
+    assert strip_of(face).impulse_seconds.tolist() == [0.4, 1.0, 1.6]
+    monkeypatch.setattr(strip, "MOST_IMPULSES", 2)
+    fewer = strip_of(face)
     assert (fewer.impulse_seconds.tolist(), fewer.left_out) == ([1.0, 1.6], 1)
 
 
@@ -141,11 +148,11 @@ def served(*files: str) -> Iterator[str]:
 
 def check_marker_in_hand(tab: Page, face: Trajectories) -> None:
     """Check the strip of gaps, and speed and spectrum of a marker that has none."""
-    strip = tab.locator(".rows[aria-label*='of take.npz']")
+    rows = tab.locator(".rows[aria-label*='of take.npz']")
     faulty = ~face.present.all(axis=0) | (impulses(face.positions) > 0).any(axis=0)
-    named = strip.locator(".labels").inner_text().split("\n")
+    named = rows.locator(".labels").inner_text().split("\n")
     assert named == [face.markers[column] for column in np.flatnonzero(faulty)]
-    strip.locator("canvas").click(position={"x": 100, "y": 14 * 3 + 7})
+    rows.locator("canvas").click(position={"x": 100, "y": 14 * 3 + 7})
     assert tab.evaluate(f"{PLAYER}.state.hand.marker") == named[3]
     complete = int(np.flatnonzero(face.present.all(axis=0))[0])
     tab.locator("label:has-text('Marker') select").select_option(face.markers[complete])

@@ -1,4 +1,4 @@
-"""Where samples of a recording are missing or look like impulses, as a strip of rows shows it."""
+"""Where samples of a recording are missing, made or look like impulses, over its time."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_mocap.playback import Faults
-from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.playback import Strip
+from nodegraph_mocap.recording import Origin, Trajectories
 from nodegraph_mocap.suspect import impulses
 
 if TYPE_CHECKING:
@@ -19,13 +19,19 @@ MOST_STRETCHES = 1500
 MOST_IMPULSES = 3000
 
 
-def faults_of(recording: Trajectories) -> Faults:
-    """Return the faults of a recording; of more impulses than a page holds, the largest."""
+def strip_of(recording: Trajectories) -> Strip:
+    """Return the strip of a recording; of more impulses than a page holds, the largest."""
     sizes = impulses(recording.positions)
     frames, markers = np.nonzero(sizes)
     largest = np.sort(np.argsort(-sizes[frames, markers], kind="stable")[:MOST_IMPULSES])
-    return Faults(
-        missing=_shares(~recording.present),
+    missing, filled, repaired = (
+        _shares(recording.origin == origin)
+        for origin in (Origin.MISSING, Origin.FILLED, Origin.REPAIRED)
+    )
+    return Strip(
+        missing=missing,
+        filled=filled,
+        repaired=repaired,
         impulse_markers=markers[largest],
         impulse_seconds=frames[largest] / recording.rate,
         left_out=len(frames) - len(largest),
