@@ -190,33 +190,34 @@ BAD = {
     "bad.interrupts": "KeyboardInterrupt: enough",
     "bad.ends": "RuntimeError: a step cannot end the process, with status 0",
     "bad.threads": "RuntimeError: it has returned while its thread late still runs",
+    "bad.hangs": "it takes longer than 0.2 s, which is the limit",
 }
+ENDS = {
+    "bad.dies": "the process that computed it ended with exit status 0",
+    "bad.segfaults": "the process that computed it was ended by signal SIGSEGV",
+    "bad.holds": "it takes longer than 2 s, which is the limit",
+}
+"""Those that end or hold the process that they run in."""
+
+
+def check_failures(record: dict[str, Any], expected: dict[str, str]) -> None:
+    """Check that these nodes have failed, for these reasons, and nothing else."""
+    assert record["counts"] == {**record["counts"], "done": 2, "failed": len(expected)}
+    failed = {step["use"]: step["reason"] for step in record["steps"] if step["state"] == "failed"}
+    assert failed == expected
 
 
 @pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
 def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
-    record = record_of(tmp_path, ", ".join(BAD), "--executor", executor)
-    assert record["counts"] == {**record["counts"], "done": 2, "failed": len(BAD)}
-    failed = {step["use"]: step["reason"] for step in record["steps"] if step["state"] == "failed"}
-    assert failed == BAD
+    # a node's own limit of time is the shorter one
+    record = record_of(tmp_path, ", ".join(BAD), "--executor", executor, "--timeout", "60")
+    check_failures(record, BAD)
 
 
-@pytest.mark.parametrize(
-    ("bad", "reason"),
-    [
-        ("bad.dies", "the process that computed it ended with exit status 0"),
-        ("bad.segfaults", "the process that computed it was ended by signal SIGSEGV"),
-        ("bad.holds", "it takes longer than 2 s, which is the limit"),
-    ],
-)
-def test_a_node_that_only_a_process_holds_fails_alone(
-    tmp_path: Path, bad: str, reason: str
-) -> None:
+def test_a_node_that_only_a_process_holds_fails_alone(tmp_path: Path) -> None:
     # with a timeout, steps run in processes
-    record = record_of(tmp_path, bad, "--timeout", "2", "--jobs", "1")
-    [failed] = (step for step in record["steps"] if step["state"] == "failed")
-    assert (failed["use"], failed["reason"]) == (bad, reason)
-    assert record["counts"]["done"] == 2
+    record = record_of(tmp_path, ", ".join(ENDS), "--timeout", "2", "--jobs", "1")
+    check_failures(record, ENDS)
 
 
 def test_processes_that_a_node_leaves_end_with_the_run(tmp_path: Path) -> None:
@@ -276,17 +277,6 @@ def test_what_a_thread_cannot_do_is_said_first(tmp_path: Path) -> None:
     ended = command(*words, folder=tmp_path)
     assert ended.status == 0
     assert ended.err.startswith("executor 'threads' cannot end a step that takes too long: ")
-
-
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
-def test_a_node_that_takes_too_long_fails_alone(tmp_path: Path, executor: str) -> None:
-    record = record_of(tmp_path, "bad.hangs", "--executor", executor, "--timeout", "60")
-    [failed] = (step for step in record["steps"] if step["state"] == "failed")
-    assert (failed["use"], failed["reason"]) == (
-        "bad.hangs",
-        "it takes longer than 0.2 s, which is the limit",
-    )
-    assert record["counts"]["done"] == 2
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit needs Linux")
