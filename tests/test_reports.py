@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
+from nodegraph.graphfile.yaml_text import read_yaml
 from tests.browser import drag, load, needs_axe, resize, until, violations
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 from tests.studies import GRAPHS, Studies
@@ -129,7 +130,7 @@ def alike(shown: str, stored: str, *, percent: bool) -> bool:
         return False
 
 
-def test_the_page_says_what_its_files_hold_and_fits_screens_and_paper(
+def test_the_page_says_what_its_files_hold_fits_screens_and_paper_and_fetches_nothing(
     run: Path, page: Page
 ) -> None:
     title = page.evaluate("document.querySelector('h1').textContent")
@@ -157,6 +158,7 @@ def test_the_page_says_what_its_files_hold_and_fits_screens_and_paper(
         for width in (1200, PHONE, SMALLEST):
             resize(page, width)
             assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.evaluate("performance.getEntriesByType('resource').length") == 0
 
 
 def assert_tables_hold_what_their_files_hold(run: Path, page: Page) -> None:
@@ -329,13 +331,32 @@ def state(page: Page) -> Any:
     return page.evaluate(f"{PLAYER}.state")
 
 
+def kinds_of_results(graph: Path) -> set[tuple[str, str]]:
+    """Return the nodes whose results a report shows, with the output where one is named."""
+    plain: Any = read_yaml(graph.read_text(), graph.name).plain()
+    shown = [each["show"] if isinstance(each, dict) else each for each in plain["report"]]
+    places = [place.partition(".") for place in shown]
+    return {(plain["nodes"][node]["use"], output) for node, _, output in places}
+
+
+def varied() -> list[str]:
+    """Return graphs whose reports show, together, every kind of result that any of them shows."""
+    kinds = {path.stem: kinds_of_results(path) for path in GRAPHS}
+    chosen: dict[str, set[tuple[str, str]]] = {}
+    for name in sorted(kinds, key=lambda name: -len(kinds[name])):
+        if kinds[name] - set().union(*chosen.values()):
+            chosen[name] = kinds[name]
+    return [*chosen]
+
+
 @needs_axe
-def test_axe_finds_nothing_and_nothing_is_fetched(page: Page) -> None:
-    page.evaluate(FEW_ELEMENTS)
-    resize(page, DESKTOP[0])
-    assert violations(page) == []
+@pytest.mark.parametrize("name", varied())
+def test_axe_finds_nothing(studies: Studies, tab: Page, name: str) -> None:
+    load(tab, studies.few(name) / "report.html")
+    tab.evaluate(FEW_ELEMENTS)
+    resize(tab, DESKTOP[0])
+    assert violations(tab) == []
     # what the other colours and a phone can change
-    page.emulate_media(color_scheme="dark")
-    resize(page, PHONE)
-    assert violations(page, rules=("color-contrast", "target-size")) == []
-    assert page.evaluate("performance.getEntriesByType('resource').length") == 0
+    tab.emulate_media(color_scheme="dark")
+    resize(tab, PHONE)
+    assert violations(tab, rules=("color-contrast", "target-size")) == []
