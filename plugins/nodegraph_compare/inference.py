@@ -68,9 +68,9 @@ class Contrasts:
     @property
     def p_alone(self) -> Numbers:
         """(K,), of the paired t-test, not adjusted."""
-        from scipy.stats import t
+        from scipy.special import stdtr
 
-        return np.asarray(2 * t.sf(np.abs(_divided(self.mean, self.own)), self.freedom))
+        return np.asarray(2 * stdtr(self.freedom, -np.abs(_divided(self.mean, self.own))))
 
     @property
     def p_of_flips(self) -> Numbers:
@@ -222,7 +222,7 @@ def posterior(
         Whether of the difference for a further unit, whose variance is larger by tau^2, in place
         of the mean over all units.
     """
-    from scipy.stats import norm
+    from scipy.special import ndtr
 
     count = d.shape[-1]
     mean = d.mean(axis=-1)[..., np.newaxis]
@@ -234,8 +234,8 @@ def posterior(
     weight = np.exp(weight - weight.max(axis=-1, keepdims=True))
     weight /= weight.sum(axis=-1, keepdims=True)
     sd = np.sqrt(total / count + (between if new else 0.0))
-    below = (weight * norm.cdf((-margin - mean) / sd)).sum(axis=-1)
-    above = (weight * norm.sf((margin - mean) / sd)).sum(axis=-1)
+    below = (weight * ndtr((-margin - mean) / sd)).sum(axis=-1)
+    above = (weight * ndtr((mean - margin) / sd)).sum(axis=-1)
     return below, 1 - below - above, above
 
 
@@ -251,9 +251,9 @@ def range_quantile(methods: int, freedom: float) -> float:
 @lru_cache(maxsize=256)
 def student(share: float, freedom: int) -> float:
     """Return a quantile of Student's t distribution."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
-    return float(t.ppf(share, freedom))
+    return float(stdtrit(freedom, share))
 
 
 def _divided(mean: Numbers, error: Numbers) -> Numbers:

@@ -100,17 +100,17 @@ def tracking(
 def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:
     """Return which track has each sample of the truth, (T, M); -1 where none has."""
     mine, theirs = np.nonzero(truth.present), np.nonzero(estimate.present)
-    samples = [
-        np.column_stack([where[0], recording.positions[where]])
-        for where, recording in ((mine, truth), (theirs, estimate))
-    ]
-    _, index = np.unique(np.concatenate(samples), axis=0, return_inverse=True)
-    place = index.ravel()
-    owner = np.full(len(place), -1)
-    owner[place[len(mine[0]) :]] = theirs[1]
+    owner = dict(zip(_samples(estimate, theirs), theirs[1].tolist(), strict=True))
     track = np.full(truth.origin.shape, -1)
-    track[mine] = owner[place[: len(mine[0])]]
+    track[mine] = [owner.get(sample, -1) for sample in _samples(truth, mine)]
     return track
+
+
+def _samples(recording: Trajectories, where: tuple[NDArray[np.intp], ...]) -> list[bytes]:
+    """Return frame and position of samples as bytes, which are equal where the numbers are."""
+    rows = np.column_stack([where[0], recording.positions[where]]) + 0.0  # -0 is 0
+    samples: list[bytes] = rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel().tolist()
+    return samples
 
 
 def _row(track: NDArray[np.intp]) -> tuple[float, ...]:

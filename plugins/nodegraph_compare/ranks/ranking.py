@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import listed
 from nodegraph_compare.inference import LEVEL, range_quantile
+from nodegraph_compare.midranks import midranks
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ranks.signed_rank import holm, rank_biserial, signed_rank
 from nodegraph_compare.studentised_range import survival
@@ -180,13 +181,11 @@ def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:
     test
         Of the pairs.
     """
-    from scipy.stats import rankdata
-
     usable = group.usable
     units = units_of(group, group.values[:, usable], group.complete)
     values = units.means if units.count else group.values[group.complete][:, usable]
     methods = tuple(name for name, has in zip(group.methods, usable, strict=True) if has)
-    within = rankdata(sign_of(end) * values, axis=1)
+    within = midranks(sign_of(end) * values)
     ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
     tested = units.judged
     pairs = _pairs(sign_of(end) * values, ranks, test if tested else None)
@@ -232,8 +231,7 @@ def _overall(within: NDArray[np.float64]) -> Overall:
     ``F = (N - 1) chi2 / (N (k - 1) - chi2)`` with ``k - 1`` and ``(k - 1)(N - 1)`` degrees of
     freedom (Iman & Davenport 1980). Where all methods tie in every block, chi2 is 0.
     """
-    from scipy.stats import chi2 as chi2_of
-    from scipy.stats import f as f_of
+    from scipy.special import chdtrc, fdtrc
 
     blocks, methods = within.shape
     if methods < 3 or blocks < 2:
@@ -248,9 +246,9 @@ def _overall(within: NDArray[np.float64]) -> Overall:
     f = (blocks - 1) * w / (1 - w) if w < 1.0 else np.inf
     return Overall(
         chi2=chi2,
-        p=float(chi2_of.sf(chi2, methods - 1)),
+        p=float(chdtrc(methods - 1, chi2)),
         f=f,
-        p_f=float(f_of.sf(f, methods - 1, (methods - 1) * (blocks - 1))),
+        p_f=float(fdtrc(methods - 1, (methods - 1) * (blocks - 1), f)),
         w=w,
         critical=critical_difference(blocks, methods),
     )

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nodegraph_compare.midranks import midranks
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -43,10 +45,8 @@ def rank_biserial(differences: NDArray[np.float64]) -> NDArray[np.float64]:
     ``(W+ - W-) / (W+ + W-)`` with the rank sums of Wilcoxon's test: 1 where every difference is
     above zero, -1 where every one is below, 0 where all are zero.
     """
-    from scipy.stats import rankdata
-
     sizes = np.where(differences == 0.0, np.nan, np.abs(differences))
-    ranks = np.nan_to_num(rankdata(sizes, axis=0, nan_policy="omit"))
+    ranks = np.where(differences == 0.0, 0.0, midranks(sizes, axis=0))
     total = ranks.sum(axis=0)
     signed = (np.sign(differences) * ranks).sum(axis=0)
     return np.asarray(signed / np.where(total > 0.0, total, 1.0))
@@ -71,10 +71,8 @@ def _exact(differences: NDArray[np.float64]) -> float:
 
     The same as scipy's permutations of tied differences, in a thousandth of their time.
     """
-    from scipy.stats import rankdata
-
     some = differences[differences != 0.0]
-    ranks = rankdata(np.abs(some))
+    ranks = midranks(np.abs(some))
     signs = (np.arange(2 ** len(some))[:, np.newaxis] >> np.arange(len(some))) & 1
     # midranks are halves: their sums are exact
     sums, observed = signs @ ranks, float(ranks[some > 0.0].sum())

@@ -15,6 +15,7 @@ from nodegraph_compare.inference import (
     contrasts,
     mean_interval,
 )
+from nodegraph_compare.midranks import midranks
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ties import settled
 from nodegraph_compare.units import segments_of, units_of
@@ -207,8 +208,6 @@ def summarise(
     units_of
         Returns the units that the claims rest on.
     """
-    from scipy.stats import rankdata
-
     usable, kept = group.usable, group.complete
     values = group.values[:, usable]
     units = units_of(group, values, kept)
@@ -233,7 +232,7 @@ def summarise(
         high=spread(high),
         arithmetic=spread(units.typical(ratio=False) if many else none),
         median=spread(np.median(values, axis=0) if many else none),
-        rank=spread(rankdata(sign_of(end) * values, axis=1).mean(axis=0) if many else none),
+        rank=spread(midranks(sign_of(end) * values).mean(axis=0) if many else none),
         blocks=np.where(usable, len(values), 0),
         against=place,
         margin=margin,
