@@ -86,7 +86,7 @@ MANY = """
 nodegraph: 1
 title: Many rows
 axes:
-  a: {count: 40}
+  a: {count: 24}
   b: {count: 15}
 nodes:
   x: {use: points.literal, with: {points: {a: [1, 1], b: [1, 2], c: [3, 2]}}}
@@ -179,20 +179,20 @@ def test_many_rows_are_folded_filter_and_sort(tmp_path: Path, tab: Page) -> None
     tab.evaluate("window.figure = [...document.querySelectorAll('figure.table')].at(-2)")
     rows = "[...figure.querySelector('table').tBodies[0].rows]"
     seen = f"{rows}.filter((row) => row.checkVisibility())"
-    assert tab.evaluate(f"{rows}.length") == 2 * 40 * 15
+    assert tab.evaluate(f"{rows}.length") == 2 * 24 * 15
     assert 0 < tab.evaluate(f"{seen}.length") <= 40
     assert tab.evaluate("document.documentElement.scrollHeight") < 20_000
     filter_by = "figure.querySelector('input')"
-    tab.evaluate(f"{filter_by}.value = '39 0'; {filter_by}.dispatchEvent(new Event('input'))")
-    assert tab.evaluate(f"{seen}.every((row) => row.cells[0].textContent === '39')")
+    tab.evaluate(f"{filter_by}.value = '23 0'; {filter_by}.dispatchEvent(new Event('input'))")
+    assert tab.evaluate(f"{seen}.every((row) => row.cells[0].textContent === '23')")
     tab.evaluate(f"{filter_by}.value = ''; {filter_by}.dispatchEvent(new Event('input'))")
     unfold = "figure.querySelector('.tools > button')"
-    assert tab.evaluate(f"{unfold}.textContent") == "Show all 1200 rows"
+    assert tab.evaluate(f"{unfold}.textContent") == "Show all 720 rows"
     tab.evaluate(f"{unfold}.click()")
-    assert tab.evaluate(f"{seen}.length") == 2 * 40 * 15
+    assert tab.evaluate(f"{seen}.length") == 2 * 24 * 15
     head = "figure.querySelectorAll('thead button')[0]"
     tab.evaluate(f"{head}.click(); {head}.click()")
-    assert tab.evaluate(f"{rows}[0].cells[0].textContent") == "39"
+    assert tab.evaluate(f"{rows}[0].cells[0].textContent") == "23"
     scroll = "figure.querySelector('.scroll')"
     tab.evaluate(f"{scroll}.scrollTop = 5000")
     top = f"{head}.getBoundingClientRect().top - {scroll}.getBoundingClientRect().top"
@@ -262,11 +262,6 @@ def check_odd(seed: int, folder: Path) -> Path:
                     drawn[mean] += 1
         assert drawn == said, seed
     return run
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_any_shape_of_a_comparison_has_a_report(tmp_path: Path, seed: int) -> None:
-    check_odd(seed, tmp_path)
 
 
 @pytest.mark.parametrize("seed", [10, 11, 12, 13])
