@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -10,7 +11,9 @@ from markupsafe import Markup, escape
 
 from nodegraph.report.study import AxisRow, MethodRow, SettingRow, Study
 
-_HEADS = ("node", "method", "setting", "value", "unit")
+_WIDTHS = {"node": 0.13, "method": 0.24, "setting": 0.17, "value": 0.27, "unit": 0.09}
+"""Heads of the settings, and what each takes of a page's width; the rest is between them."""
+
 _LATEX = str.maketrans(
     {
         **{sign: f"\\{sign}" for sign in "&%$#_{}"},
@@ -207,9 +210,15 @@ def _source(row: MethodRow, form: _Form) -> str:
 
 def _settings(settings: Iterable[SettingRow], form: _Form) -> str:
     return ", ".join(
-        f"{form.code(setting.name)} {form.plain(f'{_printed(setting)} {setting.unit}'.rstrip())}"
-        for setting in settings
+        f"{form.code(setting.name)} {form.plain(_with_unit(setting))}" for setting in settings
     )
+
+
+def _with_unit(setting: SettingRow) -> str:
+    value, unit = _printed(setting), setting.unit
+    if value == "1" and len(unit) > 1:
+        unit = unit.removesuffix("s")
+    return f"{value} {unit}".rstrip()
 
 
 def _changed(row: MethodRow) -> list[SettingRow]:
@@ -263,23 +272,32 @@ def _rows(study: Study) -> Iterator[tuple[str, ...]]:
 
 
 def _markdown_table(study: Study) -> str:
-    rows = (_HEADS, tuple("---" for _ in _HEADS), *_rows(study))
+    rows = (tuple(_WIDTHS), tuple("---" for _ in _WIDTHS), *_rows(study))
     lines = (" | ".join(text.replace("|", r"\|") for text in row) for row in rows)
     return "".join(f"| {line} |\n" for line in lines)
 
 
 def _latex_table(study: Study) -> str:
-    rows = [" & ".join(text.translate(_LATEX) for text in row) + r" \\" for row in _rows(study)]
-    head = " & ".join(_HEADS) + r" \\"
+    rows = [" & ".join(map(_latex_cell, row)) + r" \\" for row in _rows(study)]
+    head = " & ".join(_WIDTHS) + r" \\"
+    columns = "".join(
+        rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}" for width in _WIDTHS.values()
+    )
     return "\n".join(
         [
-            r"% needs \usepackage{booktabs} and \usepackage{longtable}",
-            rf"\begin{{longtable}}{{{'l' * len(_HEADS)}}}",
+            r"% needs \usepackage{array,booktabs,longtable}",
+            r"{\footnotesize\setlength{\tabcolsep}{3pt}",
+            rf"\begin{{longtable}}{{{columns}}}",
             rf"\toprule {head} \midrule",
             r"\endhead",
             *rows,
             r"\bottomrule",
-            r"\end{longtable}",
+            r"\end{longtable}}",
             "",
         ]
     )
+
+
+def _latex_cell(text: str) -> str:
+    """Return a text that may be broken within names and paths, too."""
+    return re.sub(r"(\\_|/|\.(?=[a-z]))", r"\1\\allowbreak{}", text.translate(_LATEX))

@@ -67,13 +67,13 @@ def _row_names(before: Table, now: Table) -> tuple[list[str], list[str]] | None:
 
 
 def _row_name(columns: Sequence[object], row: Sequence[object]) -> str:
-    """Return the labels of a row: ``fill=ridge, length=15``; ``all`` of one that has none."""
+    """Return the labels of a row: ``fill=ridge length=15``; ``all`` of one that has none."""
     labels = (
         f"{column}={label}"
         for column, label in zip(columns, row, strict=True)
         if not _is_missing(label)
     )
-    return ", ".join(labels) or "all"
+    return " ".join(labels) or "all"
 
 
 def compare_drawings(before: StoredFigure, now: StoredFigure) -> Iterator[str]:

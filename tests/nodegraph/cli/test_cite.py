@@ -112,7 +112,7 @@ def test_values_at_which_there_is_no_result_are_not_named(command: Command) -> N
         Path("toys.py").read_text().replace("return Cut(x", "return Cut(1 / (length != 5) and x")
     )
     assert command("run", "toy.yaml")[0] == 1
-    assert "`toy.cut` (`length` 1 frames)" in command("cite", "runs/toy", nodes=False)[1]
+    assert "`toy.cut` (`length` 1 frame)" in command("cite", "runs/toy", nodes=False)[1]
 
 
 def test_a_run_without_results_cites_nothing(command: Command) -> None:

@@ -97,9 +97,9 @@ def test_rows_are_compared_by_their_names() -> None:
     table = DataFrame({"fill": ["a", "a", "b"], "k": [1, 2, 1], "rmse": [1.0, 2.0, 3.0]})
     other = DataFrame({"fill": ["b", "a", "c"], "k": [1, 2, 1], "rmse": [3.5, 2.0, 9.0]})
     assert differences(table, other) == (
-        "rows only before: fill=a, k=1",
-        "rows only now: fill=c, k=1",
-        "rmse: row fill=b, k=1: 3, now 3.5",
+        "rows only before: fill=a k=1",
+        "rows only now: fill=c k=1",
+        "rmse: row fill=b k=1: 3, now 3.5",
     )
 
 
