@@ -175,20 +175,32 @@ class _Panel:
         return after
 
     def _rivals(self) -> list[Data]:
-        """Return the methods of the family that are not used here."""
-        if not self._used:
-            return []
-        names = {
-            registered.node.name: names for registered, names in names_of(self._registry).items()
-        }
+        """Return the other methods of the family, each with why it cannot stand beside these."""
+        family = self._used[0].family if self._used else ""
         used = {node.name for node in self._used}
         return [
-            {"use": names[registered.node.name][0], "about": registered.node.summary}
-            for registered in self._registry.family(self._used[0].family).values()
-            if registered.node.name not in used
-            and registered.node.name in names
-            and not registered.node.deprecated
+            {"use": name, "about": each.node.summary, "reason": self._misfit(each.node)}
+            for each, (name, *_) in names_of(self._registry).items()
+            if each.node.family == family
+            and each.node.name not in used
+            and not each.node.deprecated
         ]
+
+    def _misfit(self, node: Node) -> str:
+        """Return what of a method's ports does not fit what feeds this node."""
+        wiring = self._entry.get("in")
+        first = [port.name for port in node.inputs[:1]]
+        if isinstance(wiring, dict) and "from" not in wiring:
+            fed = [str(port) for port in wiring]
+        else:
+            fed = first or ["input"] if wiring is not None else []
+        for port in fed:
+            if node.port(port) is None:
+                return f"it has no port {port}"
+        for needed in node.inputs:
+            if not needed.optional and needed.name not in fed:
+                return f"nothing feeds its port {needed.name}"
+        return ""
 
     def _labels(self, alternatives: object) -> list[str]:
         """Return the labels of the alternatives that can be removed."""

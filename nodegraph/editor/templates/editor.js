@@ -150,11 +150,11 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
 
   const node_of = (box) => {
     let name = box;
-    while (name && !(name in known.nodes)) name = name.slice(0, Math.max(0, name.lastIndexOf(".")));
+    while (name && !Object.hasOwn(known.nodes, name)) name = name.slice(0, Math.max(0, name.lastIndexOf(".")));
     return name;
   };
   const choose = (name, { scroll }) => {
-    chosen = name in known.nodes ? name : "";
+    chosen = Object.hasOwn(known.nodes, name) ? name : "";
     picture.choose(chosen, { scroll: scroll === "picture" || scroll === "both" });
     pane.mark(known.nodes[chosen] ?? null, { scroll: scroll === "text" || scroll === "both" });
     for (const reader of readers) reader();
@@ -171,7 +171,8 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     const word = await get("/about", { at: pane.cursor() });
     part("about").replaceChildren(...(word ? [element("p", {}, element("b", {}, word.word)), ...text_pane.paragraphs(word.about)] : []));
   };
-  const from_address = () => choose(decodeURIComponent(location.hash.slice(1)), { scroll: "text" });
+  // Names of nodes need no escapes in an address.
+  const from_address = () => choose(location.hash.slice(1), { scroll: "both" });
 
   const keys = [
     { key: "Mod-z", run: () => { act("undo"); return true; } },
@@ -189,6 +190,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   });
   const picture = picture_pane.make(part("picture"), (box) => choose(node_of(box), { scroll: "text" }));
 
+  for (const [id, factor] of [["smaller", 0.8], ["larger", 1.25], ["fit", 0]]) part(id).addEventListener("click", () => picture.zoom(factor));
   for (const action of ["undo", "redo", "save"]) part(action).addEventListener("click", () => act(action));
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;

@@ -15,6 +15,14 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   const option = (value, text, attributes) => element("option", { value, ...attributes }, text ?? value);
   const id_of = (...words) => `panel-${words.join("-").replace(/\W+/g, "-")}`;
 
+  // Options, of which those that have a reason against them come last and cannot be chosen.
+  const fitting = (items, text, value) => {
+    const fits = items.filter(({ reason }) => !reason).map((item) => option(value(item), text(item)));
+    const rest = items.filter(({ reason }) => reason);
+    if (rest.length) fits.push(element("optgroup", { label: "These do not fit" }, rest.map((item) => option(value(item), `${value(item)}: ${item.reason}`, { disabled: true }))));
+    return fits;
+  };
+
   // ---- settings ----
 
   const setting = (item) => {
@@ -43,8 +51,6 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
 
   const port = (node, item) => {
     const id = id_of("port", item.name);
-    const fits = item.sources.filter(({ reason }) => !reason);
-    const rest = item.sources.filter(({ reason }) => reason);
     const known = item.sources.some(({ source }) => source === item.feed);
     const field = element("select", {
       id, "aria-describedby": `${id}-about`,
@@ -54,9 +60,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     },
     option("", item.is_optional ? "(nothing)" : "(nothing yet)"),
     known || !item.feed ? null : option(item.feed, item.feed, { disabled: true }),
-    fits.map(({ source, type }) => option(source, type ? `${source}: ${type}` : source)),
-    rest.length ? element("optgroup", { label: "These do not fit" },
-      rest.map(({ source, reason }) => option(source, `${source}: ${reason}`, { disabled: source !== item.feed }))) : null);
+    fitting(item.sources, ({ source, type }) => (type ? `${source}: ${type}` : source), ({ source }) => source));
     field.value = item.feed;
     return element("div", { class: "editor-field" },
       element("label", { for: id }, item.name), field,
@@ -68,10 +72,10 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   const rivals = (node) => {
     const parts = [];
     if (node.rivals.length) {
-      const field = element("select", { id: "panel-rival" }, node.rivals.map(({ use, about }) => option(use, `${use}: ${about}`)));
+      const field = element("select", { id: "panel-rival" }, fitting(node.rivals, ({ use, about }) => `${use}: ${about}`, ({ use }) => use));
       parts.push(element("div", { class: "editor-field" },
         element("label", { for: "panel-rival" }, "Another method beside it"), field,
-        button("Add a rival", () => edit("add_alternative", { node: node.name, use: field.value }))));
+        button("Add a rival", () => field.value && edit("add_alternative", { node: node.name, use: field.value }))));
     }
     if (node.alternatives.length > 1) {
       const field = element("select", { id: "panel-alternative" }, node.alternatives.map((label) => option(label)));
@@ -117,7 +121,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     holder.replaceChildren(
       element("h2", {}, node.name), heading(node),
       ...(node.ports.length ? [element("fieldset", {}, element("legend", {}, "What feeds it"), node.ports.map((each) => port(node, each)))] : []),
-      ...node.sections.map((part) => section(node, part)), rivals(node) ?? "",
+      rivals(node) ?? "", ...node.sections.map((part) => section(node, part)),
     );
     holder.scrollTop = place;
     if (focused && holder.querySelector(`#${CSS.escape(focused)}`)) document.getElementById(focused).focus();
@@ -141,7 +145,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   const suggest = () => {
     const base = (list.value.split(".").pop() || "node").replace(/\W/g, "_");
     let free = base;
-    for (let number = 2; free in editor.known.nodes; number += 1) free = `${base}_${number}`;
+    for (let number = 2; Object.hasOwn(editor.known.nodes, free); number += 1) free = `${base}_${number}`;
     name.value = free;
     const about = all.find(({ use }) => use === list.value)?.about ?? ["Nothing has these words."];
     search.querySelector("#search-about").replaceChildren(...about.map((text) => element("p", {}, text)));
@@ -174,6 +178,9 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   search.querySelector("#search-add").addEventListener("click", add);
   search.querySelector("#search-cancel").addEventListener("click", () => search.close());
   document.getElementById("add").addEventListener("click", open_search);
+  document.getElementById("picture").addEventListener("dblclick", (event) => {
+    if (!event.target.closest("[data-box]")) open_search();
+  });
   document.addEventListener("keydown", (event) => {
     if (event.key !== "/" || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target.closest("input, textarea, select, dialog, .cm-editor")) return;

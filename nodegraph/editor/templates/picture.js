@@ -5,6 +5,7 @@ nodegraph.define("picture", [], () => {
   // A reader hears of the name of a card that is chosen.
   const make = (holder, reader) => {
     let chosen = "";
+    let scale = 0; // none: as wide as the pane, unless words became too small
     const boxes = () => [...holder.querySelectorAll("[data-box]")];
     const has = (box, name) => box.dataset.box === name || box.dataset.box.startsWith(`${name}.`);
     const show = () => {
@@ -36,7 +37,21 @@ nodegraph.define("picture", [], () => {
       } else return;
       event.preventDefault();
     });
+    const resize = () => {
+      const picture = holder.querySelector("svg");
+      if (picture && scale) picture.style.minWidth = picture.style.maxWidth = `${scale * picture.getAttribute("width")}px`;
+    };
     return {
+      // Make the picture larger by a factor, or, by 0, as large as the pane has room for all of it.
+      zoom: (factor) => {
+        const picture = holder.querySelector("svg");
+        if (!picture) return;
+        const [width, height] = ["width", "height"].map((name) => Number(picture.getAttribute(name)));
+        const now = picture.getBoundingClientRect().width / width;
+        const room = Math.min((holder.clientWidth - 30) / width, (holder.clientHeight - 30) / height, 1);
+        scale = Math.max(0.1, Math.min(factor ? now * factor : room, 4));
+        resize();
+      },
       // Show another picture, with the names of nodes that have mistakes; without one, the last stays, and
       // looks as if it were behind.
       draw: (svg, wrong) => {
@@ -51,6 +66,7 @@ nodegraph.define("picture", [], () => {
           box.setAttribute("role", "button"); // its title names it
           if (wrong.some((name) => has(box, name))) box.dataset.wrong = "";
         }
+        resize();
         show();
         if (focused) boxes().find((box) => box.dataset.box === focused)?.focus();
       },

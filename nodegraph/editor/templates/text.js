@@ -64,7 +64,8 @@ nodegraph.define("text", ["page"], ({ element }) => {
           EditorView.lineWrapping,
           EditorView.contentAttributes.of({ "aria-label": `Text of ${holder.dataset.file}`, spellcheck: "false", tabindex: "0" }),
           EditorView.updateListener.of((update) => {
-            if (update.docChanged && !update.transactions.some((each) => each.annotation(Transaction.remote))) readers.edited();
+            if (update.transactions.some((each) => each.annotation(Transaction.remote))) return;
+            if (update.docChanged) readers.edited();
             if (update.selectionSet || update.docChanged) readers.moved(update.state.doc.lineAt(update.state.selection.main.head).number);
           }),
         ],

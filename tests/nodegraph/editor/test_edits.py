@@ -166,11 +166,14 @@ def test_a_panel_has_forms_and_what_fits(editor: Editor) -> None:
     assert "gives the truth" in reasons["gaps.truth"]
     assert reasons["gaps.hidden"] == "'recording' takes Trajectories, not Mask"
     assert reasons["error"] == "error reads fill"
-    rivals = {each["use"] for each in panel["rivals"]}
-    assert "fill.pchip" in rivals
-    assert not {"fill.linear", "fill.muscle"} & rivals
+    rivals = {each["use"]: each["reason"] for each in panel["rivals"]}
+    assert rivals["fill.pchip"] == ""
+    assert not {"fill.linear", "fill.muscle"} & rivals.keys()
     assert panel["alternatives"] == ["linear", "muscle"]
-    ports = editor.get("/node?name=error").data["ports"]
+    error = editor.get("/node?name=error").data
+    reasons = {each["use"]: each["reason"] for each in error["rivals"]}
+    assert reasons["score.alignment"] == "it has no port estimate"
+    ports = error["ports"]
     assert [each["feed"] for each in ports[:2]] == ["fill", "gaps.truth"]
 
 

@@ -121,6 +121,41 @@ def test_a_card_and_its_lines_are_chosen_together(page: Page) -> None:
     until(page, f"{CHOSEN} === 'fill'")
 
 
+def test_a_card_stays_in_hand_while_the_cursor_is_elsewhere(page: Page) -> None:
+    put_cursor(page, "use: read.rec")
+    until(page, f"{CHOSEN} === 'capture'")
+    page.click("#picture [data-box=gaps] .frame")
+    page.get_by_label("count", exact=True).fill("3")
+    page.keyboard.press("Tab")
+    until(page, has_text("count: 3"))
+    assert page.evaluate(CHOSEN) == "gaps"
+    assert page.get_by_label("count", exact=True).input_value() == "3"
+    assert page.evaluate("document.activeElement.closest('#panel') !== null")
+
+
+def test_a_picture_is_as_large_as_one_likes(page: Page) -> None:
+    width = "document.querySelector('#picture svg').getBoundingClientRect().width"
+    room = "document.querySelector('#picture').clientWidth"
+    first = page.evaluate(width)
+    for _ in range(5):
+        page.click("#larger")
+    assert page.evaluate(width) > page.evaluate(room) > first
+    put_cursor(page, "[5, 15")
+    page.keyboard.type(", 45")
+    until(page, "document.querySelector('#picture').textContent.includes('length: 5, 15, 45')")
+    assert page.evaluate(width) > page.evaluate(room)
+    page.click("#fit")
+    assert page.evaluate(width) < page.evaluate(room)
+    before = page.evaluate(width)
+    page.click("#smaller")
+    assert page.evaluate(width) < before
+    page.evaluate("location.hash = '#%'")  # no name of a node
+    page.dblclick("#picture", position={"x": 5, "y": 5})
+    until(page, "document.getElementById('search').open")
+    page.click("#search-cancel")
+    assert page.evaluate("document.querySelector('[aria-pressed=true]')") is None
+
+
 def test_another_program_changes_the_file(page: Page, path: Path) -> None:
     put_cursor(page, "Two")
     page.keyboard.type(" good")
