@@ -33,6 +33,7 @@ REQUIRED: Mapping[str, Callable[[], Mapping[str, object]]] = {
     "read.recording": lambda: {"path": sample_folder("face")},
     "read.marker_set": lambda: {"path": sample_folder("face")},
     "read.truth": lambda: {"path": sample_folder("face")},
+    "recording.drop_marked": lambda: {"path": HERE / "plugins" / "nodegraph_markers" / "marks.csv"},
     "recording.resample": lambda: {"rate": 44.1},
     "read.weights": lambda: {"path": HERE / "plugins" / "nodegraph_files" / "weights.csv"},
     "select.greedy": lambda: {"k": 5},

@@ -16,10 +16,11 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_markers.join import join
     from nodegraph_markers.keep import keep
     from nodegraph_markers.label import label
+    from nodegraph_markers.marked import drop_marked
     from nodegraph_markers.rename import rename
     from nodegraph_markers.resample import resample
 
-    return (keep, rename, infer, label, crop, resample, join)
+    return (keep, rename, infer, label, crop, resample, join, drop_marked)
 
 
 @hookimpl

@@ -33,6 +33,7 @@ _SCRIPTS = (
     "curves",
     "strip",
     "spectrum",
+    "marks",
     "hand",
     "controls",
     "gestures",

@@ -72,7 +72,7 @@ class _Files:
         """
         check_meshes(self._shown.items())
         every = frames_apart([*self._shown.values(), *self._curves.values()])
-        panels = [_panel(label, shown, every) for label, shown in self._shown.items()]
+        panels = [self._panel(label, shown, every) for label, shown in self._shown.items()]
         return Playback(
             panels=tuple(panels),
             every=every,
@@ -82,6 +82,13 @@ class _Files:
                 for label, weights in self._curves.items()
             ),
         )
+
+    def _panel(self, label: str, shown: Trajectories | Animation, every: int) -> Panel:
+        if not shown.frames:
+            raise Refusal(f"{label} has no frame")
+        panel = panel_of(label, thinned(shown, every), AUTO)
+        value = self._values[label]
+        return replace(panel, strip=strip_of(value) if isinstance(value, Trajectories) else None)
 
     def _add(self, label: str, value: object) -> None:
         if isinstance(value, Trajectories):
@@ -128,13 +135,6 @@ class _Files:
         if weights.names:
             self._curves[label] = weights
             self._notes.append(f"{label}: its shapes are shown one after the other.")
-
-
-def _panel(label: str, shown: Trajectories | Animation, every: int) -> Panel:
-    if not shown.frames:
-        raise Refusal(f"{label} has no frame")
-    strip = strip_of(shown) if isinstance(shown, Trajectories) else None
-    return replace(panel_of(label, thinned(shown, every), AUTO), strip=strip)
 
 
 def _one_after_another(names: tuple[str, ...]) -> Weights:

@@ -54,6 +54,7 @@ def test_shapes_of_a_model_come_one_after_the_other() -> None:
     assert (np.diff(peaks) > 0).all()
     assert np.abs(moved[peaks] - model.shapes).max() < 0.01
     assert panel["frames"] == curves["frames"]
+    assert panel["strip"] is None
 
 
 def test_a_head_moves_as_weights_of_its_names_say() -> None:
@@ -228,3 +229,48 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
             resize(tab, width)
             assert tab.evaluate("document.documentElement.scrollWidth") <= width
             assert violations(tab) == []
+
+
+@needs_axe
+def test_samples_are_marked_by_hand_and_left_out_of_a_run(tab: Page, tmp_path: Path) -> None:
+    face = recordings()["gaps"]
+    named = replace(face, markers=(*face.markers[:6], 'a "nose", up', *face.markers[7:]))
+    ((file, content),) = ng.get_node("write.npz")(replace(named, marker_set=None)).content.items()
+    (tmp_path / file).write_bytes(content)
+    with served(str(tmp_path / file)) as address:
+        tab.goto(address)
+        tab.wait_for_selector(".viewed-file")
+        until(tab, PLAYER)
+        marks = tab.locator(".marks")
+        for marker, first, last in (("brow_left", 12, 8), (named.markers[6], 20, 20)):
+            tab.locator("label:has-text('Marker') select").select_option(marker)
+            tab.evaluate(f"{PLAYER}.seek({first})")
+            marks.get_by_text("Bad from here").press("Enter")
+            tab.evaluate(f"{PLAYER}.seek({last})")
+            marks.get_by_text("Bad to here").press("Enter")
+        for _ in range(2):
+            marks.get_by_text("Bad to here").click()
+        assert "6 samples marked in 4 spans" in marks.inner_text()
+        for _ in range(2):
+            marks.get_by_text("Undo").click()
+        assert "6 samples marked in 2 spans" in marks.inner_text()
+        assert tab.locator(".hand-chart .marked").count() == 1
+        assert violations(tab, ".hand") == []
+        with tab.expect_download() as saving:
+            marks.get_by_text("Save marks").click()
+        assert saving.value.suggested_filename == f"{file}.marks.csv"
+        saving.value.save_as(tmp_path / "marks.csv")
+        assert ", saved" in marks.inner_text()
+    text = 'marker,start,frames\nbrow_left,8,5\n"a ""nose"", up",20,1\n'
+    assert (tmp_path / "marks.csv").read_text() == text
+    graph = tmp_path / "graph.yaml"
+    graph.write_text(
+        "nodegraph: 1\nnodes:\n"
+        f"  take: {{use: read.recording, with: {{path: {file}}}}}\n"
+        "  clean: {use: recording.drop_marked, in: take, with: {path: marks.csv}}\n"
+    )
+    run = ng.run(graph, store=tmp_path / "store")
+    assert run["clean.marked"].value.hidden.sum() == 6
+    run.save(tmp_path / "run")
+    report = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert "6 samples by hand are left out, of 2 markers" in report
