@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,7 @@ def quiet() -> Iterator[None]:
         yield
 
 
-@cache
+@lru_cache(maxsize=4)
 def face(**settings: Any) -> SyntheticFace:
     return synthesize_face(**settings)
 

@@ -20,7 +20,7 @@ nodes:
   face: {use: align.procrustes, in: {recording: capture, reference: model.neutral}}
   chosen:
     in: face
-    alternatives: {select.*: {}, pfa: {use: select.pfa, with: {runs: 60}}}
+    alternatives: {select.*: {}, pfa: {use: select.pfa, with: {runs: 12}}}
     with: {k: $k}
   kept: {use: markers.keep, in: {recording: face, selection: chosen}}
 report: [kept]

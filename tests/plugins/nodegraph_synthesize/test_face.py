@@ -1,7 +1,8 @@
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import fields
-from functools import cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,15 @@ from nodegraph_score.realism import realism
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
 
 
-@cache
+@lru_cache(maxsize=12)
 def _face(**settings: Any) -> SyntheticFace:
     return synthesize_face(**settings)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _forget_faces() -> Iterator[None]:
+    yield
+    _face.cache_clear()
 
 
 def _node() -> Node:

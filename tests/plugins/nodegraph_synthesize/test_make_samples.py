@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -16,9 +17,9 @@ COMPLETE = ("actor_a", "actor_b", "actor_c")
 FLOAT32 = 2e-5  # mm; C3D holds single precision
 
 
-@cache
-def synthesized(name: str) -> SyntheticFace:
-    return SAMPLE_FACES[name]()
+@pytest.fixture(scope="module")
+def synthesized() -> Callable[[str], SyntheticFace]:
+    return cache(lambda name: SAMPLE_FACES[name]())
 
 
 def test_the_samples_are_those_that_ship() -> None:
@@ -26,7 +27,9 @@ def test_the_samples_are_those_that_ship() -> None:
 
 
 @pytest.mark.parametrize("name", SAMPLE_FACES)
-def test_a_sample_is_what_the_generator_gives(name: str) -> None:
+def test_a_sample_is_what_the_generator_gives(
+    synthesized: Callable[[str], SyntheticFace], name: str
+) -> None:
     """To the grid, or to single precision: another processor may round otherwise."""
     face, path = synthesized(name), Path(f"sample:{name}")
     assert_close(
@@ -49,7 +52,9 @@ def assert_close(shipped: Trajectories, synthetic: Trajectories, tolerance: floa
 
 
 @pytest.mark.parametrize("name", SAMPLE_FACES)
-def test_the_faces_are_damaged_the_actors_complete_and_every_truth_is(name: str) -> None:
+def test_the_faces_are_damaged_the_actors_complete_and_every_truth_is(
+    synthesized: Callable[[str], SyntheticFace], name: str
+) -> None:
     face = synthesized(name)
     missing = 1.0 - face.captured.present.mean()
     assert missing == 0.0 if name in COMPLETE else 0.04 < missing < 0.06
@@ -57,7 +62,9 @@ def test_the_faces_are_damaged_the_actors_complete_and_every_truth_is(name: str)
     assert face.truth.present.all()
 
 
-def test_writing_again_gives_the_same_bytes(tmp_path: Path) -> None:
+def test_writing_again_gives_the_same_bytes(
+    synthesized: Callable[[str], SyntheticFace], tmp_path: Path
+) -> None:
     for folder in (tmp_path / "one", tmp_path / "two"):
         write_sample(folder, synthesized("actor_a"), c3d=True)
     for path in (tmp_path / "one").iterdir():
