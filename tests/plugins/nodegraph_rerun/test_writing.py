@@ -9,7 +9,6 @@ import numpy as np
 import pyarrow
 import pytest
 from numpy.typing import NDArray
-from rerun.chunk import RrdReader
 
 from nodegraph import Across, NodegraphError, get_node
 from nodegraph_mocap import Origin, Trajectories
@@ -22,6 +21,8 @@ GAPPY, PROCESSED = SPECIMENS["gaps"], SPECIMENS["filled, repaired and with sigma
 def batches(content: bytes, folder: Path) -> dict[tuple[str, bool], pyarrow.RecordBatch]:
     """Return what a file holds by entity, and whether it holds at all times."""
     (folder / "it.rrd").write_bytes(content)
+    from rerun.chunk import RrdReader  # which takes 26 MB
+
     chunks = RrdReader(folder / "it.rrd").stream().to_chunks()
     return {(chunk.entity_path, chunk.is_static): chunk.to_record_batch() for chunk in chunks}
 
