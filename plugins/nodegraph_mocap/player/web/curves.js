@@ -38,7 +38,8 @@ nodegraph.define("mocap/player/curves", ["mocap/player/rows"], ({ Rows }) => {
         });
       },
       valueAt: (row, seconds) => {
-        const frame = Math.min(frames - 1, Math.floor(seconds * rate + 1e-6));
+        const frame = Math.floor(seconds * rate + 1e-6);
+        if (frame >= frames) return "";
         const weight = weights[moving[row] * frames + frame];
         return Number.isNaN(weight) ? "missing" : weight.toFixed(2).replace("-", "\u2212");
       },

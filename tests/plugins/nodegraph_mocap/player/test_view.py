@@ -174,7 +174,7 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
     names = ("jawOpen", "<b>blink</b>", "still")
     time = np.arange(600)[:, np.newaxis] / 60
     values = np.sin(time * [1.0, 2.0, 0.0]) ** 2
-    moving = Weights(values=values, names=names, rate=60.0)
+    moving = Weights(values=values[:300], names=names, rate=60.0)
     shifted = replace(
         face,
         positions=face.positions[::2] + np.array([3.0, 0, 0]),
@@ -202,6 +202,9 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         assert "1 of 3 shapes stay below" in (rows.get_attribute("aria-label") or "")
         shown = [float(text) for text in rows.locator(".values").inner_text().split()]
         assert shown == pytest.approx(values[90, :2], abs=0.006)
+        tab.evaluate(f"{PLAYER}.seek(301)")
+        until(tab, f"{PLAYER}.state.tick === 301")
+        assert rows.locator(".values").inner_text().split() == []
         rows.locator("canvas").click(position={"x": 5, "y": 5})
         assert tab.evaluate(f"{PLAYER}.state.tick") < 90
         tab.evaluate(f"{PLAYER}.seek(90)")
