@@ -11,6 +11,7 @@ from pathlib import Path
 
 from nodegraph.editor.merge import merged
 from nodegraph.errors import GraphError, NodegraphError, Place, Problem
+from nodegraph.graphfile.spec import is_graph_file
 
 MOST_BYTES = 4_000_000
 """Bytes of the largest file that is edited."""
@@ -49,7 +50,8 @@ class EditedFile:
     Raises
     ------
     GraphError
-        If the file cannot be read, or is too large.
+        If the file cannot be read, or is too large; or if it is not there and its name is no graph
+        file's.
     """
 
     def __init__(self, path: Path) -> None:
@@ -58,6 +60,9 @@ class EditedFile:
         if not self.path.parent.is_dir():
             raise GraphError([Problem(Place(str(path)), f"there is no folder {self.path.parent}")])
         self._base = _text_in(self.path)
+        if self._base is None and not is_graph_file(path.name):
+            hint = "a graph file ends in .yaml"
+            raise GraphError([Problem(Place(str(path)), "there is no such file", hint)])
         self.text = self._base or ""
         self.revision = 1
         self.theirs: str | None = None

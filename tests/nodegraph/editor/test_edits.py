@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import random
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from nodegraph.editor.edits import Edits
+from nodegraph.editor.file import EditedFile
+from nodegraph.errors import GraphError
 from nodegraph.plugin.registry import Registry
+from tests.nodegraph.edit.graph_texts import Writer
 from tests.nodegraph.editor.conftest import GRAPH, Editor
 
 
@@ -223,3 +229,41 @@ def test_nodes_move_into_a_graph_beside_this(editor: Editor, path: Path) -> None
         assert reason in view["refused"]
     assert sorted(path.parent.parent.rglob("*")) == before
     assert editor.edit(action="undo")["text"] == GRAPH
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_any_edits_undone_give_the_first_bytes(
+    tmp_path: Path, registry: Registry, seed: int
+) -> None:
+    writer, draw = Writer(seed), random.Random(seed)
+    path = tmp_path / "graph.yaml"
+    path.write_bytes(writer.text.encode())
+    file = EditedFile(path)
+    edits = Edits(registry, path)
+    nodes = ("capture", "gaps", *writer.fills)
+    done = 0
+    for number in range(40):
+        name, arguments = draw.choice(
+            (
+                ("rename", {"old": draw.choice(nodes), "new": f"name_{number}"}),
+                ("remove_node", {"name": draw.choice(nodes)}),
+                ("set_axis", {"name": draw.choice(("length", "new")), "labels": "[1, 2]"}),
+                ("add_alternative", {"node": "fill", "use": "fill.pchip"}),
+                ("disconnect", {"node": draw.choice(nodes), "port": "recording"}),
+                ("connect", {"node": "fill", "port": "recording", "source": "capture"}),
+                ("set", {"path": ["nodes", "gaps", "with", "seed"], "value": str(number)}),
+                ("add_node", {"name": f"n{number}", "use": "fill.linear", "after": "gaps"}),
+            )
+        )
+        with suppress(GraphError):  # of what is not there any more, or cannot be written there
+            file.put(edits.named(name, arguments)(file.text))
+            done += 1
+        if draw.random() < 0.2:
+            draw.choice((file.undo, file.redo))()
+        if draw.random() < 0.2:
+            file.edit(f"# {number}\n{file.shown}")
+    assert done > 10
+    while file.can_undo:
+        file.undo()
+    assert file.text.encode() == path.read_bytes() == writer.text.encode()
+    assert [each.name for each in tmp_path.iterdir()] == ["graph.yaml"]

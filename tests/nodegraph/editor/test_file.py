@@ -193,6 +193,8 @@ def test_what_cannot_be_edited_is_refused_with_its_place(path: Path, tmp_path: P
         EditedFile(tmp_path)
     with pytest.raises(GraphError, match="there is no folder"):
         EditedFile(tmp_path / "none" / "graph.yaml")
+    with pytest.raises(GraphError, match=r"no such file\n +a graph file ends in \.yaml"):
+        EditedFile(tmp_path / "fill")
     file = EditedFile(tmp_path / "new.yaml")
     for text in ("\ud800", "#" * (MOST_BYTES + 1)):
         with pytest.raises(NodegraphError):

@@ -190,6 +190,37 @@ def test_two_pages_of_one_file_show_the_same(page: Page) -> None:
     until(page, "document.querySelector('.cm-content').textContent.includes('Two fills')")
 
 
+_DEAF = """
+const told = fetch;
+window.fetch = (address, ...rest) =>
+  address.startsWith("/revision") ? new Promise(() => {}) : told(address, ...rest);
+0;
+"""
+
+
+@pytest.mark.parametrize("choice", ["theirs", "mine"])
+def test_two_pages_edit_one_line(page: Page, choice: str) -> None:
+    other = page.context.new_page()
+    resize(other, 1600, 900)
+    other.goto(page.url)
+    until(other, has_box("error"))
+    other.evaluate(_DEAF)  # it does not hear of what the first page does
+    put_cursor(page, "Two")
+    page.keyboard.type(" good")
+    until(page, state("not saved"))
+    put_cursor(other, "Two")
+    other.keyboard.type(" bad")
+    until(other, "document.getElementById('conflict').open")
+    assert ["Two good" in text for text in other.locator("#conflict pre").all_inner_texts()] == [
+        True,
+        False,
+    ]
+    other.click(f"#conflict button[value={choice}]")
+    until(other, "!document.getElementById('conflict').open")
+    until(page, has_text("Two good fills" if choice == "theirs" else "Two bad fills"))
+    assert other.evaluate(TEXT) == page.evaluate(TEXT)
+
+
 def add(page: Page, words: str, name: str) -> None:
     """Add a node by keys: search it, and take the first that is found."""
     page.focus("#add")
