@@ -15,7 +15,6 @@ import numpy as np
 
 from nodegraph_synthesize.expressions import held_expressions
 from nodegraph_synthesize.eyelids import EYELIDS
-from nodegraph_synthesize.manner import WITHOUT_REST, Manner
 from nodegraph_synthesize.muscles import CHANNELS, JAW, KINDS, kind_of
 from nodegraph_synthesize.smooth_noise import awake, rest_of, rising, smooth_noise
 
@@ -41,6 +40,10 @@ _PLAY = {
     "depressorAnguliOris": 0.5,
 }
 """Muscles that come and go, whatever is held or spoken, and how strongly they act at most."""
+_CALM = 0.5
+"""Level of these, in standard deviations, below which a smooth course leaves a muscle at rest."""
+_BLINK = (0.11, 0.12, 0.31)
+"""Seconds from the beginning of a blink at which the eye is shut, opens, and is open."""
 _GAPS = (0.3, 1.7)
 """Between two blinks at the shortest and the longest, of what it is on average."""
 
@@ -65,7 +68,6 @@ class Habits:
         How much the sides differ, 0 to 1.
     gains : dict of muscle to float
         How much of each muscle's range the actor uses, 0 to 1.
-    manner : Manner
     """
 
     syllables: float
@@ -75,22 +77,20 @@ class Habits:
     blinks: float
     lopsided: float
     gains: dict[str, float]
-    manner: Manner
 
 
-def draw_habits(random: np.random.Generator, manner: Manner = WITHOUT_REST) -> Habits:
-    """Return the habits of a random actor who moves in a manner."""
+def draw_habits(random: np.random.Generator) -> Habits:
+    """Return the habits of a random actor."""
     muscles = [name for name in KINDS if name != EYELIDS]
     used = 1.0 - 0.12 * random.random(len(muscles))
     return Habits(
         syllables=random.uniform(2.8, 4.2),
-        silence=random.uniform(*manner.silence),
-        jaw=random.uniform(*manner.jaw),
+        silence=random.uniform(0.4, 0.8),
+        jaw=random.uniform(0.15, 0.3),
         pace=random.uniform(0.3, 0.55),
-        blinks=random.uniform(*manner.blinks),
+        blinks=random.uniform(0.2, 0.3),
         lopsided=random.uniform(0.05, 0.25),
         gains=dict(zip(muscles, used.tolist(), strict=True)),
-        manner=manner,
     )
 
 
@@ -98,7 +98,7 @@ def activations(
     random: np.random.Generator, habits: Habits, frames: int, rate: float
 ) -> NDArray[np.float64]:
     """Return (T, K) activations of the channels, in [0, 1]."""
-    held = held_expressions(random, habits.manner, habits.lopsided, frames, rate)
+    held = held_expressions(random, habits.lopsided, frames, rate)
     moving = awake(frames, rate)
     speaking = moving * _phrases(random, habits, frames, rate) * (1.0 - held.hush)
     levels = {
@@ -145,8 +145,7 @@ def _driven(
     """Return a smooth random level per channel, of each muscle up to its most."""
     curves = _sided(random, habits, most, cutoff, len(active), rate)
     used = {name: most[kind_of(name)] * habits.gains[kind_of(name)] for name in curves}
-    calm = habits.manner.calm
-    return {name: used[name] * active * rising(curve, calm, 2.6) for name, curve in curves.items()}
+    return {name: used[name] * active * rising(curve, _CALM, 2.6) for name, curve in curves.items()}
 
 
 def _blinks(
@@ -163,7 +162,7 @@ def _blinks(
     depth[winking, random.integers(0, 2, count)[winking]] = 0.0
     latest = np.searchsorted(starts, seconds, side="right") - 1
     since = np.where(latest >= 0, seconds - starts[latest], np.inf)
-    shut, held, opened = habits.manner.blink
+    shut, held, opened = _BLINK
     closed = rising(since, 0.0, shut) * (1.0 - rising(since, held, opened))
     left, right = (closed[:, None] * depth[latest]).T
     return {f"{EYELIDS}Left": left, f"{EYELIDS}Right": right}

@@ -12,7 +12,6 @@ from nodegraph_mocap.random_numbers import random_for
 from nodegraph_synthesize.activation import Habits, draw_habits
 from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
 from nodegraph_synthesize.layout import edges_between, make_layout
-from nodegraph_synthesize.manner import Manner
 from nodegraph_synthesize.muscles import CHANNELS
 from nodegraph_synthesize.proportions import Proportions, draw_proportions
 from nodegraph_synthesize.surface import make_surface
@@ -43,12 +42,12 @@ class Actor:
         return make_anatomy(points, self.proportions, self.strengths)
 
 
-def draw_actor(seed: int, manner: Manner) -> Actor:
-    """Return the actor of a seed, who moves in a manner."""
+def draw_actor(seed: int) -> Actor:
+    """Return the actor of a seed."""
     return Actor(
         draw_proportions(random_for("proportions", seed)),
         draw_strengths(random_for("strengths", seed)),
-        draw_habits(random_for("habits", seed), manner),
+        draw_habits(random_for("habits", seed)),
     )
 
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_synthesize.manner import Manner
 from nodegraph_synthesize.muscles import CHANNELS, JAW, KINDS, PUFF, SPHINCTER, kind_of
 from nodegraph_synthesize.smooth_noise import rest_of, rising, smooth_noise
 
@@ -63,6 +62,12 @@ EXPRESSIONS: Mapping[str, Mapping[str, float]] = {
 }
 """Largest activation of each muscle, or that of one side, in each expression."""
 
+_SHORTEST, _LONGEST = (0.35, 0.5, 0.5, 0.3), (0.7, 1.5, 0.9, 1.6)
+"""Seconds of onset, apex, offset and the pause after them."""
+_FAINTEST = 0.6
+"""Strength of the faintest expression, of the strongest."""
+_SLACK = 0.05
+"""Share by which a held expression gives way."""
 _LATEST = 0.25
 """Seconds by which one muscle sets in later than another; shorter than any pause."""
 _KIND = np.array([KINDS.index(kind_of(name)) for name in CHANNELS])
@@ -89,20 +94,19 @@ class Held:
 
 
 def held_expressions(
-    random: np.random.Generator, manner: Manner, lopsided: float, frames: int, rate: float
+    random: np.random.Generator, lopsided: float, frames: int, rate: float
 ) -> Held:
     """Return expressions, one after the other from the end of the rest to that of the take.
 
     Parameters
     ----------
     random
-    manner
     lopsided
         How much the sides differ, 0 to 1.
     frames, rate
         Number of frames, frames per second.
     """
-    script = _script(random, manner, lopsided, frames / rate, rest_of(frames, rate))
+    script = _script(random, lopsided, frames / rate, rest_of(frames, rate))
     # Nothing is held quite still.
     loose = rising(smooth_noise(random, frames, [0.6] * len(KINDS), rate), -1.0, 1.5)
     seconds = np.arange(frames) / rate
@@ -111,7 +115,7 @@ def held_expressions(
     times = script.times[latest].T
     acting = _course(since[:, None] - script.delays[latest], times[..., None])
     return Held(
-        levels=script.levels[latest] * acting * (1.0 - manner.slack * loose[:, _KIND]),
+        levels=script.levels[latest] * acting * (1.0 - _SLACK * loose[:, _KIND]),
         hush=script.hush[latest] * _course(since, times),
     )
 
@@ -131,12 +135,12 @@ class _Script:
 
 
 def _script(
-    random: np.random.Generator, manner: Manner, lopsided: float, seconds: float, rest: float
+    random: np.random.Generator, lopsided: float, seconds: float, rest: float
 ) -> _Script:
-    count = 2 + int(seconds / sum(manner.shortest))
-    times = random.uniform(manner.shortest, manner.longest, (count, 4))
+    count = 2 + int(seconds / sum(_SHORTEST))
+    times = random.uniform(_SHORTEST, _LONGEST, (count, 4))
     lengths = times.sum(axis=1)
-    levels = _levels(random, manner, lopsided, count)
+    levels = _levels(random, lopsided, count)
     return _Script(
         starts=rest + random.uniform(0.1, 0.6) + np.cumsum(lengths) - lengths,
         times=times[:, :3],
@@ -155,14 +159,14 @@ def _course(since: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[n
 
 
 def _levels(
-    random: np.random.Generator, manner: Manner, lopsided: float, count: int
+    random: np.random.Generator, lopsided: float, count: int
 ) -> NDArray[np.float64]:
     """Return (n, K) levels of the channels at the apex of n expressions."""
     full = np.array(
         [[_level(muscles, name) for name in CHANNELS] for muscles in EXPRESSIONS.values()]
     )
     order = _order(random, np.array([JAW in muscles for muscles in EXPRESSIONS.values()]), count)
-    strength = random.uniform(manner.faintest, 1.0, (count, 1))
+    strength = random.uniform(_FAINTEST, 1.0, (count, 1))
     mixed = random.uniform(0.7, 1.0, (count, len(KINDS)))[:, _KIND]
     left, right = 1.0 - lopsided * random.random((2, count, 1))
     sided = np.where(_on("Left"), left, 1.0) * np.where(_on("Right"), right, 1.0)

@@ -24,7 +24,6 @@ from nodegraph_synthesize.activation import activations
 from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
 from nodegraph_synthesize.damage import impulses as impulses_on
 from nodegraph_synthesize.damage import occlusions, unlabelled
-from nodegraph_synthesize.manner import IN_BURSTS, WITHOUT_REST
 from nodegraph_synthesize.movement import head_motion as motion_of_head
 from nodegraph_synthesize.movement import moved, own_movement, skin_movement, tempo
 from nodegraph_synthesize.muscles import CHANNELS
@@ -61,8 +60,7 @@ def synthesize_face(
     markers: Annotated[int, Field(ge=10, le=150)] = 60,
     noise: Annotated[float, Field(ge=0, le=100), Unit("mm")] = 0.1,
     noise_cutoff: Annotated[float | None, Field(gt=0, le=1000), Unit("Hz")] = None,
-    residual: Annotated[float, Field(ge=0, le=1), Unit("share")] = 0.0,
-    bursts: bool = False,
+    residual: Annotated[float, Field(ge=0, le=1), Unit("share")] = 0.15,
     missing: Annotated[float, Field(ge=0, le=0.5)] = 0.05,
     impulses: Annotated[float, Field(ge=0, le=0.2)] = 0.005,
     head_motion: bool = True,
@@ -79,6 +77,12 @@ def synthesize_face(
     moving skin, the skin stiffens and slides over the skull, and moves a little by itself, so
     the recording is not exactly low-rank. Every seed is another actor: other proportions,
     strengths and habits.
+
+    The face moves in bursts with rests between, as people's do: pauses take about half of the time
+    of speech [3]_, an expression is over before the next begins, at its apex it is still, blinks
+    take a third of a second [4]_, onsets half of one [5]_, and skin moves by itself mostly where
+    muscles do. By `score.realism`, in takes of 20 s, the kurtosis of velocity is 4 to 7 and the
+    99.9th percentile of the speed 40 to 90 mm/s. Shorter takes hold few movements and spread wider.
 
     Parameters
     ----------
@@ -99,13 +103,6 @@ def synthesize_face(
         standard deviation of its movement by muscles: red, its power falling as ``f^-3``. From
         one actor, on whose markers it is 10 to 20 % (AnimFace, Carretero 2019); in two people of
         another laboratory neighbours share more.
-    bursts
-        Whether the face moves in bursts with rests between, as people's do: pauses take about half
-        of the time of speech [3]_, an expression is over before the next begins, at its apex it
-        is still, blinks take a third of a second [4]_, onsets half of one [5]_, and skin moves by
-        itself mostly where muscles do. By `score.realism`, in takes of 20 s, the kurtosis of
-        velocity is then 4 to 7 and the 99.9th percentile of the speed 40 to 90 mm/s; without, 2 to
-        4 and 60 to 120. Shorter takes hold few movements and spread wider.
     missing
         Share of all samples that are hidden: occlusions of 1 to 40 frames, some of them of
         several neighbours together.
@@ -164,7 +161,7 @@ def synthesize_face(
        37-52.
     """
     frames = _frames(seconds, rate)
-    actor = draw_actor(seed, IN_BURSTS if bursts else WITHOUT_REST)
+    actor = draw_actor(seed)
     head, marker_set = head_of(actor, markers)
     points = head.vertices[head.marker_vertices]
     drawn: Seed = (seed, take) if take else seed
@@ -215,8 +212,7 @@ def _aligned(
 ) -> NDArray[np.float64]:
     """Return (T, M, 3) mm of the face without its head motion."""
     clock = tempo(weights, rate)
-    manner = actor.habits.manner
-    skin = skin_movement(random_for("skin", seed), manner, points, clock, rate)
+    skin = skin_movement(random_for("skin", seed), points, clock, rate)
     pulled = actor.anatomy(points).offsets(weights)
     if residual:
         extents = residual * np.sqrt(pulled.var(axis=0).sum(axis=1))

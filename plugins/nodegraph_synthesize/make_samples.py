@@ -28,22 +28,26 @@ if TYPE_CHECKING:
 
 FACES = 8
 """Names of the faces of the studies: ``face_1`` and so on."""
-_SECONDS = 8.0
 _FIRST_SEED = 11
 GRID = 1.0 / 256.0
 """mm, of the positions in NPZ: trailing zero bits compress."""
 
 _complete = partial(synthesize_face, noise=0.05, missing=0.0, impulses=0.0)
+_published = partial(synthesize_face, seconds=12.0, noise=0.03, noise_cutoff=8.0, impulses=0.0)
 
 SAMPLE_FACES: Mapping[str, Callable[[], SyntheticFace]] = {
     "face": synthesize_face,
     **{f"actor_{name}": partial(_complete, seed=seed) for seed, name in enumerate("abc", start=1)},
     **{
-        f"face_{number}": partial(synthesize_face, seconds=_SECONDS, seed=_FIRST_SEED + number - 1)
+        f"face_{number}": partial(_published, seed=_FIRST_SEED + number - 1)
         for number in range(1, FACES + 1)
     },
 }
-"""What makes each sample: a damaged face, three complete ones, and the eight of the studies."""
+"""What makes each sample: a damaged face, three complete ones, and the eight of the studies.
+
+The eight have gaps, and otherwise what a low-pass at 8 Hz leaves of a recording: little noise, and
+no impulses.
+"""
 
 
 def write_sample(folder: Path, face: SyntheticFace, *, c3d: bool) -> None:

@@ -12,8 +12,6 @@ from nodegraph_synthesize.smooth_noise import awake, red_noise, smooth_noise
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_synthesize.manner import Manner
-
 LARGEST_TURN = 4.9
 """Degrees; the head turns by less."""
 LARGEST_SHIFT = 0.049
@@ -26,6 +24,8 @@ _DRIFT = 0.1
 """Pace at which skin settles or drifts while no muscle moves, of the mean pace."""
 _SETTLING = 0.25
 """Seconds that skin takes to follow."""
+_SKIN, _SKIN_PACE = 0.25, 0.8
+"""Standard deviation of the skin's own movement in each direction, mm, and its cut-off, Hz."""
 _PATTERNS = 40
 _PATTERN_LENGTH = 60.0
 """Typical wavelength of the skin's patterns, mm."""
@@ -84,7 +84,6 @@ def tempo(activations: NDArray[np.float64], rate: float) -> NDArray[np.float64]:
 
 def skin_movement(
     random: np.random.Generator,
-    manner: Manner,
     points: NDArray[np.float64],
     clock: NDArray[np.float64],
     rate: float,
@@ -97,12 +96,9 @@ def skin_movement(
     directions = random.standard_normal((3, _PATTERNS)) * (2 * np.pi / _PATTERN_LENGTH / 1.7)
     phases = random.uniform(0.0, 2 * np.pi, (3, 1, _PATTERNS))
     waves = np.cos(points @ directions + phases)
-    frames, cutoffs = len(clock), [manner.skin_pace] * _PATTERNS
-    if manner.skin_rests:
-        courses = _at(smooth_noise(random, _length(clock, rate), cutoffs, rate), clock, rate)
-    else:
-        courses = smooth_noise(random, frames, cutoffs, rate)
-    courses *= manner.skin * np.sqrt(2.0 / _PATTERNS) * awake(frames, rate)[:, None]
+    curves = smooth_noise(random, _length(clock, rate), [_SKIN_PACE] * _PATTERNS, rate)
+    size = _SKIN * np.sqrt(2.0 / _PATTERNS)
+    courses = size * _at(curves, clock, rate) * awake(len(clock), rate)[:, None]
     return np.asarray(np.einsum("tp,cnp->tnc", courses, waves))
 
 

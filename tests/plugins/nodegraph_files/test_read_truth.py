@@ -28,7 +28,7 @@ def test_the_truth_of_a_folder_is_complete_and_of_the_same_markers(as_folder: bo
     )
     assert truth.present.all()
     errors = np.linalg.norm(truth.positions - recording.positions, axis=2)
-    assert np.nanmedian(errors) == pytest.approx(0.1 * np.sqrt(2.366), rel=0.05)  # chi2, df 3
+    assert np.nanmedian(errors) == pytest.approx(0.03 * np.sqrt(2.366), rel=0.05)  # chi2, df 3
 
 
 @pytest.mark.parametrize("name", ["recording.npz", "", "truth.npz"])

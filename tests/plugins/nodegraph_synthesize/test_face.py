@@ -177,29 +177,16 @@ def test_the_recording_is_not_low_rank(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_in_bursts_a_face_moves_and_rests_as_people_do(seed: int) -> None:
+def test_a_face_moves_and_rests_as_people_do(seed: int) -> None:
     """Of 27 people all have a kurtosis of 4.4 and more; the three with markers 31 to 89 mm/s."""
-    steady, people = (_measured(seed=seed, bursts=bursts) for bursts in (False, True))
-    assert steady["kurtosis"] < 4.0 < people["kurtosis"] < 12.0
-    assert 30.0 < people["speed"] < 90.0
-    assert people["speed"] < steady["speed"]
-    assert -4.8 < people["slope"] < -2.8
-    assert people["fast"] < 0.03
-    assert 0.02 < people["together"] < 0.62
-
-
-def _measured(**settings: Any) -> dict[str, float]:
-    take = _face(seconds=20.0, residual=0.15, **settings).truth
+    take = _face(seconds=20.0, seed=seed).truth
     table = realism(Across.of({"face": take}, axis="take")).table
-    return dict(table.iloc[0].drop("recording"))
-
-
-def test_bursts_leave_the_actors_face_and_the_damage_as_they_were() -> None:
-    plain, bursts = _face(), _face(bursts=True)
-    for port in ("neutral", "model", "head", "head_motion"):
-        assert _bytes(getattr(plain, port)) == _bytes(getattr(bursts, port))
-    np.testing.assert_array_equal(plain.captured.present, bursts.captured.present)
-    np.testing.assert_array_equal(plain.impulses.hidden, bursts.impulses.hidden)
+    measured = dict(table.iloc[0].drop("recording"))
+    assert 4.0 < measured["kurtosis"] < 12.0
+    assert 30.0 < measured["speed"] < 90.0
+    assert -4.8 < measured["slope"] < -2.8
+    assert measured["fast"] < 0.03
+    assert 0.02 < measured["together"] < 0.62
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -221,7 +208,7 @@ def test_the_face_moves_as_far_and_as_slowly_as_an_actors(seed: int) -> None:
     """
     aligned = _aligned(_face(seed=seed))
     ranges = np.linalg.norm(np.ptp(aligned, axis=0), axis=1)
-    assert 7.5 < ranges.mean() < 16.0
+    assert 6.0 < ranges.mean() < 16.0
     spectrum = np.abs(np.fft.rfft(aligned - aligned.mean(axis=0), axis=0)) ** 2
     share = np.cumsum(spectrum.sum(axis=(1, 2))) / spectrum.sum()
     frequencies = np.fft.rfftfreq(600, 1 / 60.0)
@@ -240,11 +227,10 @@ def test_each_part_of_the_face_moves_as_far_as_faces_do() -> None:
     assert 8.0 < reached["L_eyelid1"] < 14.0
 
 
-@pytest.mark.parametrize("bursts", [False, True])
 @pytest.mark.parametrize("seed", range(3))
-def test_eyes_close_but_for_what_markers_on_their_lids_leave(seed: int, bursts: bool) -> None:
+def test_eyes_close_but_for_what_markers_on_their_lids_leave(seed: int) -> None:
     """Markers sit 2 mm and more from the edges of the lids, which meet."""
-    face = _face(seed=seed, bursts=bursts)
+    face = _face(seed=seed)
     column = {name: _aligned(face)[:, at] for at, name in enumerate(face.truth.markers)}
     for side in "LR":
         upper = 0.5 * (column[f"{side}_eyelid1"] + column[f"{side}_eyelid2"])
@@ -261,24 +247,22 @@ def test_a_face_is_as_deep_as_faces_are(seed: int) -> None:
     assert 75.0 < depth < 101.0
 
 
-@pytest.mark.parametrize("bursts", [False, True])
 @pytest.mark.parametrize("seed", range(2))
-def test_a_take_begins_at_rest(seed: int, bursts: bool) -> None:
+def test_a_take_begins_at_rest(seed: int) -> None:
     """The neutral for 0.3 s, so that the first frame is a reference; then something moves."""
-    face = _face(seed=seed, bursts=bursts)
+    face = _face(seed=seed)
     neutral = face.neutral.positions[0]
     np.testing.assert_array_equal(face.truth.positions[:19], np.tile(neutral, (19, 1, 1)))
     assert (np.abs(face.truth.positions[24:] - neutral).max(axis=(1, 2)) > 0.01).all()
     shaken = (
-        _face(seed=seed, bursts=bursts, missing=0.0, impulses=0.0).captured.positions[0] - neutral
+        _face(seed=seed, missing=0.0, impulses=0.0).captured.positions[0] - neutral
     )
     assert 0.08 < shaken.std() < 0.12
 
 
-@pytest.mark.parametrize("bursts", [False, True])
 @pytest.mark.parametrize("seed", range(3))
-def test_lips_do_not_cross_and_markers_do_not_meet(seed: int, bursts: bool) -> None:
-    face = _face(seed=seed, bursts=bursts)
+def test_lips_do_not_cross_and_markers_do_not_meet(seed: int) -> None:
+    face = _face(seed=seed)
     aligned = _aligned(face)
     column = {name: aligned[:, at] for at, name in enumerate(face.truth.markers)}
     for upper, lower in (
