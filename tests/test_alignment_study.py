@@ -38,7 +38,7 @@ def test_captured_most_is_head_motion_and_aligned_next_to_nothing(
     result = found_first(built_in, kind)
     assert {way for way, _ in result} == set(WAYS)
     assert float(result["not_at_all", 1]["in all"]) > 0.5
-    assert result["not_at_all", 2]["finds"] == "head motion"
+    assert "head motion" in {result["not_at_all", rank]["finds"] for rank in (1, 2, 3)}
     for way in ALIGNED:
         # what a robust fit leaves works against the face, by which it was held off
         least = -0.1 if way == "all_points_huber" else -0.02

@@ -134,9 +134,7 @@ class _Script:
     hush: NDArray[np.float64]
 
 
-def _script(
-    random: np.random.Generator, lopsided: float, seconds: float, rest: float
-) -> _Script:
+def _script(random: np.random.Generator, lopsided: float, seconds: float, rest: float) -> _Script:
     count = 2 + int(seconds / sum(_SHORTEST))
     times = random.uniform(_SHORTEST, _LONGEST, (count, 4))
     lengths = times.sum(axis=1)
@@ -158,9 +156,7 @@ def _course(since: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[n
     )
 
 
-def _levels(
-    random: np.random.Generator, lopsided: float, count: int
-) -> NDArray[np.float64]:
+def _levels(random: np.random.Generator, lopsided: float, count: int) -> NDArray[np.float64]:
     """Return (n, K) levels of the channels at the apex of n expressions."""
     full = np.array(
         [[_level(muscles, name) for name in CHANNELS] for muscles in EXPRESSIONS.values()]
