@@ -254,9 +254,7 @@ def test_a_take_begins_at_rest(seed: int) -> None:
     neutral = face.neutral.positions[0]
     np.testing.assert_array_equal(face.truth.positions[:19], np.tile(neutral, (19, 1, 1)))
     assert (np.abs(face.truth.positions[24:] - neutral).max(axis=(1, 2)) > 0.01).all()
-    shaken = (
-        _face(seed=seed, missing=0.0, impulses=0.0).captured.positions[0] - neutral
-    )
+    shaken = _face(seed=seed, missing=0.0, impulses=0.0).captured.positions[0] - neutral
     assert 0.08 < shaken.std() < 0.12
 
 
