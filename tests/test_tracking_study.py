@@ -93,7 +93,7 @@ def test_neighbours_find_the_hidden_markers_of_a_face_that_holds_still(
 @needs_recordings
 def test_neighbours_follow_a_head_that_moves_fast(studies: Studies) -> None:
     take = DATA / "facecap" / "take001.c3d"
-    trials = ("--axis", "trial={count: 8}")
+    trials = ("--axis", "trial={count: 3}")
     wrong = wrong_of(studies.run("tracking", "--axis", f"recording={take}", *trials, *FEW))
     for dropout, ghosts in ((0.02, 0.0), (0.02, 0.05), (0.1, 0.0), (0.1, 0.05)):
         ours = wrong["neighbours", dropout, ghosts]
