@@ -28,6 +28,11 @@ def name_at(node: str, labels: Mapping[str, object]) -> str:
     return f"{node}({labels_of(labels)})" if labels else node
 
 
+def first_and_more(first: str, count: int, whole: str) -> str:
+    """Return the name of the first of several items: ``fill(length=5) and 3 more of fill``."""
+    return f"{first} and {count - 1} more of {whole}" if count > 1 else first
+
+
 def printable(text: str) -> str:
     """Return a text with what UTF-8 cannot encode, such as parts of a file's name, escaped."""
     return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.output import MOST, few, first_and_more
+from nodegraph.cli.output import MOST, few
+from nodegraph.formatting import first_and_more
 
 if TYPE_CHECKING:
     from nodegraph.cli.answers import FirstDifference

@@ -51,11 +51,6 @@ def counted(counts: Counter[str]) -> str:
     return ", ".join(f"{node} ({count})" for node, count in counts.items() if count)
 
 
-def first_and_more(first: str, count: int, whole: str) -> str:
-    """Return the name of the first of several items: ``fill(length=5) and 3 more of fill``."""
-    return f"{first} and {count - 1} more of {whole}" if count > 1 else first
-
-
 def few(lines: Sequence[str], kind: str = "") -> Iterator[str]:
     """Yield the first lines, and how many more there are."""
     yield from lines[:MOST]

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from argparse import Namespace
 from collections import defaultdict
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.output import few, first_and_more
+from nodegraph.cli.output import few
 from nodegraph.errors import NodegraphError, listed, nearest
 
 if TYPE_CHECKING:
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
     from nodegraph.runs.why import Explanation
 
 _MOST_STEPS = 3
-_AT_LABELS = re.compile(r"(([\w.]+)\(.*?\)): (.*)", re.DOTALL)
 
 
 def why(graph: Graph, arguments: Namespace) -> None:
@@ -54,26 +52,13 @@ def _by_reason(steps: list[Explanation]) -> Iterator[tuple[list[str], list[str]]
 
     Changes that are the same at several combinations of a node are one line.
     """
+    from nodegraph.runs.why import node_and_text, together
+
     groups: dict[tuple[object, ...], list[Explanation]] = defaultdict(list)
     for step in steps:
         if step.changes or not step.stored:
-            changes = dict.fromkeys(_node_and_text(line)[::2] for line in step.changes)
+            changes = dict.fromkeys(node_and_text(line)[::2] for line in step.changes)
             groups[(step.stored, *changes)].append(step)
     for same in groups.values():
-        places: dict[tuple[str, str], dict[str, None]] = defaultdict(dict)
-        for step in same:
-            for line in step.changes:
-                node, name, text = _node_and_text(line)
-                places[node, text][name] = None
-        lines = [
-            f"{first_and_more(next(iter(names)), len(names), node)}: {text}" if node else text
-            for (node, text), names in places.items()
-        ]
-        lines += ["stored under its new key"] * same[0].stored
+        lines = together(same) + ["stored under its new key"] * same[0].stored
         yield [step.step.name for step in same], lines
-
-
-def _node_and_text(line: str) -> tuple[str, str, str]:
-    """Return node, name with labels, and the rest of a line such as ``gaps(length=5): ...``."""
-    match = _AT_LABELS.fullmatch(line)
-    return (match[2], match[1], match[3]) if match else ("", "", line)

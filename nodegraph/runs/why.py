@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,10 +12,13 @@ import networkx as nx
 
 from nodegraph.execute import Run
 from nodegraph.execute.resume import StoredSteps
+from nodegraph.formatting import first_and_more
 from nodegraph.plan import Plan, Step
 from nodegraph.runs.compare import changes
 from nodegraph.runs.record import Cell, Record, RecordedStep, expected
 from nodegraph.state import State
+
+_AT_LABELS = re.compile(r"(([\w.]+)\(.*?\)): (.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,25 @@ def changes_since(run: Run, record: Record, indices: Iterable[int]) -> tuple[str
     return tuple(
         dict.fromkeys(text for index in changed for text in why.explain_step(index).changes)
     )
+
+
+def together(explanations: Iterable[Explanation]) -> list[str]:
+    """Return the changes of several steps, each once, however many combinations have it."""
+    places: dict[tuple[str, str], dict[str, None]] = defaultdict(dict)
+    for explanation in explanations:
+        for line in explanation.changes:
+            node, name, text = node_and_text(line)
+            places[node, text][name] = None
+    return [
+        f"{first_and_more(next(iter(names)), len(names), node)}: {text}" if node else text
+        for (node, text), names in places.items()
+    ]
+
+
+def node_and_text(line: str) -> tuple[str, str, str]:
+    """Return node, name with labels, and the rest of a line such as ``gaps(length=5): ...``."""
+    match = _AT_LABELS.fullmatch(line)
+    return (match[2], match[1], match[3]) if match else ("", "", line)
 
 
 class Why:

@@ -45,21 +45,25 @@ class NotThere(NodegraphError):
 
 def application(runs: OpenRuns) -> Starlette:
     """Return the application that answers for some runs; a `Guard` must stand before it."""
+    return Starlette(routes=routes(runs))
+
+
+def routes(runs: OpenRuns) -> list[Route]:
+    """Return the pages of some runs, and what they request; ``/`` is the report, too."""
     pages = _Pages(runs)
-    return Starlette(
-        routes=[
-            Route("/", _as_page(pages.home)),
-            Route("/runs", _as_page(pages.runs)),
-            Route("/values", _as_page(pages.values)),
-            Route("/value", _as_page(pages.value)),
-            Route("/download", _as_page(pages.download)),
-            Route("/files/{number:int}/{name:path}", _as_page(pages.file)),
-            Route("/progress", pages.progress),
-            Route("/detail", _as_data(pages.detail)),
-            Route("/flow", _as_data(pages.flow)),
-            Route("/compute", pages.compute, methods=["POST"]),
-        ]
-    )
+    return [
+        Route("/", _as_page(pages.report)),
+        Route("/report", _as_page(pages.report)),
+        Route("/runs", _as_page(pages.runs)),
+        Route("/values", _as_page(pages.values)),
+        Route("/value", _as_page(pages.value)),
+        Route("/download", _as_page(pages.download)),
+        Route("/files/{number:int}/{name:path}", _as_page(pages.file)),
+        Route("/progress", pages.progress),
+        Route("/detail", _as_data(pages.detail)),
+        Route("/flow", _as_data(pages.flow)),
+        Route("/compute", pages.compute, methods=["POST"]),
+    ]
 
 
 def _as_page(answer: Callable[[Request], Response]) -> _Endpoint:
@@ -133,7 +137,7 @@ class _Pages:
         self._runs = runs
         self._computing = Computing(_text)
 
-    def home(self, request: Request) -> Response:
+    def report(self, request: Request) -> Response:
         """Show the report of runs, or their graphs while it is not there."""
         runs = self._named(request.query_params.getlist("run"))
         if not runs:
@@ -285,6 +289,7 @@ class _Pages:
         ]
         going = [run.name for run, each in conditions.items() if not each.state.is_final]
         scripts = [source(f"{name}.js") for name in SCRIPTS]
+        scripts.append(own_source("states.js"))
         scripts.append(own_source("progress.js").replace("__RUNS__", json_in_script(going)))
         drawings = [str(part["drawing"]) for part in parts]
         title = " | ".join(dict.fromkeys(str(part["title"]) for part in parts))

@@ -32,6 +32,8 @@ _MARKED = (State.FAILED, RUNNING, WAITING, State.REFUSED, State.SKIPPED)
 
 _WITH_VALUE = frozenset(state.value for state in State if state.has_value)
 _MOST_BYTES = 1 << 24
+_HEAD = 1 << 16
+"""Bytes with which events begin, by which runs in one folder are told apart: when each began."""
 MOST_FAILURES = 20
 
 
@@ -234,7 +236,7 @@ class EventFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._identity = 0
+        self._head = b""
         self._read = 0
         self._rest = b""
         self.progress = Progress()
@@ -255,10 +257,11 @@ class EventFile:
     def _lines(self) -> Iterator[bytes]:
         """Yield the lines that are complete."""
         with self._path.open("rb") as file:
-            status = self._path.stat()
-            if status.st_ino != self._identity or status.st_size < self._read:  # another run
-                self._identity, self._read, self._rest = status.st_ino, 0, b""
+            head = file.read(_HEAD)
+            if not head.startswith(self._head):  # another run; its file may have the same number
+                self._read, self._rest = 0, b""
                 self.progress = Progress()
+            self._head = head
             file.seek(self._read)
             while content := file.read(_MOST_BYTES):
                 self._read += len(content)

@@ -376,7 +376,7 @@ class OpenRuns:
     Parameters
     ----------
     paths
-        Folders of runs, or folders that hold runs.
+        Folders of runs, or folders that hold runs or will.
     registry, store
         As for each run.
 
@@ -384,11 +384,6 @@ class OpenRuns:
     ----------
     first : tuple of str
         The names of the runs that were named themselves.
-
-    Raises
-    ------
-    NodegraphError
-        If a folder is not a run and holds none.
     """
 
     def __init__(self, paths: Iterable[Path], registry: Registry, store: Path | None) -> None:
@@ -398,11 +393,6 @@ class OpenRuns:
         self._numbers: dict[Path, int] = {}
         self._lock = Lock()
         folders = list(dict.fromkeys(path.absolute() for path in paths))
-        for folder in folders:
-            if not is_run(folder) and not any(runs_in(folder)):
-                raise NodegraphError(
-                    f"{folder}: there is no run; run a graph, or name the folder of a run"
-                )
         self._named = [folder for folder in folders if is_run(folder)]
         self._around = list(
             dict.fromkeys(each.parent if each in self._named else each for each in folders)

@@ -14,6 +14,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from nodegraph.errors import NodegraphError
 from nodegraph.plugin.registry import Registry
+from nodegraph.runs.folder import is_run, runs_in
 from nodegraph.serve.app import application
 from nodegraph.serve.guard import MOST_BODY, Guard
 from nodegraph.serve.runs import OpenRuns
@@ -55,6 +56,11 @@ def serve(
         If a folder is not a run, or the port is not free.
     KeyboardInterrupt
     """
+    for path in paths:
+        if not is_run(path) and not any(runs_in(path)):
+            raise NodegraphError(
+                f"{path.absolute()}: there is no run; run a graph, or name the folder of a run"
+            )
     server = LocalServer(application(OpenRuns(paths, registry, store)), port)
     ready(server.address)
     server.run()

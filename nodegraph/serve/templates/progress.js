@@ -1,6 +1,6 @@
 // How far runs are: the states of their steps in the drawing of the graph and in a table, from the
 // events that the server sends. When a run has ended, the page shows what there is then.
-nodegraph.define("progress", ["page"], ({ element, svg }) => {
+nodegraph.define("progress", ["page", "states"], ({ element, svg }, { Card, how_far }) => {
   const GOING = __RUNS__;
   const STATES = ["waiting", "running", "done", "stored", "unneeded", "refused", "failed", "skipped"];
   const BORDERS = {
@@ -8,43 +8,14 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
     refused: "some refused", skipped: "some skipped", done: "all have a value",
   };
   const REST = 150; // ms
-  const GAP = 40; // free on the left of a card
-
-  const duration = (seconds) => {
-    const whole = Math.round(seconds);
-    if (whole < 60) return `${whole} s`;
-    return whole < 3600 ? `${Math.floor(whole / 60)} min ${whole % 60} s` : `${Math.floor(whole / 3600)} h ${Math.floor((whole % 3600) / 60)} min`;
-  };
-  const total = (counts) => Object.values(counts).reduce((sum, count) => sum + count, 0);
-  const settled = (counts) => total(counts) - (counts.waiting ?? 0) - (counts.running ?? 0);
 
   // Each card leads to the combinations of its node.
-  class Card {
-    constructor(box, address) {
-      this.name = box.dataset.box;
-      this.frame = box.querySelector("rect.frame");
-      this.width = Number(this.frame.getAttribute("width"));
-      this.title = box.querySelector("title");
-      this.count = svg("text", { class: "count", x: this.width, y: -5 });
-      this.meter = svg("rect", { class: "meter", y: Number(this.frame.getAttribute("height")) - 4, height: 4, rx: 2 });
-      this.link = svg("a", { href: address });
-      box.replaceWith(this.link);
-      this.link.append(box);
-      box.append(this.meter, this.count);
-    }
-
-    show({ mark, text, settled: share }) {
-      this.link.dataset.state = mark;
-      this.title.textContent = `${this.name}: ${text}`;
-      this.meter.setAttribute("width", share < 1 ? this.width * share : 0);
-      const parts = text.split(", ");
-      this.count.textContent = text;
-      while (parts.length > 1 && this.count.getComputedTextLength() > this.width + GAP) {
-        parts.pop();
-        this.count.textContent = `${parts.join(", ")} \u2026`;
-      }
-    }
-  }
+  const linked = (box, address) => {
+    const link = svg("a", { href: address });
+    box.replaceWith(link);
+    link.append(box);
+    return new Card(box);
+  };
 
   // Each link says what flows on it, and leads to these values. A pointer that passes asks nothing.
   class Link {
@@ -78,7 +49,7 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
       this.states = [];
       this.drawing = part.querySelector(".drawing > svg");
       this.drawing?.setAttribute("role", "group"); // of links
-      this.cards = [...part.querySelectorAll("[data-box]")].map((box) => new Card(box, this.address(box.dataset.box)));
+      this.cards = [...part.querySelectorAll("[data-box]")].map((box) => linked(box, this.address(box.dataset.box)));
       for (const arrow of part.querySelectorAll("[data-arrow]")) new Link(arrow, this);
     }
 
@@ -93,15 +64,7 @@ nodegraph.define("progress", ["page"], ({ element, svg }) => {
       const failures = this.part.querySelector(".served-failures");
       failures.hidden = !snapshot.failures.length;
       failures.replaceChildren(...snapshot.failures.map((text) => element("li", null, text)));
-      if (GOING.includes(this.run)) this.say(snapshot);
-    }
-
-    say({ nodes, state, seconds, to_go }) {
-      const counts = Object.values(nodes).map((node) => node.counts);
-      const [ended, all] = [settled, total].map((of) => counts.reduce((sum, each) => sum + of(each), 0));
-      const rest = to_go ? `, about ${duration(to_go)} left` : "";
-      this.part.querySelector(".served-state").textContent =
-        `${this.run}: ${state}, ${ended} of ${all} steps after ${duration(seconds)}${rest}`;
+      if (GOING.includes(this.run)) this.part.querySelector(".served-state").textContent = `${this.run}: ${how_far(snapshot)}`;
     }
 
     legend(marks) {

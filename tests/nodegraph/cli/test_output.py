@@ -14,7 +14,6 @@ from nodegraph.cli.output import (
     columns,
     counted,
     few,
-    first_and_more,
     refuse_unwritable,
     write_file,
 )
@@ -27,11 +26,6 @@ def test_columns_are_aligned() -> None:
 
 def test_counts_are_listed_by_node() -> None:
     assert counted(Counter({"fill": 4, "one": 0, "total": 1})) == "fill (4), total (1)"
-
-
-def test_the_first_stands_for_the_rest() -> None:
-    assert first_and_more("fill(a=1)", 1, "fill") == "fill(a=1)"
-    assert first_and_more("fill(a=1)", 3, "fill") == "fill(a=1) and 2 more of fill"
 
 
 def test_the_rest_of_a_long_list_is_counted() -> None:

@@ -144,7 +144,7 @@ def cards(tab: Page) -> dict[str, tuple[str, str]]:
     """Return the text and the mark of each card."""
     found = tab.evaluate(
         "[...document.querySelectorAll('[data-box]')].map((box) => [box.dataset.box,"
-        " box.querySelector('title').textContent, box.parentElement.dataset.state])"
+        " box.querySelector('title').textContent, box.dataset.state])"
     )
     return {name: (title.partition(": ")[2], state) for name, title, state in found}
 

@@ -1,0 +1,45 @@
+// The states of the steps of a run on the cards of its graph.
+nodegraph.define("states", ["page"], ({ svg }) => {
+  const GAP = 40; // free on the left of a card
+
+  const duration = (seconds) => {
+    const whole = Math.round(seconds);
+    if (whole < 60) return `${whole} s`;
+    return whole < 3600 ? `${Math.floor(whole / 60)} min ${whole % 60} s` : `${Math.floor(whole / 3600)} h ${Math.floor((whole % 3600) / 60)} min`;
+  };
+  const total = (counts) => Object.values(counts).reduce((sum, count) => sum + count, 0);
+  const settled = (counts) => total(counts) - (counts.waiting ?? 0) - (counts.running ?? 0);
+
+  const how_far = ({ nodes, state, seconds, to_go }) => {
+    const counts = Object.values(nodes).map((node) => node.counts);
+    const [ended, all] = [settled, total].map((of) => counts.reduce((sum, each) => sum + of(each), 0));
+    const rest = to_go ? `, about ${duration(to_go)} left` : "";
+    return `${state}, ${ended} of ${all} steps after ${duration(seconds)}${rest}`;
+  };
+
+  class Card {
+    constructor(box) {
+      this.box = box;
+      this.name = box.dataset.box;
+      const frame = box.querySelector("rect.frame");
+      this.width = Number(frame.getAttribute("width"));
+      this.title = box.querySelector("title");
+      this.count = svg("text", { class: "count", x: this.width, y: -5 });
+      this.meter = svg("rect", { class: "meter", y: Number(frame.getAttribute("height")) - 4, height: 4, rx: 2 });
+      box.append(this.meter, this.count);
+    }
+
+    show({ mark, text, settled: share }) {
+      this.box.dataset.state = mark;
+      this.title.textContent = `${this.name}: ${text}`;
+      this.meter.setAttribute("width", share < 1 ? this.width * share : 0);
+      const parts = text.split(", ");
+      this.count.textContent = text;
+      while (parts.length > 1 && this.count.getComputedTextLength() > this.width + GAP) {
+        parts.pop();
+        this.count.textContent = `${parts.join(", ")} \u2026`;
+      }
+    }
+  }
+  return { Card, how_far };
+});
