@@ -138,9 +138,7 @@ def test_one_that_depends_on_the_head_although_it_has_a_reference() -> None:
     ("align", "settings"),
     [
         (procrustes, {"steps": ()}),
-        (procrustes, {"steps": ("translate",)}),
         (procrustes, {"steps": ("translate", "scale"), "scale": "rms"}),
-        (procrustes, {"scale": "rms", "restore": False}),
         (trimmed, {"share": 0.5}),
         (huber, {"width": 0.1, "scale": "rms"}),
     ],
