@@ -76,7 +76,6 @@ nodegraph.define("text", ["page"], ({ element }) => {
     return {
       text,
       cursor: () => view.state.selection.main.head,
-      focus: () => view.focus(),
       set: (wanted) => {
         if (wanted !== text()) change(difference(text(), wanted));
       },

@@ -324,6 +324,21 @@ def test_nodes_move_into_a_graph_of_their_own(page: Page, path: Path) -> None:
     assert page.evaluate("location.hash") == "#cut"
 
 
+def test_text_of_a_graph_is_never_markup(page: Page, path: Path) -> None:
+    bad = "<img src=x onerror=alert(1)>"
+    label = "{'<b>odd</b>': {use: fill.muscle}, \"</style><u>\": {use: fill.linear}}"
+    hostile = GRAPH.replace("Two fills", f'"{bad}"').replace("[fill.linear, fill.muscle]", label)
+    path.write_text(hostile.replace("[5, 15]", "['<i>a</i>', 5]") + f'"{bad}": 1\n')
+    until(page, "document.querySelector('#problems li.error')")
+    page.click("#picture [data-box=fill] .frame")
+    until(page, "document.querySelector('#panel h2')?.textContent === 'fill'")
+    page.click("#axes-open")
+    until(page, "document.getElementById('axes').open")
+    assert bad in page.inner_text("#problems")
+    assert page.query_selector_all("main img, main b, main u, main i, dialog i") == []
+    page.click("#axes-close")
+
+
 def test_a_graph_with_mistakes_is_mended_in_the_picture(page: Page) -> None:
     put_cursor(page, "in: capture")
     page.keyboard.type("d")
