@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from functools import partial, wraps
 from http import HTTPStatus
@@ -30,6 +30,8 @@ from nodegraph.serve.pages import page_response
 MOST_BODY = 6 * MOST_BYTES + 1000
 """Bytes of a request with a text of the largest size, each character written as an escape."""
 
+_NOT_UNDERSTOOD = (ValueError, LookupError, TypeError, OverflowError, RecursionError)
+"""What reading the body of a request raises."""
 _SCRIPTS = ("text", "picture", "editor", "panel")
 _TEMPLATES = "nodegraph.editor"
 
@@ -43,8 +45,8 @@ def application(file: EditedFile, registry: Registry) -> Starlette:
             Route("/view", _as_data(page.view)),
             Route("/revision", _as_data(page.revision)),
             Route("/files", _as_data(page.files)),
-            Route("/options", _as_data(page.options)),
-            Route("/about", _as_data(page.about)),
+            Route("/options", _at_place(page.options), methods=["POST"]),
+            Route("/about", _at_place(page.about), methods=["POST"]),
             Route("/node", _as_data(page.node)),
             Route("/nodes", _as_data(page.nodes)),
             Route("/axes", _as_data(page.axes)),
@@ -60,6 +62,21 @@ def _as_data(answer: Callable[[Request], object]) -> Callable[[Request], Respons
             return JSONResponse(answer(request))
         except Exception as error:
             return JSONResponse({"message": _text(error)}, HTTPStatus.CONFLICT)
+
+    return endpoint
+
+
+def _at_place(answer: Callable[[str, int], object]) -> Callable[..., Awaitable[Response]]:
+    """Return an endpoint that answers about a place of a text, which the file need not have yet."""
+
+    async def endpoint(request: Request) -> Response:
+        try:
+            data = json.loads(await request.body())
+            text, at = str(data["text"]), int(data["at"])
+        except _NOT_UNDERSTOOD as error:
+            return JSONResponse({"message": f"not understood: {error!r}"}, HTTPStatus.BAD_REQUEST)
+        index = Places(text, "").index(at)
+        return JSONResponse(await run_in_threadpool(answer, text, index))
 
     return endpoint
 
@@ -111,15 +128,14 @@ class _Page:
         problems = problems_of_files(graph) if graph is not None else []
         return {"revision": revision, "problems": problems}
 
-    def options(self, request: Request) -> object:
-        """Return the words that may stand at a place of the text."""
-        text, index = self._place(request)
+    def options(self, text: str, index: int) -> object:
+        """Return the words that may stand at a place of a text."""
         word, options = options_at(text, index, self._registry)
         return {"word": word, "options": [each._asdict() for each in options]}
 
-    def about(self, request: Request) -> object:
-        """Return what the word at a place of the text means."""
-        option = about(*self._place(request), self._registry)
+    def about(self, text: str, index: int) -> object:
+        """Return what the word at a place of a text means."""
+        option = about(text, index, self._registry)
         return option._asdict() if option else None
 
     def node(self, request: Request) -> object:
@@ -150,7 +166,7 @@ class _Page:
         try:
             data = json.loads(await request.body())
             revision, edit = data["revision"], self._edit_of(data)
-        except (ValueError, LookupError, TypeError, RecursionError) as error:
+        except _NOT_UNDERSTOOD as error:
             return JSONResponse({"message": f"not understood: {error!r}"}, HTTPStatus.BAD_REQUEST)
         return await run_in_threadpool(self._edited, revision, edit)
 
@@ -202,12 +218,3 @@ class _Page:
             "nodes": view.nodes,
             "wrong": view.wrong,
         }
-
-    def _place(self, request: Request) -> tuple[str, int]:
-        """Return the text, and the index in it that a request names."""
-        with self._lock:
-            text = self._file.shown
-        at = request.query_params.get("at", "")
-        if not at.isdecimal() or len(at) > 9:
-            raise NodegraphError("'at' is a position in the text")
-        return text, Places(text, "").index(int(at))

@@ -21,6 +21,13 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     return answer;
   };
 
+  // What the server says of a place of the text as it stands, which it may not have yet.
+  const at_place = async (address, at) => {
+    const headers = { "Content-Type": "application/json" };
+    const response = await fetch(address, { method: "POST", headers, body: JSON.stringify({ text: pane.text(), at }) });
+    return response.json();
+  };
+
   const say = (message) => {
     part("notice").textContent = message;
     part("notice").hidden = !message;
@@ -167,8 +174,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     moving = setTimeout(explain, PAUSE);
   };
   const explain = async () => {
-    if (pane.text() !== known.text) return;
-    const word = await get("/about", { at: pane.cursor() });
+    const word = await at_place("/about", pane.cursor());
     part("about").replaceChildren(...(word ? [element("p", {}, element("b", {}, word.word)), ...text_pane.paragraphs(word.about)] : []));
   };
   // Names of nodes need no escapes in an address.
@@ -183,10 +189,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     keys,
     edited: wait,
     moved,
-    options: async (at) => {
-      await flush();
-      return get("/options", { at });
-    },
+    options: (at) => at_place("/options", at),
   });
   const picture = picture_pane.make(part("picture"), (box) => choose(node_of(box), { scroll: "text" }));
 

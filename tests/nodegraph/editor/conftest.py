@@ -47,10 +47,10 @@ class Editor:
     def view(self) -> Any:
         return self.get("/view").data
 
-    def post(self, body: bytes) -> Answer:
+    def post(self, body: bytes, target: str = "/edit") -> Answer:
         return send(
             self._guard,
-            "/edit",
+            target,
             method="POST",
             body=body,
             cookie=self._cookie,

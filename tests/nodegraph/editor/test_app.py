@@ -128,13 +128,17 @@ def test_text_that_cannot_be_written_is_refused(editor: Editor) -> None:
     assert refused["text"] == GRAPH
 
 
-def test_words_at_a_place(editor: Editor) -> None:
-    at = GRAPH.index("use: gaps.cut") + len("use: gaps.c")
-    answer = editor.get(f"/options?at={at}").data
+def test_words_at_a_place_of_a_text_that_is_being_written(editor: Editor) -> None:
+    text = "# \N{GRINNING FACE}\n" + GRAPH.replace("gaps.cut", "gaps.c")
+    at = text.index("gaps.c") + len("gaps.c") + 1  # a browser counts the face twice
+    answer = editor.post(json.dumps({"text": text, "at": at}).encode(), "/options").data
     assert answer["word"] == "gaps.c"
     assert "gaps.cut" in [option["word"] for option in answer["options"]]
-    assert editor.get(f"/about?at={at}").data["word"] == "gaps.cut"
-    assert editor.get("/about?at=0").data["word"] == "nodegraph"
-    for odd in ("", "-1", "x", "9" * 40, "\N{SUPERSCRIPT TWO}"):
-        assert editor.get(f"/options?at={odd}").status == 409
-        assert editor.get(f"/about?at={odd}").status == 409
+    answer = editor.post(json.dumps({"text": GRAPH, "at": 3}).encode(), "/about").data
+    assert answer["word"] == "nodegraph"
+    assert (editor.view()["text"], editor.view()["can_undo"]) == (GRAPH, False)
+    for at in (-1, 10**9, 0):
+        for where in ("/options", "/about"):
+            assert editor.post(json.dumps({"text": "", "at": at}).encode(), where).status == 200
+    for odd in (b"", b"7", b"{}", b'{"text": "", "at": "x"}', b'{"text": "", "at": 1e999}'):
+        assert editor.post(odd, "/options").status == 400

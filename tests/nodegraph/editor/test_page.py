@@ -100,6 +100,8 @@ def test_words_are_completed_and_explained(page: Page) -> None:
     for _ in range(4):
         page.keyboard.press("ArrowLeft")
     until(page, "document.querySelector('#about b')?.textContent === 'count'")
+    page.click("#undo")
+    until(page, state("saved"))
 
 
 def test_a_card_and_its_lines_are_chosen_together(page: Page) -> None:
