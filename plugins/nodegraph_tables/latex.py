@@ -183,13 +183,15 @@ def _document(caption: Sequence[str], columns: str, lines: Sequence[str]) -> str
             rf"\begin{{{table}}}",
             r"\centering\small\setlength{\tabcolsep}{4pt}",
             rf"\caption{{{_text(' '.join(ended))}}}",
-            # smaller where it would be wider than the page, or the column of a journal
+            # smaller where it would be wider or taller than the page, or the column of a journal
+            r"\resizebox*{!}{\ifdim\totalheight>0.85\textheight 0.85\textheight"
+            r"\else\totalheight\fi}{"
             r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}{"
             rf"\begin{{tabular}}{{{columns}}}",
             r"\toprule",
             *lines,
             r"\bottomrule",
-            r"\end{tabular}}",
+            r"\end{tabular}}}",
             rf"\end{{{table}}}",
             "",
         ]

@@ -25,8 +25,8 @@ def write_tex(
     It needs the packages that its first line names. The best of a group is bold, what is not
     clearly worse italic, as the comparison marks them; where it cannot tell which is best, nothing
     is marked. Numbers have the same decimals, and what is the same throughout stands in the
-    caption. A table that is wider than the page is made smaller, or stands sideways if it is much
-    wider. A table that is no comparison of methods is written as it is.
+    caption. A table that is wider or taller than the page is made smaller, or stands sideways if it
+    is much wider. A table that is no comparison of methods is written as it is.
 
     Parameters
     ----------

@@ -235,6 +235,7 @@ def test_tables_compile(tmp_path: Path) -> None:
         pd.DataFrame({"name": pd.Series(dtype=str), "x": pd.Series(dtype=float)}),
         wide(4),
         wide(40),
+        wide(90),
     ]
     text = "\n".join(latex_of(table, f"{UGLY}\n\nagain") for table in tables)
     document = tmp_path / "paper.tex"
@@ -247,4 +248,5 @@ def test_tables_compile(tmp_path: Path) -> None:
     log = done.stdout.decode(errors="replace")
     assert done.returncode == 0, log
     assert "Overfull" not in log
+    assert "Float too large" not in log
     assert (tmp_path / "paper.pdf").stat().st_size > 10_000
