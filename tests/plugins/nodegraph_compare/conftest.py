@@ -9,4 +9,5 @@ from matplotlib.figure import Figure
 @pytest.fixture
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw nothing, which would take most of the time."""
-    monkeypatch.setattr("nodegraph_compare.table.figure.draw", lambda verdicts: Figure())
+    for part in ("table", "ranks", "curve"):
+        monkeypatch.setattr(f"nodegraph_compare.{part}.figure.draw", lambda *given: Figure())

@@ -16,6 +16,8 @@ from nodegraph_compare.table.node import table
 from nodegraph_tables import Answer, info_of
 from nodegraph_tables.answer import answer_html, plain
 
+pytestmark = pytest.mark.usefixtures("without_pictures")
+
 KNEE = {10: 1.0, 20: 0.1, 30: 0.08, 40: 0.06}
 VALLEY = {10: 1.0, 20: 0.1, 30: 0.3, 40: 0.05}
 
