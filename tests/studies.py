@@ -33,7 +33,7 @@ FEW = {
     "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual", "--only", FILLS),
     "fill_real": (
         *("--axis", "recording=sample:face_1,sample:face_2", "--only", "length=5,45"),
-        *("--only", "trial=0", "--only", FILLS),
+        *("--only", "trial=0", "--only", "fill=muscle,lin_ouhyoung,guenter,linear"),
     ),
     "fill_conditions": ("--axis", "actor=0,1", "--only", "length=15"),
     "impulses": TWO,

@@ -45,7 +45,8 @@ def test_takes_of_a_users_people_are_counted_by_person(studies: Studies, tmp_pat
             file = tmp_path / f"{person}_{take}.csv"
             np.savetxt(file, positions, delimiter=",", header="# rate: 60\n" + names, comments="")
     takes = f'recording={{files: "{tmp_path}/{{actor}}_{{take}}.csv"}}'
-    folder = studies.run("fill_real", "--axis", takes, *FEW)
+    words = ("--axis", takes, *FEW, "--only", "trial=0", "--until", "table")
+    folder = studies.run("fill_real", *words)
     assert (
         "3 actors describe the methods and decide nothing" in (folder / "printed.txt").read_text()
     )

@@ -180,7 +180,8 @@ def test_three_performers_have_their_curves_floors_and_marks(
 ) -> None:
     folder, actors = performers
     words = ("--axis", f"actor={actors}", "--axis", "k=10,20,40", "--axis", "seed=0")
-    result = studies.run("marker_selection", *words, "--set", "runs=30", folder=folder)
+    until = ("--set", "runs=30", "--until", "fig2")
+    result = studies.run("marker_selection", *words, *until, folder=folder)
     outcome = rows(result)
     assert tuple(outcome) == ("A", "B", "C")
     for points in outcome.values():
