@@ -32,10 +32,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def site(arguments: Namespace) -> int:
     """Write the site and print its first page."""
-    from nodegraph.site.gallery import INDEX, STYLE, gallery
+    from nodegraph.site.gallery import INDEX, gallery, is_gallery
 
     out: Path = arguments.out
-    if out.exists() and not (out / STYLE).is_file() and (not out.is_dir() or any(out.iterdir())):
+    if out.exists() and not is_gallery(out) and (not out.is_dir() or any(out.iterdir())):
         raise NodegraphError(f"{out} exists and is not a site; name another folder with --out")
     contents = gallery(arguments.runs)
     for path, content in contents.generated.items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import re
 import shutil
 import stat
 import warnings
@@ -32,6 +33,8 @@ _GRAPH = "graph.yaml"
 _MOST_BYTES = 2**29
 """Most bytes of a file as text: more than a million steps need."""
 _LONGEST_NUMBER = len(".9999")
+_ENDED = "-%Y-%m-%dT%H-%M-%S"
+_MOVED = re.compile(r"(?P<name>.+)-\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d(\.\d+)?")
 _HOW = ("executor", "jobs", "scheduler")
 """Settings that decide no result."""
 
@@ -45,6 +48,12 @@ def runs_in(folder: Path) -> Iterator[Path]:
     """Yield the folders of runs in a folder, in no order."""
     with suppress(OSError):
         yield from (each for each in folder.iterdir() if each.is_dir() and is_run(each))
+
+
+def moved_for(folder: Path) -> Path | None:
+    """Return the folder of the later run for which a run was moved; None if it was not."""
+    moved = _MOVED.fullmatch(folder.name)
+    return folder.with_name(moved["name"]) if moved else None
 
 
 def graph_name(used: Iterable[str]) -> str:
@@ -266,7 +275,7 @@ def _make_room(path: Path) -> Path | None:
         shutil.rmtree(path)
         return None
     if marks:
-        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime("-%Y-%m-%dT%H-%M-%S")
+        ended = datetime.fromtimestamp(marks[0].stat().st_mtime).strftime(_ENDED)
         name = shorten(path.name, MAX_BYTES - len(ended) - _LONGEST_NUMBER)
         return path.rename(_free(path.with_name(f"{name}{ended}")))
     raise NodegraphError(f"{path} exists and is not a run folder; name another folder with --out")

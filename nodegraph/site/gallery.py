@@ -1,10 +1,14 @@
-"""A static gallery of runs: a card for each, with its answer, a figure and its report."""
+"""A static gallery of runs: a card for each, with its answer, a figure and its report.
+
+The page filters and sorts the cards, and keeps that in its address.
+"""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
@@ -12,11 +16,13 @@ from typing import NamedTuple
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.filenames import fold, portable_name
 from nodegraph.formatting import number_of
-from nodegraph.report.page import templates_of
-from nodegraph.report.study import Study, read_study
-from nodegraph.runs.folder import REPORT, STUDY, is_run, runs_in
+from nodegraph.report.notes import note_kinds
+from nodegraph.report.page import policy, source, templates_of
+from nodegraph.report.study import Kind, Study, read_study
+from nodegraph.runs.folder import REPORT, STUDY, is_run, moved_for, runs_in
 
-INDEX, STYLE = "index.html", "gallery.css"
+INDEX = "index.html"
+_MARK = b'<meta name="generator" content="nodegraph site">'
 
 
 class Contents(NamedTuple):
@@ -38,11 +44,34 @@ class _RunReport:
     study : Study
     files : mapping of str to Path
         Files that are copied, by their paths in the run's folder.
+    replaced_by : str
+        Name of the folder of the later run of the same graph, if that did not fail; or empty.
     """
 
     name: str
     study: Study
     files: Mapping[str, Path]
+    replaced_by: str = ""
+
+    @property
+    def created(self) -> datetime | None:
+        """When it was run, or the first of several merged; None if that is not known."""
+        try:
+            when = datetime.fromisoformat(self.study.created.partition(" | ")[0])
+        except ValueError:
+            return None
+        return when if when.tzinfo else when.replace(tzinfo=UTC)
+
+    @property
+    def failed(self) -> str:
+        """How many combinations failed, as a report says it; empty if none did."""
+        kinds = (kind for kind in note_kinds(self.study) if kind.kind is Kind.FAILED)
+        return next(map(str, kinds), "")
+
+    @property
+    def methods(self) -> Sequence[str]:
+        """The full names of its methods."""
+        return sorted({method.use for method in self.study.methods})
 
     @property
     def figure(self) -> str:
@@ -53,9 +82,15 @@ class _RunReport:
         return next((path for path in paths if path.endswith(".svg")), "")
 
     @property
-    def answer(self) -> str:
-        """The first sentence of the answer; empty without one."""
-        return self.study.short_answer(1)[0] if self.study.answer else ""
+    def answer(self) -> tuple[str, ...]:
+        """The sentences of the answer, first the one that answers at a glance."""
+        return tuple(dict.fromkeys([*self.study.short_answer(1), *self.study.answer]))
+
+
+def is_gallery(folder: Path) -> bool:
+    """Return whether a folder holds a gallery."""
+    page = folder / INDEX
+    return page.is_file() and _MARK in page.read_bytes()
 
 
 def gallery(folders: Iterable[Path]) -> Contents:
@@ -69,35 +104,56 @@ def gallery(folders: Iterable[Path]) -> Contents:
     NodegraphError
         If a folder holds no run that can be read, or a file is missing that its report links to.
     """
+    from markupsafe import Markup
+
     runs = _read_runs(folders)
+    own = [source("modules.js"), source("theme.js"), _source("gallery.js")]
     html = (
         templates_of("nodegraph.site")
         .get_template("gallery.html")
-        .render(runs=runs, report=REPORT, style=STYLE)
+        .render(
+            title="Studies",
+            runs=runs,
+            methods=sorted({method for run in runs for method in run.methods}),
+            report=REPORT,
+            mark=Markup(_MARK.decode()),
+            policy=policy([], *own).replace("img-src data: blob:", "img-src data: 'self'"),
+            scripts=map(Markup, own),
+            styles=map(Markup, [source("page.css"), _source("gallery.css")]),
+        )
     )
-    style = files("nodegraph.site").joinpath("templates", STYLE).read_bytes()
     # an answer that names a file may hold what is not valid text
-    generated = {INDEX: html.encode(errors="backslashreplace"), STYLE: style}
+    generated = {INDEX: html.encode(errors="backslashreplace")}
     copied = {f"{run.name}/{path}": file for run in runs for path, file in run.files.items()}
     return Contents(len(runs), generated, copied)
 
 
+def _source(name: str) -> str:
+    return files("nodegraph.site").joinpath("templates", name).read_text(encoding="utf-8")
+
+
 def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
-    runs: list[_RunReport] = []
+    """Return the runs, the latest first; those whose date is not known come last."""
+    runs: dict[Path, _RunReport] = {}
     named = (run for folder in folders for run in _finished(folder))
     for folder in dict.fromkeys(path.resolve() for path in named):
         study = read_study(folder)
         links = [link for section in study.sections for link in section.files]
         paths = [REPORT, *(link.path for link in (*links, *study.files))]
-        files = {path: folder / path for path in dict.fromkeys(paths)}
-        for path, file in files.items():
+        copied = {path: folder / path for path in dict.fromkeys(paths)}
+        for path, file in copied.items():
             if not file.is_file() or not file.resolve().is_relative_to(folder):
                 raise NodegraphError(
                     f"{folder}: there is no file {path}, to which the report links; run the graph "
                     "again"
                 )
-        runs.append(_RunReport(_free(folder.name, runs), study, files))
-    return runs
+        runs[folder] = _RunReport(_free(folder.name, runs.values()), study, copied)
+    for folder, run in runs.items():
+        later = moved_for(folder)
+        if later in runs and runs[later].study.ok:
+            runs[folder] = replace(run, replaced_by=runs[later].name)
+    earliest = datetime.min.replace(tzinfo=UTC)
+    return sorted(runs.values(), key=lambda run: run.created or earliest, reverse=True)
 
 
 def _finished(folder: Path) -> list[Path]:
@@ -114,8 +170,8 @@ def _finished(folder: Path) -> list[Path]:
     return finished if finished else [folder]
 
 
-def _free(name: str, runs: Sequence[_RunReport]) -> str:
-    taken = {fold(STYLE), fold(INDEX), *(fold(run.name) for run in runs)}
+def _free(name: str, runs: Collection[_RunReport]) -> str:
+    taken = {fold(INDEX), *(fold(run.name) for run in runs)}
     plain = portable_name(name)
-    names = [plain, *(f"{plain}-{number}" for number in range(2, len(runs) + 4))]
+    names = [plain, *(f"{plain}-{number}" for number in range(2, len(runs) + 3))]
     return next(free for free in names if fold(free) not in taken)
