@@ -17,11 +17,12 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from nodegraph.editor.checking import Checking
 from nodegraph.editor.completion import about, options_at
 from nodegraph.editor.edits import Edits
 from nodegraph.editor.file import MOST_BYTES, EditedFile
 from nodegraph.editor.panel import axes_of, installed, panel_of
-from nodegraph.editor.view import Places, View, problems_of_files, view_of
+from nodegraph.editor.view import Places, problems_of_files, unchecked_view_of, view_of
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.page import source
@@ -95,8 +96,7 @@ class _Page:
         self._registry = registry
         self._edits = Edits(registry, file.path)
         self._lock = RLock()
-        self._view: View | None = None
-        self._text = ""
+        self._checking = Checking(lambda text: view_of(text, file.path, registry))
 
     def page(self, request: Request) -> Response:
         """Show the page."""
@@ -122,9 +122,8 @@ class _Page:
     def files(self, request: Request) -> object:
         """Return what is wrong with files that the graph reads."""
         with self._lock:
-            self._shown()
-            assert self._view is not None
-            graph, revision = self._view.graph, self._file.revision
+            view, revision = self._checking.view_of(self._file.shown), self._file.revision
+        graph = view.graph if view is not None else None
         problems = problems_of_files(graph) if graph is not None else []
         return {"revision": revision, "problems": problems}
 
@@ -201,12 +200,12 @@ class _Page:
     def _shown(self) -> dict[str, object]:
         file = self._file
         text = file.shown
-        if self._view is None or self._text != text:
-            self._view, self._text = view_of(text, file.path, self._registry), text
-        view = self._view
+        checked = self._checking.view_of(text)
+        view = checked or unchecked_view_of(text)
         return {
             "revision": file.revision,
             "text": text,
+            "is_checked": checked is not None,
             "is_saved": file.is_saved,
             "can_undo": file.can_undo,
             "can_redo": file.can_redo,

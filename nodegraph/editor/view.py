@@ -89,6 +89,15 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
     return View(graph, places.problems(graph.notices, is_error=False), drawing, reason, nodes)
 
 
+def unchecked_view_of(text: str) -> View:
+    """Return what a page shows of a text whose check takes long."""
+    reason = (
+        "the check takes long, as of a pattern that walks through a whole disk: "
+        "the picture is that of before"
+    )
+    return View(None, [], "", reason, outline_of(text).nodes())
+
+
 def _drawn(spec: GraphSpec, registry: Registry) -> str:
     """Return the picture of a graph with mistakes; empty if it goes in circles, or is too large."""
     if len(spec.nodes) > MOST_ON_A_PAGE:

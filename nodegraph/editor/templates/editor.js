@@ -50,7 +50,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   };
 
   const show = () => {
-    const { is_saved, can_undo, can_redo, theirs, notice, svg, reason, problems } = known;
+    const { is_checked, is_saved, can_undo, can_redo, theirs, notice, svg, reason, problems } = known;
     part("state").textContent = is_saved ? "saved" : "not saved; Ctrl-S saves";
     document.title = `${is_saved ? "" : "* "}${part("text").dataset.file}`;
     part("undo").disabled = !can_undo;
@@ -63,7 +63,8 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     choose(chosen, { scroll: "" });
     ask(theirs);
     clearTimeout(looking);
-    if (svg && !problems.some(({ is_error }) => is_error)) looking = setTimeout(look_at_files, LOOK);
+    if (!is_checked) looking = setTimeout(() => send(async () => receive(await get("/view"))), LOOK);
+    else if (svg && !problems.some(({ is_error }) => is_error)) looking = setTimeout(look_at_files, LOOK);
   };
 
   const show_problems = (problems) => {
