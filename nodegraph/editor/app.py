@@ -77,7 +77,10 @@ def _at_place(answer: Callable[[str, int], object]) -> Callable[..., Awaitable[R
         except _NOT_UNDERSTOOD as error:
             return JSONResponse({"message": f"not understood: {error!r}"}, HTTPStatus.BAD_REQUEST)
         index = Places(text, "").index(at)
-        return JSONResponse(await run_in_threadpool(answer, text, index))
+        try:
+            return JSONResponse(await run_in_threadpool(answer, text, index))
+        except Exception as error:
+            return JSONResponse({"message": _text(error)}, HTTPStatus.CONFLICT)
 
     return endpoint
 

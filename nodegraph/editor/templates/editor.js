@@ -25,7 +25,9 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   const at_place = async (address, at) => {
     const headers = { "Content-Type": "application/json" };
     const response = await fetch(address, { method: "POST", headers, body: JSON.stringify({ text: pane.text(), at }) });
-    return response.json();
+    const answer = await response.json();
+    if (!response.ok) throw new Error(answer.message);
+    return answer;
   };
 
   const say = (message) => {
@@ -33,6 +35,8 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     part("notice").hidden = !message;
   };
 
+  // A request that was not answered, or says why not.
+  const trouble = (error) => { if (error instanceof TypeError) ended(); else say(error.message); };
   const ended = () => say("The server has ended. What it had is kept beside the file; start nodegraph edit again.");
 
   // ---- what the server says ----
@@ -45,7 +49,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
       pane.set(view.text);
     }
     Object.assign(known, view);
-    if (pane.text() !== known.text) wait();
+    if (pane.text() !== known.text && !view.refused) wait();
     show();
   };
 
@@ -64,7 +68,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     ask(theirs);
     clearTimeout(looking);
     if (!is_checked) looking = setTimeout(() => send(async () => receive(await get("/view"))), LOOK);
-    else if (svg && !problems.some(({ is_error }) => is_error)) looking = setTimeout(look_at_files, LOOK);
+    else if (svg && !problems.some(({ is_error }) => is_error)) looking = setTimeout(() => look_at_files().catch(trouble), LOOK);
   };
 
   const show_problems = (problems) => {
@@ -91,8 +95,8 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
         headers: { "Content-Type": "application/json" },
         body: JSON.stringify({ revision: known.revision, ...body }),
       });
-    } catch {
-      ended();
+    } catch (error) {
+      trouble(error);
       return false;
     }
     const answer = await response.json();
@@ -108,7 +112,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   // Requests go one after the other: each names the revision that the one before has made.
   const send = (make) => {
     const sent = queue.then(make);
-    queue = sent.catch((error) => { say(String(error)); });
+    queue = sent.catch(trouble);
     return sent;
   };
   const flush = () => {
@@ -172,7 +176,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     const name = Object.keys(known.nodes).find((each) => known.nodes[each][0] <= line && line <= known.nodes[each][1]) ?? "";
     if (name && name !== chosen) choose(name, { scroll: "picture" });
     clearTimeout(moving);
-    moving = setTimeout(explain, PAUSE);
+    moving = setTimeout(() => explain().catch(trouble), PAUSE);
   };
   const explain = async () => {
     const word = await at_place("/about", pane.cursor());
@@ -190,7 +194,10 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     keys,
     edited: wait,
     moved,
-    options: (at) => at_place("/options", at),
+    options: (at) => at_place("/options", at).catch((error) => {
+      trouble(error);
+      return { word: "", options: [] };
+    }),
   });
   const picture = picture_pane.make(part("picture"), (box) => choose(node_of(box), { scroll: "text" }));
 
@@ -217,7 +224,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   };
   // Another page may edit, another program write the file.
   const watch = () => setTimeout(async () => {
-    const revision = await get("/revision").catch(ended);
+    const revision = await get("/revision").catch(trouble);
     if (revision === undefined) return;
     if (revision !== known.revision) await send(async () => receive(await get("/view")));
     watch();

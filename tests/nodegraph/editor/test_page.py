@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Page
 
 import nodegraph as ng
+from nodegraph.editor import file
 from tests.browser import needs_axe, resize, until, violations
 from tests.nodegraph.editor.conftest import GRAPH
 
@@ -324,6 +325,25 @@ def test_nodes_move_into_a_graph_of_their_own(page: Page, path: Path) -> None:
     assert (path.parent / "cut.yaml").is_file()
     page.click("#picture [data-box='cut.gaps'] .frame")
     assert page.evaluate("location.hash") == "#cut"
+
+
+def test_a_text_that_is_refused_is_sent_once(
+    page: Page, complaints: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(file, "MOST_BYTES", len(GRAPH))
+    put_cursor(page, "Two")
+    page.keyboard.type("!")
+    until(page, "document.getElementById('notice').textContent.includes('too large')")
+    for name in ("gaps", "fill", "error"):
+        page.click(f"#picture [data-box={name}] .frame")
+        until(page, f"document.querySelector('#panel h2')?.textContent === {name!r}")
+    assert len(complaints) == 1
+    assert "422" in complaints[0]
+    complaints.clear()
+    put_cursor(page, "Two")
+    page.keyboard.press("Delete")
+    until(page, state("saved"))
+    assert page.evaluate(TEXT) == GRAPH
 
 
 def test_text_of_a_graph_is_never_markup(page: Page, path: Path) -> None:
