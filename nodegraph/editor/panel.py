@@ -121,7 +121,12 @@ class _Panel:
             for name, schema in common.items()
         ]
         about = [used[0].name, used[0].summary] if len(used) == 1 else []
-        return {"title": title, "about": about, "settings": settings}
+        return {
+            "title": title,
+            "about": about,
+            "settings": settings,
+            "is_known": bool(used),
+        }
 
     def _ports(self) -> Iterator[Data]:
         """Yield the ports, each with what feeds it, and what could."""

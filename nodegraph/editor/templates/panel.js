@@ -45,7 +45,9 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     element("legend", {}, part.title || part.about[0] || node.name),
     part.about.length ? element("p", { class: "quiet" }, part.title ? part.about.join(": ") : part.about.slice(1).join(" ")) : null,
     part.settings.map(setting),
-    part.settings.length ? null : element("p", { class: "quiet" }, "It has no settings."));
+    part.settings.length ? null : element("p", { class: "quiet" }, part.is_known
+      ? "It has no settings."
+      : "What it uses is a graph file, or is not installed: its ports and settings stand in the text."));
 
   // ---- what feeds it ----
 

@@ -214,6 +214,8 @@ def test_nodes_move_into_a_graph_beside_this(editor: Editor, path: Path) -> None
     assert view["problems"] == []
     assert list(view["nodes"]) == ["capture", "part", "error"]
     assert 'data-frame="part"' in view["svg"]
+    part = editor.get("/node?name=part").data
+    assert [each["is_known"] for each in part["sections"]] == [False]
     inner = path.parent / "parts" / "filled.yaml"
     assert "alternatives: [fill.linear, fill.muscle]" in inner.read_text()
     assert path.read_text() == GRAPH
