@@ -15,7 +15,7 @@ from nodegraph_compare.overview.cost import typical_seconds
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.words import varying, with_units
-from nodegraph_tables.answer import in_authors_words, lead_style
+from nodegraph_tables.answer import in_authors_words, lead_style, listing, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,7 +89,7 @@ def _ranking_heading(verdicts: Verdicts) -> str:
         return f"What does each {verdicts.compare} do?"
     if len(verdicts.groups) < 2:
         return "How far are they apart?"
-    return f"How does the ranking change with {' and '.join(names)}?"
+    return f"How does the ranking change with {plain(listing(names))}?"
 
 
 def _chart(name: str, heading: str) -> str:
