@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import signal
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
+from typing import NoReturn
 
-from nodegraph.cli.arguments import add_page, add_plugin
+from nodegraph.cli.arguments import add_page, add_plugin, add_store
 from nodegraph.cli.browser import needing_pages, ready
 from nodegraph.cli.output import say
 
 HELP = "Edit a graph file in a browser, as text and as picture."
 _MORE = """\
 The page shows the file beside the picture of its graph, with the mistakes that `nodegraph check`
-finds, where they are. Ctrl-S there saves. Until then, what is edited is kept beside the file, in
+finds, where they are. Ctrl-S there saves; Ctrl-Enter runs the graph into runs/GRAPH, as `nodegraph
+run` does, and shows how far it is. Until it is saved, what is edited is kept beside the file, in
 GRAPH.unsaved, with which the next edit begins. Only this machine, and the one browser that opens
 the printed address first, can see the page. Ctrl-C ends it.
 
@@ -30,24 +33,39 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_page(parser)
     add_plugin(parser)
+    add_store(parser)
 
 
 def edit(arguments: Namespace) -> int:
     """Serve the page until the user ends it."""
+    from nodegraph.cli.graphs import run_folder
     from nodegraph.editor.file import EditedFile
     from nodegraph.plugin.registry import Registry
 
     with needing_pages():
         from nodegraph.editor.app import MOST_BODY, application
+        from nodegraph.editor.running import Running
         from nodegraph.serve.server import LocalServer
 
     file = EditedFile(arguments.graph)
-    app = application(file, Registry.installed(arguments.plugin))
+    registry = Registry.installed(arguments.plugin)
+    running = Running(
+        arguments.graph, run_folder(arguments), registry, arguments.store, arguments.plugin
+    )
+    app = application(file, registry, running)
     server = LocalServer(app, arguments.port, most_body=MOST_BODY)
+    for ending in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(ending, _end)
     ready(server.address, with_browser=arguments.browser)
     try:
         server.run()
     finally:
+        running.end()
         if not file.is_saved:
             say(f"not saved; kept in {file.copy}, with which the next edit begins")
     return 0
+
+
+def _end(number: int, frame: object) -> NoReturn:
+    """End as Ctrl-C does, so that a run does not go on alone."""
+    raise SystemExit(128 + number)

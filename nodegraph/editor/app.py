@@ -22,24 +22,27 @@ from nodegraph.editor.completion import about, options_at
 from nodegraph.editor.edits import Edits
 from nodegraph.editor.file import MOST_BYTES, EditedFile
 from nodegraph.editor.panel import axes_of, installed, panel_of
+from nodegraph.editor.running import Running
 from nodegraph.editor.view import Places, problems_of_files, unchecked_view_of, view_of
 from nodegraph.errors import GraphError, NodegraphError
+from nodegraph.graph import Graph
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.page import source
-from nodegraph.serve.pages import page_response
+from nodegraph.serve.app import routes
+from nodegraph.serve.pages import events_response, own_source, page_response
 
 MOST_BODY = 6 * MOST_BYTES + 1000
 """Bytes of a request with a text of the largest size, each character written as an escape."""
 
 _NOT_UNDERSTOOD = (ValueError, LookupError, TypeError, OverflowError, RecursionError)
 """What reading the body of a request raises."""
-_SCRIPTS = ("text", "picture", "editor", "panel")
+_SCRIPTS = ("text", "picture", "editor", "panel", "run")
 _TEMPLATES = "nodegraph.editor"
 
 
-def application(file: EditedFile, registry: Registry) -> Starlette:
-    """Return the application that edits a file; a `Guard` must stand before it."""
-    page = _Page(file, registry)
+def application(file: EditedFile, registry: Registry, running: Running) -> Starlette:
+    """Return the application that edits and runs a file; a `Guard` must stand before it."""
+    page = _Page(file, registry, running)
     return Starlette(
         routes=[
             Route("/", page.page),
@@ -52,6 +55,9 @@ def application(file: EditedFile, registry: Registry) -> Starlette:
             Route("/nodes", _as_data(page.nodes)),
             Route("/axes", _as_data(page.axes)),
             Route("/edit", page.edit, methods=["POST"]),
+            Route("/preview", _as_data(page.preview)),
+            Route("/running", page.running),
+            *routes(running.runs),
         ]
     )
 
@@ -94,8 +100,9 @@ def _text(error: Exception) -> str:
 
 
 class _Page:
-    def __init__(self, file: EditedFile, registry: Registry) -> None:
+    def __init__(self, file: EditedFile, registry: Registry, running: Running) -> None:
         self._file = file
+        self._running = running
         self._registry = registry
         self._edits = Edits(registry, file.path)
         self._lock = RLock()
@@ -107,7 +114,11 @@ class _Page:
         scripts = [source("modules.js"), source("helpers.js"), source("theme.js")]
         bundle = folder.joinpath("codemirror", "codemirror.js").read_text(encoding="utf-8")
         own = (folder.joinpath("templates", f"{name}.js") for name in _SCRIPTS)
-        scripts += [bundle, *(script.read_text(encoding="utf-8") for script in own)]
+        scripts += [
+            bundle,
+            own_source("states.js"),
+            *(script.read_text(encoding="utf-8") for script in own),
+        ]
         style = folder.joinpath("templates", "editor.css").read_text(encoding="utf-8")
         return page_response(
             "editor.html",
@@ -127,8 +138,20 @@ class _Page:
         with self._lock:
             view, revision = self._checking.view_of(self._file.shown), self._file.revision
         graph = view.graph if view is not None else None
-        problems = problems_of_files(graph) if graph is not None else []
+        problems = problems_of_files(graph, self._running.store) if graph is not None else []
         return {"revision": revision, "problems": problems}
+
+    def preview(self, request: Request) -> object:
+        """Return what a run of the graph would compute."""
+        with self._lock:
+            graph = self._without_mistakes()
+        return self._running.preview(graph)
+
+    async def running(self, request: Request) -> Response:
+        """Send how far the run is, until it has ended."""
+        if self._running.shown("") is None:
+            return JSONResponse({"message": "nothing has been run"}, HTTPStatus.CONFLICT)
+        return events_response(self._running.snapshot, lambda data: bool(data["is_over"]))
 
     def options(self, text: str, index: int) -> object:
         """Return the words that may stand at a place of a text."""
@@ -181,6 +204,9 @@ class _Page:
             "undo": self._file.undo,
             "redo": self._file.redo,
             "save": self._file.save,
+            "save_to_run": self._save_to_run,
+            "run": self._run,
+            "stop": self._running.stop,
             "take_theirs": self._file.take_theirs,
             "keep_mine": self._file.keep_mine,
         }
@@ -188,6 +214,24 @@ class _Page:
             return actions[name]
         edit = self._edits.named(name, arguments)
         return lambda: self._file.put(edit(self._file.text))
+
+    def _save_to_run(self) -> None:
+        """Save the text if it is a graph that can be run."""
+        self._without_mistakes()
+        self._file.save()
+
+    def _run(self) -> None:
+        """Run the file, which gets the text that is shown."""
+        self._save_to_run()
+        self._running.start(self._file.text)
+
+    def _without_mistakes(self) -> Graph:
+        view = self._checking.view_of(self._file.shown)
+        if view is None:
+            raise NodegraphError("not run: the text is still checked; run it after that")
+        if view.graph is None:
+            raise NodegraphError("not run: there are mistakes in the text; mend them first")
+        return view.graph
 
     def _edited(self, revision: object, edit: Callable[[], None]) -> Response:
         with self._lock:
@@ -209,6 +253,7 @@ class _Page:
             "revision": file.revision,
             "text": text,
             "is_checked": checked is not None,
+            "run": self._running.shown(file.text),
             "is_saved": file.is_saved,
             "can_undo": file.can_undo,
             "can_redo": file.can_redo,

@@ -108,15 +108,16 @@ def _drawn(spec: GraphSpec, registry: Registry) -> str:
         return ""
 
 
-def problems_of_files(graph: Graph) -> list[Mapping[str, object]]:
+def problems_of_files(graph: Graph, store: Path | None) -> list[Mapping[str, object]]:
     """Return what is wrong with the files that a graph reads, and with settings for their content.
 
-    They are the checks of ``nodegraph check`` that take longer.
+    They are the checks of ``nodegraph check`` that take longer; what is stored in a folder, by
+    default in that of the user, spares some of them.
     """
     places = Places(graph.spec.text, graph.spec.file)
     planned = plan(graph)
     problems = Problems()
-    stored = StoredSteps(planned, open_store(graph.registry, None, lambda message: None))
+    stored = StoredSteps(planned, open_store(graph.registry, store, lambda message: None))
     warnings = check_files_and_settings(planned, stored, problems)
     notices = [Problem(Place(graph.spec.file), warning) for warning in warnings]
     return [

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from http import HTTPStatus
 from typing import Any
@@ -27,12 +26,15 @@ from nodegraph.runs.state import RunState
 from nodegraph.runs.why import changes_since
 from nodegraph.serve.computing import Computing
 from nodegraph.serve.flow import flow
-from nodegraph.serve.pages import html_response, json_in_script, own_source, page_response
+from nodegraph.serve.pages import (
+    events_response,
+    html_response,
+    json_in_script,
+    own_source,
+    page_response,
+)
 from nodegraph.serve.runs import Condition, OpenRun, OpenRuns, entry_of
 from nodegraph.serve.values import Combinations, Query, labels_in, packed, shown
-
-_EVERY = 0.2
-"""Seconds between two looks at the events of a run."""
 
 _MOST_CHANGES = 5
 _MOST_COMBINATIONS = 500
@@ -249,19 +251,10 @@ class _Pages:
             runs = await run_in_threadpool(self._named, request.query_params.getlist("run"))
         except NodegraphError as error:
             return JSONResponse({"message": str(error)}, _status(error))
-
-        async def stream() -> AsyncIterator[str]:
-            last = None
-            while True:
-                data = await run_in_threadpool(lambda: {run.name: run.snapshot() for run in runs})
-                if data != last:
-                    yield f"data: {json.dumps(data)}\n\n"
-                if all(each["state"].is_final for each in data.values()):
-                    return
-                last = data
-                await asyncio.sleep(_EVERY)
-
-        return StreamingResponse(stream(), media_type="text/event-stream")
+        return events_response(
+            lambda: {run.name: run.snapshot() for run in runs},
+            lambda data: all(each["state"].is_final for each in data.values()),
+        )
 
     async def compute(self, request: Request) -> Response:
         """Compute what a GET request lacked; send how far it is, a line of JSON at a time."""

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import asyncio
 import html
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from http import HTTPStatus
 from importlib.resources import files
+from typing import Any
 
-from starlette.responses import HTMLResponse, Response
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import HTMLResponse, Response, StreamingResponse
 
 from nodegraph.report.page import policy, source, templates_of
+
+_EVERY = 0.2
+"""Seconds between two looks."""
 
 _POLICY = re.compile('http-equiv="Content-Security-Policy" content="([^"]*)"')
 
@@ -44,6 +50,25 @@ def page_response(
         )
     )
     return html_response(content, status)
+
+
+def events_response(
+    look: Callable[[], Mapping[str, Any]], is_last: Callable[[Mapping[str, Any]], bool]
+) -> Response:
+    """Send what each look gives that differs from the one before, until the last."""
+
+    async def stream() -> AsyncIterator[str]:
+        last = None
+        while True:
+            data = await run_in_threadpool(look)
+            if data != last:
+                yield f"data: {json.dumps(data)}\n\n"
+            if is_last(data):
+                return
+            last = data
+            await asyncio.sleep(_EVERY)
+
+    return StreamingResponse(stream(), media_type="text/event-stream")
 
 
 def html_response(content: str, status: HTTPStatus = HTTPStatus.OK) -> Response:

@@ -230,5 +230,5 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     watch();
   }, WATCH);
   begin();
-  return { act, get, known, choose, say, chosen: () => chosen, on: (reader) => { readers.push(reader); } };
+  return { act, get, known, choose, say, node_of, chosen: () => chosen, on: (reader) => { readers.push(reader); } };
 });

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 
 from nodegraph.editor.app import application
 from nodegraph.editor.file import EditedFile
+from nodegraph.editor.running import Running
 from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.serve.guard import Guard
 from nodegraph.serve.server import LocalServer
@@ -36,8 +38,9 @@ report: [error]
 class Editor:
     """The requests of the browser that has opened the printed address."""
 
-    def __init__(self, path: Path, registry: Registry) -> None:
-        self._guard = Guard(application(EditedFile(path), registry), HOST)
+    def __init__(self, path: Path, registry: Registry, *plugins: Path) -> None:
+        self.running = running_of(path, registry, *plugins)
+        self._guard = Guard(application(EditedFile(path), registry, self.running), HOST)
         answer = send(self._guard, f"/?token={self._guard.token}")
         self._cookie = answer.headers["set-cookie"].partition(";")[0]
 
@@ -66,6 +69,26 @@ class Editor:
         return answer.data
 
 
+def running_of(path: Path, registry: Registry, *plugins: Path) -> Running:
+    """What runs a file, beside which it writes."""
+    folder = path.parent
+    return Running(path, folder / "runs" / path.stem, registry, folder / "store", plugins)
+
+
+@contextmanager
+def served_page(path: Path, registry: Registry, *plugins: Path) -> Iterator[str]:
+    """Serve the page of a file; yield the address that lets one browser in."""
+    running = running_of(path, registry, *plugins)
+    app = application(EditedFile(path), registry, running)
+    server = LocalServer(app, most_body=1 << 20)
+    answering = Thread(target=server.run)
+    answering.start()
+    yield server.address
+    server.end()
+    answering.join()
+    running.end()
+
+
 @pytest.fixture(scope="session")
 def registry() -> Registry:
     return default_registry()
@@ -86,9 +109,5 @@ def editor(path: Path, registry: Registry) -> Editor:
 @pytest.fixture
 def address(path: Path, registry: Registry) -> Iterator[str]:
     """The address that lets one browser in, while the page is served."""
-    server = LocalServer(application(EditedFile(path), registry), most_body=1 << 20)
-    answering = Thread(target=server.run)
-    answering.start()
-    yield server.address
-    server.end()
-    answering.join()
+    with served_page(path, registry) as address:
+        yield address

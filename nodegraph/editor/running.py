@@ -1,0 +1,208 @@
+"""The run of the graph file that is edited: what it would compute, its start and its end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import IO, Any
+
+from nodegraph.errors import NodegraphError, Problems, listed
+from nodegraph.execute import StoredSteps, open_store
+from nodegraph.execute.preflight import check_files_and_settings
+from nodegraph.graph import Graph
+from nodegraph.plan import plan
+from nodegraph.plugin.registry import Registry
+from nodegraph.runs.folder import EVENTS
+from nodegraph.runs.record_files import read_record
+from nodegraph.runs.state import RunState
+from nodegraph.runs.why import Why, together
+from nodegraph.serve.runs import OpenRun, OpenRuns
+
+_PATIENCE = 20
+"""Seconds in which a run ends that is interrupted; on Linux it does so after ten at most."""
+
+_MOST_SAID = 10_000
+"""Bytes of what the command has said last."""
+
+
+class Running:
+    """Runs a graph file in a process of its own, as ``nodegraph run`` does.
+
+    Parameters
+    ----------
+    graph
+        As the user named it.
+    folder
+        Of the run.
+    registry
+    store
+        Folder of stored results; None for the default.
+    plugins
+        Files with further nodes.
+
+    Attributes
+    ----------
+    store : Path or None
+    runs : OpenRuns
+        That run, and those beside it.
+    """
+
+    def __init__(
+        self,
+        graph: Path,
+        folder: Path,
+        registry: Registry,
+        store: Path | None = None,
+        plugins: Sequence[Path] = (),
+    ) -> None:
+        self._folder = folder
+        self.store = store
+        self.runs = OpenRuns([folder.parent], registry, store)
+        options = [word for plugin in plugins for word in ("--plugin", str(plugin))]
+        options += ["--store", str(store)] if store is not None else []
+        self._words = ["run", "--quiet", "--out", str(folder), *options, "--", str(graph)]
+        self._number = 0
+        self._text = ""
+        self._process: subprocess.Popen[bytes] | None = None
+        self._output: IO[bytes] = BytesIO()
+        self._before: object = None
+
+    def preview(self, graph: Graph) -> Mapping[str, object]:
+        """Return what a run would compute, and why that is not stored.
+
+        Raises
+        ------
+        GraphError
+            If a file cannot be read, or a setting does not fit what is in it.
+        """
+        planned = plan(graph)
+        cache = StoredSteps(planned, open_store(graph.registry, self.store, lambda message: None))
+        problems = Problems()
+        warnings = check_files_and_settings(planned, cache, problems)
+        problems.raise_any()
+        missing = [step.index for step in planned.steps if step.index not in cache.known]
+        try:
+            why = Why(planned, cache, read_record(self._folder))
+            changes = together(map(why.explain_step, missing))
+        except NodegraphError:
+            changes = []
+        rows = []
+        for node in graph.nodes:
+            steps = set(planned.cells[node].values())
+            rows.append([node, len(steps), len(steps.intersection(missing))])
+        left_out = graph.left_out_together().items()
+        return {
+            "nodes": rows,
+            "steps": len(planned.steps),
+            "missing": len(missing),
+            "changes": changes,
+            "warnings": [
+                *map(str, warnings),
+                *(f"left out: {listed(nodes, 5)}: {reason}" for reason, nodes in left_out),
+            ],
+        }
+
+    def start(self, text: str) -> None:
+        """Begin a run of the file, which has this text.
+
+        Raises
+        ------
+        NodegraphError
+            If the last one has not ended.
+        """
+        if self._is_going:
+            raise NodegraphError("a run goes on; stop it first")
+        self._before = self._version()
+        self._text = text
+        self._number += 1
+        self._output.close()
+        self._output = tempfile.TemporaryFile()  # noqa: SIM115, as `end` closes it
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "nodegraph.cli.main", *self._words],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=self._output,
+            process_group=0,  # else Ctrl-C in the terminal would interrupt it twice
+        )
+
+    def stop(self) -> None:
+        """Interrupt the run, as Ctrl-C does; it can be continued."""
+        if self._process is not None and self._is_going:
+            self._process.send_signal(signal.SIGINT)
+
+    def end(self) -> None:
+        """Interrupt the run, and wait until it has ended."""
+        if self._process is None:
+            return
+        self.stop()
+        try:
+            self._process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.wait()
+        self._output.close()
+
+    def shown(self, text: str) -> Mapping[str, object] | None:
+        """Return which run it is, and whether it is of this text; None before the first."""
+        if not self._number:
+            return None
+        return {"number": self._number, "is_current": text == self._text}
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return how far the run is as plain data: `OpenRun.snapshot`, and how it has ended."""
+        is_over = not self._is_going
+        run = self._run()
+        data: dict[str, Any] = {
+            "run": self._folder.name,
+            "is_over": is_over,
+            "state": "not begun" if is_over else "starting",
+            "nodes": {},
+            "seconds": 0.0,
+            "to_go": None,
+            "failures": [],
+            "message": "",
+            "answer": "",
+            "has_report": False,
+            "said": self._last_words() if is_over else "",
+        }
+        if run is None:
+            return data
+        if not is_over:
+            begun = run.snapshot()
+            return data | begun if begun["nodes"] else data
+        condition = run.condition()
+        data |= run.snapshot(condition.state)
+        data["message"] = condition.message
+        if condition.state is RunState.FINISHED:
+            data["has_report"] = True
+            data["answer"] = next(iter(run.study().short_answer(1)), "")
+        return data
+
+    @property
+    def _is_going(self) -> bool:
+        return self._process is not None and self._process.poll() is None
+
+    def _run(self) -> OpenRun | None:
+        """Return the run, once its folder has something of it."""
+        if self._version() in (None, self._before):
+            return None
+        return self.runs.all().get(self._folder.name)
+
+    def _version(self) -> object:
+        try:
+            status = (self._folder / EVENTS).stat()
+        except OSError:
+            return None
+        return status.st_ino, status.st_mtime_ns, status.st_size
+
+    def _last_words(self) -> str:
+        """Return what the command said last."""
+        self._output.seek(0, os.SEEK_END)
+        self._output.seek(max(0, self._output.tell() - _MOST_SAID))
+        return self._output.read().decode(errors="replace").strip()

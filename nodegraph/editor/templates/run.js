@@ -1,0 +1,129 @@
+// Runs of the file: what would be computed, start, stop, and the states of the run on the cards.
+nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { Card, how_far }, editor) => {
+  const MOST = 8; // lines of a list
+  const part = (id) => document.getElementById(id);
+  const holder = part("run-state");
+  const dialog = part("start");
+  let number = 0;
+  let snapshot = null;
+  let events = null;
+  let drawn = null; // the picture, and its cards
+  let cards = [];
+
+  const link = (address, text) => element("a", { href: address, target: "_blank" }, text);
+  const combinations = (node) => link(`/values?${new URLSearchParams({ run: snapshot.run, node })}`, "combinations and values");
+  const few = (lines) => [...lines.slice(0, MOST), ...(lines.length > MOST ? [`and ${lines.length - MOST} more`] : [])]
+    .map((line) => element("li", null, line));
+
+  // ---- before a run ----
+
+  const ask = async () => {
+    if (part("run").disabled || document.querySelector("dialog[open]") || !await editor.act("save_to_run")) return;
+    let preview;
+    try {
+      preview = await editor.get("/preview");
+    } catch (error) {
+      editor.say(error.message);
+      return;
+    }
+    const { nodes, steps, missing, changes, warnings } = preview;
+    part("start-what").textContent = missing
+      ? `${missing} of ${steps} steps are not stored, and are computed as far as something needs them.`
+      : `All ${steps} steps are stored.`;
+    part("start-nodes").tBodies[0].replaceChildren(...nodes.map(([node, ...counts]) => element("tr", null,
+      element("th", { scope: "row" }, node), counts.map((count) => element("td", { class: "number" }, count)))));
+    part("start-why").hidden = !changes.length;
+    part("start-why").querySelector("ul").replaceChildren(...few(changes));
+    part("start-warnings").replaceChildren(...few(warnings));
+    dialog.showModal();
+    part("start-now").focus();
+  };
+
+  // ---- a run ----
+
+  const is_going = () => snapshot !== null && !snapshot.is_over;
+  const listen = () => {
+    events?.close();
+    events = new EventSource("/running");
+    events.onmessage = ({ data }) => {
+      const before = snapshot?.state;
+      snapshot = JSON.parse(data);
+      if (snapshot.is_over) events.close();
+      if (snapshot.state !== before) announce(`Run: ${snapshot.state}. ${snapshot.answer}`);
+      show();
+    };
+    events.onerror = () => events.close();
+  };
+
+  const mark = () => {
+    const picture = document.querySelector("#picture > svg");
+    if (picture !== drawn) {
+      drawn = picture;
+      cards = [...picture?.querySelectorAll("[data-box]") ?? []].filter((box) => box.querySelector("rect.frame")).map((box) => new Card(box));
+    }
+    const earlier = editor.known.run.is_current ? "" : "before: ";
+    for (const card of cards) {
+      const node = snapshot.nodes[card.name] ?? (is_going() && earlier === "" ? { mark: "waiting", text: "waiting", settled: 0 } : null);
+      if (node) card.show({ ...node, text: `${earlier}${node.text}` });
+    }
+  };
+
+  const failed = ([name, { text }]) => {
+    const reason = snapshot.failures.find((failure) => failure.startsWith(`${name}(`) || failure.startsWith(`${name}: `));
+    const lines = editor.known.nodes[editor.node_of(name)];
+    const go = () => editor.choose(editor.node_of(name), { scroll: "both" });
+    return element("li", { class: "error" },
+      lines ? element("button", { type: "button", onclick: go }, `${part("text").dataset.file}:${lines[0]}`) : null,
+      ` ${name}: ${text} `, combinations(name), reason ? element("div", null, reason) : null);
+  };
+
+  const in_hand = () => {
+    const chosen = editor.chosen();
+    const nodes = Object.entries(snapshot.nodes).filter(([name]) => chosen && (name === chosen || name.startsWith(`${chosen}.`)));
+    return nodes.map(([name, { text }]) => element("li", null, `${name}: ${text} `, combinations(name)));
+  };
+
+  const show = () => {
+    part("stop").disabled = !is_going();
+    part("run").disabled = is_going();
+    holder.hidden = snapshot === null;
+    if (snapshot === null) return;
+    const { is_over, state, nodes, message, answer, has_report, said, run } = snapshot;
+    const reached = Object.keys(nodes).length ? how_far(snapshot) : state;
+    mark();
+    part("run-reached").replaceChildren(
+      `Run ${run}: ${reached}${message ? `; ${message}` : ""}. `,
+      has_report ? link(`/report?${new URLSearchParams({ run })}`, "Report") : "",
+      editor.known.run.is_current ? "" : " The text has been edited since: states are those of the earlier text.",
+    );
+    part("run-answer").textContent = answer;
+    part("run-nodes").replaceChildren(...Object.entries(nodes).filter(([, { counts }]) => counts.failed).map(failed), ...in_hand());
+    part("run-said").hidden = !(is_over && said);
+    part("run-said").querySelector("pre").textContent = said;
+  };
+
+  editor.on(() => {
+    const run = editor.known.run;
+    if (run && run.number !== number) {
+      number = run.number;
+      snapshot = null;
+      listen();
+    }
+    show();
+  });
+
+  part("run").addEventListener("click", ask);
+  part("stop").addEventListener("click", () => editor.act("stop"));
+  part("start-cancel").addEventListener("click", () => dialog.close());
+  part("start-now").addEventListener("click", () => {
+    dialog.close();
+    editor.act("run");
+  });
+  addEventListener("keydown", (event) => { // before the text breaks a line
+    if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey) || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    ask();
+  }, true);
+  return {};
+});
