@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,6 @@ from nodegraph.cli.output import counted, say
 if TYPE_CHECKING:
     from nodegraph.cli.answers import DiffAnswer, FirstDifference
     from nodegraph.runs.compare import Spread
-    from nodegraph.runs.record import Record
 
 HELP = "Show where two runs differ first, and why; exit with status 1 if they differ."
 
@@ -34,7 +32,7 @@ def diff(arguments: Namespace) -> int:
     from nodegraph.cli.answers import print_json
     from nodegraph.execute import open_store
     from nodegraph.plugin.registry import Registry
-    from nodegraph.runs.compare import by_digest, compare
+    from nodegraph.runs.compare import by_digest, choices, compare
     from nodegraph.runs.record_files import read_record
     from nodegraph.runs.recorded_value import StoredValues
 
@@ -45,10 +43,10 @@ def diff(arguments: Namespace) -> int:
     stored = StoredValues(store)
     found = origins(spread, registry, (stored, stored))
     if arguments.json:
-        print_json(_answer(arguments, spread, found, list(_choices(was, now))))
+        print_json(_answer(arguments, spread, found, list(choices(was, now))))
         return 0 if spread.is_equal else 1
     print(_summary(spread, f"{arguments.run} and {arguments.other}"))
-    for line in _choices(was, now):
+    for line in choices(was, now):
         print(line)
     for run, cells in ((arguments.run, spread.only_was), (arguments.other, spread.only_now)):
         if cells:
@@ -94,16 +92,3 @@ def _summary(spread: Spread, names: str) -> str:
     return f"{names}: {spread.beyond} {differ}, {spread.same} have the same results" + (
         f", {unknown} are unknown (their results were not stored)" if unknown else ""
     )
-
-
-def _choices(was: Record, now: Record) -> Iterator[str]:
-    """Yield each input and axis with another value."""
-    kinds = (("input", was.inputs, now.inputs), ("axis", was.axes, now.axes))
-    for kind, before, after in kinds:
-        for name in {**before, **after}:
-            if name not in before:
-                yield f"{kind} {name} is new: {after[name]}"
-            elif name not in after:
-                yield f"{kind} {name} is gone, it was {before[name]}"
-            elif before[name] != after[name]:
-                yield f"{kind} {name} was {before[name]}, now {after[name]}"

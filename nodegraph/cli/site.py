@@ -9,7 +9,7 @@ from nodegraph.cli.output import write_file
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import number_of, size_text
 
-HELP = "Write a static site: a gallery of runs with their reports."
+HELP = "Write a static site: a gallery of runs with their reports, and runs of one study compared."
 
 
 def add_arguments(parser: ArgumentParser) -> None:

@@ -226,6 +226,19 @@ def _ended_otherwise(pair: Pair) -> bool:
     return len(states) > 1 and not states.isdisjoint((State.FAILED, State.REFUSED))
 
 
+def choices(was: Record, now: Record) -> Iterator[str]:
+    """Yield a text per input, and per axis, with another value."""
+    kinds = (("input", was.inputs, now.inputs), ("axis", was.axes, now.axes))
+    for kind, before, after in kinds:
+        for name in {**before, **after}:
+            if name not in before:
+                yield f"{kind} {name} is new: {after[name]}"
+            elif name not in after:
+                yield f"{kind} {name} is gone, it was {before[name]}"
+            elif before[name] != after[name]:
+                yield f"{kind} {name} was {before[name]}, now {after[name]}"
+
+
 def by_digest(store: Store) -> Judge:
     """Return a judge by how steps ended, and by the digests of their results.
 

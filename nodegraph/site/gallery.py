@@ -1,25 +1,32 @@
 """A static gallery of runs: a card for each, with its answer, a figure and its report.
 
-The page filters and sorts the cards, and keeps that in its address.
+The page filters and sorts the cards, and keeps that in its address. Several runs of one study have
+a page that shows their numbers beside each other.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from importlib.resources import files
-from pathlib import Path
+from itertools import pairwise
+from pathlib import Path, PurePath
 from typing import NamedTuple
 
 from nodegraph.errors import NodegraphError, listed
+from nodegraph.execute import open_store
 from nodegraph.filenames import fold, portable_name
 from nodegraph.formatting import number_of
+from nodegraph.plugin.registry import Registry
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.page import policy, source, templates_of
 from nodegraph.report.study import Kind, Study, read_study
 from nodegraph.runs.folder import REPORT, STUDY, is_run, moved_for, runs_in
+from nodegraph.site.history import changes_between, tables
 
 INDEX = "index.html"
 _MARK = b'<meta name="generator" content="nodegraph site">'
@@ -44,14 +51,24 @@ class _RunReport:
     study : Study
     files : mapping of str to Path
         Files that are copied, by their paths in the run's folder.
+    folder : Path
     replaced_by : str
         Name of the folder of the later run of the same graph, if that did not fail; or empty.
+    history : str
+        Path of the page of all runs of the study; empty if this is the only one.
     """
 
     name: str
     study: Study
     files: Mapping[str, Path]
+    folder: Path
     replaced_by: str = ""
+    history: str = ""
+
+    @property
+    def question(self) -> tuple[str, str]:
+        """The graph file and the title: equal in all runs of one study."""
+        return self.study.graph_file, self.study.title
 
     @property
     def created(self) -> datetime | None:
@@ -104,28 +121,66 @@ def gallery(folders: Iterable[Path]) -> Contents:
     NodegraphError
         If a folder holds no run that can be read, or a file is missing that its report links to.
     """
+    runs = _read_runs(folders)
+    generated = dict(_histories(runs))
+    generated[INDEX] = _page(
+        "gallery",
+        ("modules", "theme"),
+        title="Studies",
+        runs=runs,
+        methods=sorted({method for run in runs for method in run.methods}),
+        report=REPORT,
+        mark=_MARK.decode(),
+    )
+    copied = {f"{run.name}/{path}": file for run in runs for path, file in run.files.items()}
+    return Contents(len(runs), generated, copied)
+
+
+def _histories(runs: Sequence[_RunReport]) -> Iterator[tuple[str, bytes]]:
+    """Yield the path and the page of each study that has several runs."""
+    studies: dict[str, list[_RunReport]] = {}
+    for run in reversed(runs):  # the earliest first
+        if run.history:
+            studies.setdefault(run.history, []).append(run)
+    if not studies:
+        return
+    store = open_store(Registry.installed(), None, partial(warnings.warn, stacklevel=2))
+    for path, of_study in studies.items():
+        yield (
+            path,
+            _page(
+                "history",
+                ("modules", "helpers", "theme", "selection", "tables"),
+                title=of_study[-1].study.title,
+                runs=of_study,
+                changes=[
+                    changes_between(was.folder, now.folder, store)
+                    for was, now in pairwise(of_study)
+                ],
+                tables=tables([run.study for run in of_study]),
+                report=REPORT,
+                index=INDEX,
+            ),
+        )
+
+
+def _page(name: str, of_report: Iterable[str], **context: object) -> bytes:
+    """Return a page from its template, with its own script and style and scripts of the report."""
     from markupsafe import Markup
 
-    runs = _read_runs(folders)
-    own = [source("modules.js"), source("theme.js"), _source("gallery.js")]
+    scripts = [*(source(f"{each}.js") for each in of_report), _source(f"{name}.js")]
     html = (
         templates_of("nodegraph.site")
-        .get_template("gallery.html")
+        .get_template(f"{name}.html")
         .render(
-            title="Studies",
-            runs=runs,
-            methods=sorted({method for run in runs for method in run.methods}),
-            report=REPORT,
-            mark=Markup(_MARK.decode()),
-            policy=policy([], *own).replace("img-src data: blob:", "img-src data: 'self'"),
-            scripts=map(Markup, own),
+            policy=policy([], *scripts).replace("img-src data: blob:", "img-src data: 'self'"),
+            scripts=map(Markup, scripts),
             styles=map(Markup, [source("page.css"), _source("gallery.css")]),
+            **context,
         )
     )
     # an answer that names a file may hold what is not valid text
-    generated = {INDEX: html.encode(errors="backslashreplace")}
-    copied = {f"{run.name}/{path}": file for run in runs for path, file in run.files.items()}
-    return Contents(len(runs), generated, copied)
+    return html.encode(errors="backslashreplace")
 
 
 def _source(name: str) -> str:
@@ -147,13 +202,27 @@ def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
                     f"{folder}: there is no file {path}, to which the report links; run the graph "
                     "again"
                 )
-        runs[folder] = _RunReport(_free(folder.name, runs.values()), study, copied)
+        name = _free(folder.name, [run.name for run in runs.values()])
+        runs[folder] = _RunReport(name, study, copied, folder)
     for folder, run in runs.items():
         later = moved_for(folder)
         if later in runs and runs[later].study.ok:
             runs[folder] = replace(run, replaced_by=runs[later].name)
-    earliest = datetime.min.replace(tzinfo=UTC)
-    return sorted(runs.values(), key=lambda run: run.created or earliest, reverse=True)
+    studies = Counter(run.question for run in runs.values())
+    taken = [run.name for run in runs.values()]
+    histories = {question: "" for question in studies}
+    for question in (each for each, count in studies.items() if count > 1):
+        histories[question] = _free(f"{PurePath(question[0]).stem or 'runs'}.html", taken)
+        taken.append(histories[question])
+    for folder, run in runs.items():
+        runs[folder] = replace(run, history=histories[run.question])
+    return sorted(runs.values(), key=_when, reverse=True)
+
+
+def _when(run: _RunReport) -> tuple[datetime, int]:
+    """Return when a run was made: its date has minutes only, so the time of its file decides."""
+    unknown = datetime.min.replace(tzinfo=UTC)
+    return run.created or unknown, (run.folder / STUDY).stat().st_mtime_ns
 
 
 def _finished(folder: Path) -> list[Path]:
@@ -170,8 +239,9 @@ def _finished(folder: Path) -> list[Path]:
     return finished if finished else [folder]
 
 
-def _free(name: str, runs: Collection[_RunReport]) -> str:
-    taken = {fold(INDEX), *(fold(run.name) for run in runs)}
-    plain = portable_name(name)
-    names = [plain, *(f"{plain}-{number}" for number in range(2, len(runs) + 3))]
-    return next(free for free in names if fold(free) not in taken)
+def _free(name: str, others: Collection[str]) -> str:
+    """Return a portable name that is none of others, with a number if need be."""
+    taken = {fold(INDEX), *map(fold, others)}
+    plain = PurePath(portable_name(name))
+    names = (plain.with_stem(f"{plain.stem}-{number}") for number in range(2, len(taken) + 3))
+    return next(str(free) for free in (plain, *names) if fold(str(free)) not in taken)

@@ -15,11 +15,12 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
 
   // What a copy holds: the cells as they are shown; CSV has every column with all its digits.
   const textOf = (cell) => cell.textContent.trim();
-  const shownRow = (row) => [...row.cells].map(textOf);
+  const shownCells = (row) => [...row.cells].filter(({ hidden }) => !hidden);
+  const shownRow = (row) => shownCells(row).map(textOf);
   const partsOf = ({ table, rows }) => ({
     heads: [...table.tHead.rows].map(shownRow),
     rows: rows().map(shownRow),
-    numeric: [...table.tHead.rows[0].cells].map((cell) => cell.classList.contains("number")),
+    numeric: shownCells(table.tHead.rows[0]).map((cell) => cell.classList.contains("number")),
     caption: [...table.caption?.childNodes ?? []].filter(({ nodeName }) => nodeName !== "B")
       .map(({ textContent }) => textContent).join("").trim(),
   });

@@ -10,6 +10,7 @@ from contextlib import redirect_stderr
 from html import unescape
 from html.parser import HTMLParser
 from io import StringIO
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import unquote
@@ -21,14 +22,14 @@ import nodegraph as ng
 from nodegraph.cli.main import COMMANDS, main
 from nodegraph.graphfile.keys import TOP_LEVEL
 from nodegraph.node.description import describe_settings
-from nodegraph.plugin.hook_types import expect
+from nodegraph.plugin.hook_types import Grid, Rendered, expect
 from nodegraph.plugin.hooks import HOOKS, Shape
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import Study
-from nodegraph.report.study import Kind, MethodRow, StepNote, study_bytes
+from nodegraph.report.study import Kind, MethodRow, Section, StepNote, study_bytes
 from nodegraph.runs.folder import EVENTS, REPORT, STUDY
 from tests import readmes
-from tests.browser import AXE, load, violations
+from tests.browser import AXE, load, resize, violations
 
 PAGES = Path(readmes.ROOT) / "nodegraph" / "site" / "pages"
 HOSTILE = '</title><script>alert(1)</script><img src="https://example.org/x.png">'
@@ -60,6 +61,11 @@ def write_run(folder: Path, study: Study) -> None:
     (folder / REPORT).write_text("<!DOCTYPE html><title>A report</title>")
 
 
+def scores(*rows: tuple[str, ...]) -> Section:
+    grid = Grid("Error [mm]", ("fill", "short", "long\nof lips"), rows)
+    return Section("Error", Rendered("", grid=grid), node="table")
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
@@ -70,9 +76,22 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "Fills",
             answer=("It is linear.", "Splines overshoot."),
             methods=(linear, spline),
+            sections=(scores(("linear", "0.55", "1.2"), ("spline", "0.6", "1.4")),),
+            graph_file="fill.yaml",
             created="2026-11-20T10:00+01:00",
         ),
-        "runs/fill-2026-11-20T09-00-00": Study("Fills", created="2026-11-20T09:00+01:00"),
+        "runs/fill-2026-11-20T09-00-00": Study(
+            "Fills",
+            sections=(scores(("linear", "0.4", "1.2")),),
+            graph_file="fill.yaml",
+            created="2026-11-20T09:00+01:00",
+        ),
+        "runs/fill-2026-11-20T08-00-00": Study(
+            "Fills",
+            sections=(scores(("linear", "0.5", "1.2"), ("spline", "0.6", "1.3")),),
+            graph_file="fill.yaml",
+            created="2026-11-20T08:00+01:00",
+        ),
         "runs/repair": Study("Repairs", notes=(failed,), created="2026-11-22T09:00+00:00"),
         "runs/align": Study("Aligns", methods=(linear,), created="2026-11-21T09:00+00:00"),
         "more/fill": Study(HOSTILE, answer=(HOSTILE,), created="last week"),
@@ -89,13 +108,15 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_link_leads_to_a_file(site: Path) -> None:
-    addresses = {*Links((site / "index.html").read_text()).addresses} - {"data:,"}
-    assert len(addresses) == 5
-    assert all((site / unquote(address)).is_file() for address in addresses)
+    pages = [Links((site / name).read_text()).addresses for name in ("index.html", "fill.html")]
+    assert [len({*addresses} - {"data:,"}) for addresses in pages] == [7, 4]
+    for address in {*chain(*pages)} - {"data:,"}:
+        assert (site / unquote(address)).is_file()
 
 
-def test_the_page_cannot_reach_the_network(site: Path) -> None:
-    text = (site / "index.html").read_text()
+@pytest.mark.parametrize("page", ["index.html", "fill.html"])
+def test_the_page_cannot_reach_the_network(site: Path, page: str) -> None:
+    text = (site / page).read_text()
     assert "default-src 'none'" in unescape(text.partition("<title>")[0])
     assert not re.search(r'(src|href)="(?!data:,")[a-z]+:', text)
 
@@ -199,7 +220,7 @@ def test_the_gallery_filters_and_sorts_with_keys_and_keeps_that_in_its_address(
 
     load(tab, site / "index.html", width=390)
     assert tab.evaluate("document.documentElement.scrollWidth") <= 390
-    assert tab.inner_text("#count") == "3 of 5 runs; not shown: 1 failed, 1 replaced"
+    assert tab.inner_text("#count") == "3 of 6 runs; not shown: 1 failed, 2 replaced"
     assert shown() == ["Aligns", "Fills", HOSTILE]
     press("Tab", "Tab", *"overshoot")  # past the button of the theme
     assert shown() == ["Fills"]
@@ -215,7 +236,7 @@ def test_the_gallery_filters_and_sorts_with_keys_and_keeps_that_in_its_address(
     tab.get_by_label("From").fill("")
     tab.get_by_label("To").fill("2026-11-21")
     tab.get_by_label("Sort by").select_option("date, earliest first")
-    sorted_runs = ["Fills", "Fills", "Aligns"]
+    sorted_runs = ["Fills", "Fills", "Fills", "Aligns"]
     assert shown() == sorted_runs
     assert "replaced by fill" in tab.locator("article:visible").first.inner_text()
     address = tab.url
@@ -227,9 +248,43 @@ def test_the_gallery_filters_and_sorts_with_keys_and_keeps_that_in_its_address(
         assert violations(tab) == []
     tab.get_by_role("button", name="Clear").press("Enter")
     tab.emulate_media(color_scheme="light")
-    assert tab.inner_text("#count") == "3 of 5 runs; not shown: 1 failed, 1 replaced"
+    assert tab.inner_text("#count") == "3 of 6 runs; not shown: 1 failed, 2 replaced"
     assert "#" not in tab.url
     if AXE:
         assert violations(tab) == []
     tab.goto(f"{address}&method=fill.none&more=%E0")  # somebody has changed it
     assert shown() == sorted_runs
+
+
+def test_runs_of_a_study_are_compared_all_or_two_of_them(site: Path, tab: Page) -> None:
+    def rows() -> list[str]:
+        by = "getComputedStyle(cell, '::after').content.replaceAll('\"', '')"
+        cells = f"cells => cells.map((cell) => cell.textContent + {by}.replace('none', ''))"
+        rows = tab.locator("tbody tr").all()
+        return [" | ".join(row.locator(":visible").evaluate_all(cells)) for row in rows]
+
+    load(tab, site / "index.html")
+    tab.get_by_role("link", name="All runs").first.click()
+    assert rows() == [
+        "linear | short | 0.5 | 0.4 (\u221220 %) | 0.55 (+38 %)",
+        "linear | long, of lips | 1.2 | 1.2 | 1.2",
+        "spline | short | 0.6 | \u2013 | 0.6",
+        "spline | long, of lips | 1.3 | \u2013 | 1.4 (+8 %)",
+    ]
+    if AXE:
+        assert violations(tab) == []
+    tab.get_by_label("Compare").select_option("fill-2026-11-20T08-00-00")
+    address = tab.url
+    tab.goto("about:blank")
+    tab.emulate_media(color_scheme="dark")
+    resize(tab, 390)
+    tab.goto(address)
+    assert rows() == [
+        "linear | short | 0.5 | 0.55 (+10 %)",
+        "linear | long, of lips | 1.2 | 1.2",
+        "spline | short | 0.6 | 0.6",
+        "spline | long, of lips | 1.3 | 1.4 (+8 %)",
+    ]
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+    if AXE:
+        assert violations(tab) == []
