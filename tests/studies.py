@@ -36,13 +36,16 @@ FEW = {
         *("--only", "trial=0", "--only", "fill=muscle,lin_ouhyoung,guenter,linear"),
     ),
     "fill_conditions": ("--axis", "actor=0,1", "--only", "length=15"),
+    "fill_occlusions": ("--axis", "actor=0,1", "--only", "length=15"),
     "impulses": TWO,
+    "live_price": ("--axis", "actor=0,1"),
     "marker_selection": (
         *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),
         *("--axis", "seed=0", "--set", "runs=30"),
     ),
     "pipeline": ("--axis", "actor=0,1", "--only", "damage=usual,clean"),
     "spline_orders": TWO,
+    "step_order": ("--axis", "actor=0,1"),
     "tracking": TWO,
 }
 """A few combinations of each graph that takes longer."""

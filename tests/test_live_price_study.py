@@ -1,0 +1,38 @@
+"""The study of what methods cost that look few frames ahead."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.records import read_record
+from tests.studies import Studies, table
+
+
+@pytest.fixture(scope="module")
+def built_in(studies: Studies) -> Path:
+    """A run on two actors."""
+    return studies.few("live_price")
+
+
+def test_nothing_fails_or_is_refused(built_in: Path) -> None:
+    counts = read_record(built_in)["counts"]
+    assert counts["failed"] == 0
+    assert counts["refused"] == 0
+
+
+def test_who_sees_the_whole_take_errs_less_than_who_sees_nothing_ahead(built_in: Path) -> None:
+    rows = table(built_in / "table.csv")
+    errors = {row["smooth"]: float(row["mean"]) for row in rows}
+    assert max(errors["gcv"], errors["kalman"]) < errors["kalman_filter"]
+    assert max(errors["kalman_filter"], errors["one_euro"]) < errors["without"]
+    assert {row["smooth"]: row["looks ahead"] for row in rows} | {
+        "one_euro": "0 frames", "savgol_2": "4 frames", "gcv": "whole take"
+    } == {row["smooth"]: row["looks ahead"] for row in rows}  # fmt: skip
+
+
+def test_the_samples_behind_a_gap_are_worth_waiting_for(built_in: Path) -> None:
+    errors = {row["fill"]: float(row["mean"]) for row in table(built_in / "fills_table.csv")}
+    assert errors["muscle_met"] < errors["muscle"]
+    assert errors["kriging"] == min(errors.values())
