@@ -3,10 +3,10 @@
 // comparison of a page keeps what is its own under names such as 2.group.
 nodegraph.define("selection", [], () => {
   const NOTHING = {
-    method: null, reference: null, metric: null, statistic: null, group: null, block: null, marker: null,
-    region: null, suspects: true, methods: null,
+    method: null, reference: null, metric: null, statistic: null, group: null, block: null, frame: null,
+    marker: null, region: null, suspects: true, methods: null,
   };
-  const NUMBERS = new Set(["group", "block"]);
+  const NUMBERS = new Set(["group", "block", "frame"]);
   const PREFIX = "#select:";
   const bare = (name) => name.replace(/^\d+\./, "");
   const known = (name) => bare(name) in NOTHING;

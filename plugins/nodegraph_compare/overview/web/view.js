@@ -36,8 +36,10 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       return { ...selection.state, ...Object.fromEntries(own) };
     }
 
+    // A frame is one of the block that is open.
     set(values) {
-      const named = Object.entries(values).map(([name, value]) => [OWN.includes(name) ? this.prefix + name : name, value]);
+      const other = "block" in values || "group" in values;
+      const named = Object.entries({ ...(other && { frame: null }), ...values }).map(([name, value]) => [OWN.includes(name) ? this.prefix + name : name, value]);
       selection.set(Object.fromEntries(named));
     }
 

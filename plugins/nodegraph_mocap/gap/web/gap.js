@@ -2,6 +2,7 @@
 nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/gap/curves", "mocap/gap/closeup"], (page, selection, packed, curves, closeup) => {
   const { element } = page;
   const PATIENCE = [40, 160]; // ms between frames at least and at most
+  const REST = 200; // ms after which the address has the frame that the reader went to
   const WHOLE = 6000; // ms that a block takes to play, if these allow it
   const WORDS = {
     truth: "Solid: the truth.", best: "Blue: the best of this comparison.",
@@ -30,7 +31,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
     constructor(place, data, context) {
       this.block = packed.unpacked(data);
       this.best = bestOf(context);
-      this.at = this.block.suspects[0] ?? this.block.at;
+      this.at = this.placeOf(selection.state.frame) ?? this.block.suspects[0] ?? this.block.at;
       this.root = element("div", { class: "gap-view" });
       this.build();
       place.replaceChildren(this.root);
@@ -52,7 +53,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       this.play = element("button", { type: "button", onclick: () => this.toggle() }, "Play");
       this.slider = element("input", {
         type: "range", min: 0, max: block.frames - 1, step: 1, "aria-label": "Frame",
-        oninput: () => { this.pause(); this.move(Number(this.slider.value)); },
+        oninput: () => this.seek(Number(this.slider.value)),
       });
       this.clock = element("output", { class: "clock", "aria-live": "off" });
       this.errors = element("p", { class: "errors" });
@@ -100,7 +101,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
         const method = this.chart.methodAt(x, y);
         selection.hover("method", method);
         this.chart.name(method, x, y);
-        if (event.buttons && event.isPrimary) this.move(this.chart.frameAt(x));
+        if (event.buttons && event.isPrimary) this.seek(this.chart.frameAt(x));
       });
       this.chart.element.addEventListener("pointerleave", () => {
         selection.hover("method", null);
@@ -110,7 +111,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
         const [x, y] = pointed(event);
         const method = this.chart.methodAt(x, y);
         if (method) selection.toggle("method", method);
-        else { this.pause(); this.move(this.chart.frameAt(x)); }
+        else this.seek(this.chart.frameAt(x));
       });
       const close = closeup.drawClose(block, lines);
       const faces = [closeup.drawFace(block), close];
@@ -149,7 +150,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
     }
 
     toggle() {
-      if (this.playing) this.pause();
+      if (this.playing) this.seek(this.at);
       else this.start();
     }
 
@@ -164,7 +165,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
         if (now - last >= pause) {
           last = now;
           const ended = this.at === this.block.frames - 1;
-          if (ended && page.reduced_motion()) return this.pause();
+          if (ended && page.reduced_motion()) return this.seek(this.at);
           this.move(ended ? 0 : this.at + 1);
         }
         requestAnimationFrame(tick);
@@ -177,17 +178,32 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       this.play.textContent = "Play";
     }
 
-    step(frames) {
+    // Goes where the reader wants, and keeps that in the address.
+    seek(at) {
       this.pause();
-      this.move(this.at + frames);
+      this.move(at);
+      clearTimeout(this.kept);
+      this.kept = setTimeout(() => {
+        if (here() === this) selection.set({ frame: this.block.frameAt(this.at) });
+      }, REST);
+    }
+
+    // The place of a frame of the take; null if it is not in the view.
+    placeOf(frame) {
+      if (frame === null) return null;
+      const place = Math.round((frame - this.block.start) / this.block.every);
+      return place >= 0 && place < this.block.frames ? place : null;
     }
   }
 
   // One view at a time: selection, pointer and keys are followed by the last that was shown.
   let current = null;
   const here = () => (current?.root.isConnected ? current : null);
-  selection.on((_, changed) => {
-    if (["method", "reference", "methods"].some((name) => changed.has(name))) here()?.draw();
+  selection.on(({ frame }, changed) => {
+    const view = here();
+    if (["method", "reference", "methods"].some((name) => changed.has(name))) view?.draw();
+    const place = changed.has("frame") && view ? view.placeOf(frame) : null;
+    if (place !== null && place !== view.at) view.move(place);
   });
   selection.on_hover((kind, value) => { if (kind === "method") here()?.hover(value); });
   document.addEventListener("keydown", (event) => {
@@ -195,7 +211,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
     const area = view && (view.root.closest("dialog") ?? view.root);
     if (!area?.contains(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target.matches("input, select, textarea, summary") || (event.key === " " && event.target.matches("button, a"))) return;
-    const act = { " ": () => view.toggle(), ArrowLeft: () => view.step(-1), ArrowRight: () => view.step(1) }[event.key];
+    const act = { " ": () => view.toggle(), ArrowLeft: () => view.seek(view.at - 1), ArrowRight: () => view.seek(view.at + 1) }[event.key];
     if (!act) return;
     event.preventDefault();
     act();

@@ -25,7 +25,7 @@ from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, with_info
-from tests.browser import load, middle, needs_axe, resize, violations
+from tests.browser import load, middle, needs_axe, resize, until, violations
 
 RECIPES = ("plain", "rich", "vegan", "nut", "rye")
 FACTORS = {180: (1.0, 1.02, 1.6, 2.0, 3.0), 220: (2.0, 1.0, 1.7, 2.4, 2.6)}
@@ -413,6 +413,17 @@ def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
     assert cake is not None
     tab.click("dialog .stage button")
     assert tab.evaluate(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5 heat 220"
+
+
+def test_a_frame_stays_in_the_address_as_long_as_its_block_is_open(tab: Page, bakery: Path) -> None:
+    load(tab, bakery)
+    tab.evaluate("location.hash = '#select:block=5&frame=7&method=nut'")
+    until(tab, "document.querySelector('dialog').open")
+    tab.click("dialog .bars button >> nth=0")
+    assert "frame=7" in tab.url
+    tab.click("dialog .steps button:enabled >> nth=0")
+    assert "block=" in tab.url
+    assert "frame=" not in tab.url
 
 
 def test_of_a_block_that_averages_over_an_axis_its_members_are_shown(

@@ -139,6 +139,24 @@ def test_keys_step_and_play_and_the_slider_seeks(tab: Page, tmp_path: Path) -> N
     assert not tab.evaluate("view.playing")
 
 
+def test_a_link_shows_the_frame_that_was_seen(tab: Page, tmp_path: Path) -> None:
+    show(tab, tmp_path, methods())
+    assert tab.evaluate("location.hash") == ""
+    tab.focus(".gap-view button")
+    for _ in range(3):
+        tab.keyboard.press("ArrowLeft")
+    until(tab, "location.hash.includes('frame=15')")
+    address = tab.url
+    tab.goto("about:blank")
+    tab.goto(address)
+    assert frame(tab) == "frame 15"
+    tab.evaluate("location.hash = '#select:frame=20'")
+    until(tab, "view.at === 15")
+    tab.evaluate("location.hash = '#select:frame=4000'")
+    tab.reload()
+    assert frame(tab) == "frame 18"
+
+
 def test_who_wants_little_motion_sees_a_block_once(tab: Page, tmp_path: Path) -> None:
     tab.emulate_media(reduced_motion="reduce")
     show(tab, tmp_path, methods())
@@ -233,7 +251,7 @@ def test_odd_blocks_are_shown_without_a_complaint(
 ) -> None:
     show(tab, tmp_path, given, block)
     tab.evaluate(f"selection.set({{ method: {json.dumps(next(iter(given)))} }})")
-    tab.evaluate("view.step(1)")
+    tab.evaluate("view.seek(view.at + 1)")
     assert tab.evaluate("document.title") == "A title"
     assert tab.evaluate("document.querySelectorAll('.gap-view img').length") == 0
     paths = "[...document.querySelectorAll('.gap-view path')].map((one) => one.getAttribute('d'))"
