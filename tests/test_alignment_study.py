@@ -31,6 +31,11 @@ def built_in(studies: Studies) -> Path:
     return studies.few("alignment")
 
 
+def test_it_says_what_was_aligned(built_in: Path) -> None:
+    text = " ".join((built_in / "printed.txt").read_text().split())
+    assert "2 synthetic recordings, 30 s, 60 to 150 markers, 1 to 30 Hz: " in text
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_captured_most_is_head_motion_and_aligned_next_to_nothing(
     built_in: Path, kind: str

@@ -87,6 +87,11 @@ def built_in(studies: Studies) -> Path:
     return studies.few("marker_selection")
 
 
+def test_it_says_what_the_weights_are_of(built_in: Path) -> None:
+    text = " ".join((built_in / "printed.txt").read_text().split())
+    assert "3 curves of synthetic recordings (12 s, 60 markers, 60 Hz), each point a single" in text
+
+
 def test_fewer_markers_cost_more_and_every_actor_has_a_floor(built_in: Path) -> None:
     result = rows(built_in)
     assert tuple(result) == FACES
