@@ -132,11 +132,13 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       if (key === this.key) {
         // another method or metric: what shows the block follows the selection by itself
         const focus = this.place.contains(document.activeElement) ? document.activeElement.dataset.key : null;
-        this.place.querySelector(".errors").replaceWith(list);
+        this.list.replaceWith(list);
+        this.list = list;
         if (focus) [...list.querySelectorAll("[data-key]")].find((mark) => mark.dataset.key === focus)?.focus();
         return;
       }
       this.key = key;
+      this.list = list;
       const { order } = this;
       const at = order.indexOf(block);
       const reason = view.group.reasons[block];

@@ -14,7 +14,7 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       this.prefix = place ? `${place + 1}.` : "";
       this.readers = [];
       this.cache = new Map(); // numbers of groups until something changes
-      const mine = new Map([...Object.keys(selection.state).filter((name) => !OWN.includes(name)).map((name) => [name, name]),
+      const mine = new Map([...Object.keys(selection.state).filter((name) => name !== "frame" && !OWN.includes(name)).map((name) => [name, name]),
         ...OWN.map((name) => [this.prefix + name, name])]);
       selection.on((_, changed) => {
         const names = [...changed].filter((name) => mine.has(name)).map((name) => mine.get(name));

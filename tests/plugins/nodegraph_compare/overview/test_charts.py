@@ -133,7 +133,11 @@ def pack(block: Mapping[str, object], inputs: Mapping[str, object]) -> Mapping[s
 
 
 VIEW = """nodegraph.define("bakery/cake", [], () => ({
-  show: (stage, { cake, heat }) => { stage.textContent = `cake ${cake} heat ${heat}`; },
+  show: (stage, { cake, heat }) => {
+    const shown = Object.assign(document.createElement("p"), { className: "errors" });
+    shown.textContent = `cake ${cake} heat ${heat}`;
+    stage.replaceChildren(shown);
+  },
 }));"""
 PROBE = """nodegraph.define("probe", ["compare/scale"], (scales) => { window.scales = scales; });"""
 
@@ -384,6 +388,9 @@ def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> No
     tab.click(".suggestion.suspect")
     assert "the scale slipped" in text(tab, "dialog .suspect")
     assert re.fullmatch(r"cake \d+ heat 220", text(tab, "dialog .stage"))
+    tab.click("dialog .bars button >> nth=1")
+    assert re.fullmatch(r"cake \d+ heat 220", text(tab, "dialog .stage"))
+    assert tab.locator("dialog .bars").count() == 1
 
 
 SERVER = """nodegraph.define("server", [], () => ({
