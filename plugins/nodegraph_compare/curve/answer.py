@@ -109,8 +109,7 @@ def _beside_noise(curves: Curves) -> Text:
     at = say(f" at {HERE}", Word(f"{_between(known)} {curves.axes.x}")) if known else ()
     if not times:
         return say(f"{reached[0].upper()}{reached[1:]} measurement noise{HERE}.", at)
-    ends = dict.fromkeys(f"{end:.2g}" for end in (min(times), max(times)))
-    number = Word(" to ".join(ends), "number")
+    number = Word(span_text([min(times), max(times)]), "number")
     start = f"{curves.axes.metric} there is {HERE} times that of measurement noise"
     return say(f"{start}, which {reached}{HERE}.", number, at)
 

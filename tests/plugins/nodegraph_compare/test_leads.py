@@ -58,7 +58,7 @@ def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
     assert answer.cards[0].facts == (("Noise", ("0.070, reached at 40 markers",)),)
     assert "20 markers" in text(answer)
     assert text(answer).endswith(
-        " mse there is 1.4 times that of measurement noise, which both curves reach at 40 markers."
+        " mse there is 1.43 times that of measurement noise, which both curves reach at 40 markers."
     )
     assert "<rect" in answer.cards[0].picture
 
