@@ -175,10 +175,18 @@ def _table(heads: str, rows: Sequence[str]) -> str:
 
 
 def legend(verdicts: Verdicts) -> str:
-    """Return what the dots of the cards are, and what tied means."""
+    """Return what the dots of the cards are, what tied means, and what is suspect."""
+    if len(verdicts.groups) > MOST_CARDS:
+        return ""
+    suspect = any(group.without_suspects is not None for group in verdicts.groups)
+    doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
+    return " ".join(filter(None, [_dots(verdicts), doubt]))
+
+
+def _dots(verdicts: Verdicts) -> str:
     told = [group for group in verdicts.groups if group.told]
     line = line_of(verdicts)
-    if not told or len(verdicts.groups) > MOST_CARDS or len(verdicts.methods) < 2:
+    if not told or len(verdicts.methods) < 2:
         return ""
     if verdicts.is_sequence:
         return (
@@ -192,6 +200,4 @@ def legend(verdicts: Verdicts) -> str:
     )
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
-    suspect = any(group.suspects for group in told)
-    doubt = f"; \N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged" * suspect
-    return f"Dots: a method each{scale}; filled: the best{tied}{behind}{doubt}."
+    return f"Dots: a method each{scale}; filled: the best{tied}{behind}."
