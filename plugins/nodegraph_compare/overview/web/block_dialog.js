@@ -222,7 +222,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       const value = method === undefined ? "" : ` \u00b7 ${view.overview.methods[method]} ${view.error(from.error(view.metric.name, block, method))}`;
       return element("button", {
         type: "button", class: `suggestion${from.isSuspect(block) ? " suspect" : ""}`,
-        onclick: () => view.set({ block }),
+        onclick: () => (method === undefined ? view.set({ block }) : view.open(block, method)),
       }, element("b", {}, `${from.isSuspect(block) ? "\u25c7 " : ""}${why[0].toUpperCase()}${why.slice(1)}`),
       element("span", {}, `${from.nameOf(block)}${value}`));
     };

@@ -422,6 +422,19 @@ def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
     assert tab.evaluate(f"{stage}.textContent") == f"cake detail,recipes,{cake[1]},5 heat 220"
 
 
+def test_a_suggestion_follows_the_method_that_it_names_if_that_has_no_role(
+    tab: Page, bakery: Path
+) -> None:
+    load(tab, bakery, width=1280)
+    suggestion = tab.locator(".suggestion.suspect").first
+    named = suggestion.inner_text().rpartition("\u00b7 ")[2].split()[0]
+    for statistic, follows in (("mean", False), ("median", True)):  # medians have no best
+        choose(tab, "Statistic", statistic)
+        suggestion.click()
+        assert (f"method={named}" in tab.url) is follows
+        tab.keyboard.press("Escape")
+
+
 def test_a_frame_stays_in_the_address_as_long_as_its_block_is_open(tab: Page, bakery: Path) -> None:
     load(tab, bakery)
     tab.evaluate("location.hash = '#select:block=5&frame=7&method=nut'")
