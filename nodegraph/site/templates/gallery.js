@@ -55,7 +55,10 @@ nodegraph.define("gallery", [], () => {
     show();
   };
   form.addEventListener("input", changed);
-  form.addEventListener("reset", () => setTimeout(changed)); // the fields are emptied after the event
+  document.getElementById("clear").addEventListener("click", () => {
+    form.reset();
+    changed();
+  });
   form.addEventListener("submit", (event) => event.preventDefault());
   addEventListener("hashchange", from_address);
   for (const name of ["failed", "replaced"]) {
