@@ -49,6 +49,11 @@ def tables(studies: Sequence[Study]) -> list[Table]:
     """Return the tables of several runs of a study, as the last that has each names it.
 
     The numbers have the digits that the tables of the reports show.
+
+    Raises
+    ------
+    NodegraphError
+        If a table is damaged.
     """
     known: dict[tuple[str, str, str], Table] = {}
     numbers: dict[tuple[str, str, str], dict[tuple[str, str], list[str]]] = {}
@@ -56,6 +61,11 @@ def tables(studies: Sequence[Study]) -> list[Table]:
         for section in study.sections:
             if (grid := section.rendered.grid) is None:
                 continue
+            if {len(grid.head), *map(len, grid.rows)} != {max(1, len(grid.head))}:
+                raise NodegraphError(
+                    f"{study.title}: a row of the table {section.title!r} is not as long as its "
+                    "head; run the graph again"
+                )
             key = section.node, section.output, section.labels
             compared, *groups = (", ".join(name.split("\n")) for name in grid.head)
             title = ", ".join(filter(None, [section.title, section.where]))

@@ -184,6 +184,16 @@ def test_a_damaged_run_is_named(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("row", [(), ("linear", "0.5"), ("linear", "0.5", "1", "2")])
+def test_a_damaged_table_of_a_study_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], row: tuple[str, ...]
+) -> None:
+    for name in ("a", "b"):
+        write_run(tmp_path / name, Study("Fills", sections=(scores(row),)))
+    assert main(["site", str(tmp_path), "--out", str(tmp_path / "out")]) == 2
+    assert "Fills: a row of the table 'Error' is not as long" in capsys.readouterr().err
+
+
 def test_a_folder_that_is_no_site_is_not_written_to(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
