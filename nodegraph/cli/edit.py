@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 from typing import NoReturn
@@ -54,8 +55,9 @@ def edit(arguments: Namespace) -> int:
     )
     app = application(file, registry, running)
     server = LocalServer(app, arguments.port, most_body=MOST_BODY)
-    for ending in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(ending, _end)
+    signal.signal(signal.SIGTERM, _end)
+    if sys.platform != "win32":
+        signal.signal(signal.SIGHUP, _end)  # the terminal has been closed
     ready(server.address, with_browser=arguments.browser)
     try:
         server.run()

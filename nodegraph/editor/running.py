@@ -15,6 +15,7 @@ from typing import IO, Any
 from nodegraph.errors import NodegraphError, Problems, listed
 from nodegraph.execute import StoredSteps, open_store
 from nodegraph.execute.preflight import check_files_and_settings
+from nodegraph.execute.processes import kill
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
@@ -134,7 +135,10 @@ class Running:
     def stop(self) -> None:
         """Interrupt the run, as Ctrl-C does; it can be continued."""
         if self._process is not None and self._is_going:
-            self._process.send_signal(signal.SIGINT)
+            if sys.platform == "win32":  # which has no such signal
+                kill(self._process)
+            else:
+                self._process.send_signal(signal.SIGINT)
 
     def end(self) -> None:
         """Interrupt the run, and wait until it has ended."""
@@ -144,7 +148,7 @@ class Running:
         try:
             self._process.wait(_PATIENCE)
         except subprocess.TimeoutExpired:
-            os.killpg(self._process.pid, signal.SIGKILL)
+            kill(self._process)
             self._process.wait()
         self._output.close()
 

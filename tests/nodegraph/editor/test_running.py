@@ -168,7 +168,7 @@ def test_a_stopped_run_can_be_continued(editor: Editor, path: Path) -> None:
     assert (last["state"], last["nodes"]["a"]["text"]) == ("finished", "2 stored")
 
 
-@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_the_run_ends_with_the_editor(
     path: Path, toys: Path, monkeypatch: pytest.MonkeyPatch, end: signal.Signals
 ) -> None:
