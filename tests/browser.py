@@ -80,6 +80,7 @@ def tab(_only_tab: Page, complaints: list[str]) -> Iterator[Page]:
     yield page
     page.evaluate("try { localStorage.clear(); sessionStorage.clear(); } catch { /* has none */ }")
     page.context.clear_permissions()
+    page.context.clear_cookies()
     page.remove_listener("request", watch)
     page.remove_listener("console", listen)
     page.remove_listener("pageerror", fail)

@@ -6,6 +6,7 @@ import itertools
 import json
 import warnings
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -74,8 +75,7 @@ def check_marks(folder: Path) -> None:
         knees = sorted(marked(points)[0][0] for points in result.values() if marked(points))
         if knees[0] < knees[-1]:
             count = f"median; {knees[0]} to {knees[-1]} in {count}"
-        middle = knees[len(knees) // 2]
-        assert f"From {middle} markers on, more of them help less ({count})" in text
+        assert f"From {median(knees):g} markers on, more of them help less ({count})" in text
     else:
         assert "Neither a minimum nor a knee to mark" in text
     assert all(len(marked(points)) <= 1 for points in result.values())

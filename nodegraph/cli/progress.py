@@ -192,7 +192,7 @@ class _Lines(Display):
         if is_slow and computed > self._computed:
             self._computed = computed
             after = _clock(event.seconds)
-            self.say(f"{after}  {settled} of {number_of(total, 'step')}: {counts_text(detail)}")
+            self.say(f"{after}  {settled:,} of {number_of(total, 'step')}: {counts_text(detail)}")
 
 
 class _Quiet(_Lines):

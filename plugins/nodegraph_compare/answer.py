@@ -337,7 +337,8 @@ def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: s
     number = _number(verdicts, groups, leader)
     (name,) = method_words(verdicts, [leader])
     if len(tied) > _MOST_TIED:
-        return say(f"{HERE} {where} ({HERE}, tied with {len(tied)} others)", name, number)
+        count = f"tied with {len(tied)} others{' in each' if len(groups) > 1 else ''}"
+        return say(f"{HERE} {where} ({HERE}, {count})", name, number)
     if not tied and any(group.tied for group in groups):
         return say(f"{HERE} {where} ({HERE}, with ties)", name, number)
     order = sorted(tied, key=lambda place: np.nanmax([abs(g.to_best_of(place)) for g in groups]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from html import escape
-from statistics import median_high
+from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -74,7 +74,7 @@ def _sentence(curves: Curves) -> Text:
             f"All {len(drawn)} curves have a minimum within {curves.tolerance:g} of {HERE}", place
         )
     elif knees:
-        place = Word(f"{median_high(knees):g} {axes.x}")
+        place = Word(f"{median(knees):g} {axes.x}")
         several = f"median; {_between(knees)} in {of_all}" if len({*knees}) > 1 else of_all
         start = say(
             f"From {HERE} on, more of them help less{f' ({several})' if several else ''}", place
