@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from pathlib import Path
-
-import pytest
 
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import MethodRow, SettingRow, Study
 from nodegraph.report.paper_texts import cited
 from nodegraph.report.study import AxisRow, Section
+from tests.latex import compiled, needs_latex
 
 LENGTH = SettingRow("length", "5, 15", "frames", meaning="of the gaps")
 DEFAULT = SettingRow("close_gap", "none", default=True)
@@ -100,20 +97,13 @@ def test_signs_of_latex_are_shown_and_none_is_obeyed() -> None:
         assert shown in cited(study)[file].replace(r"\allowbreak{}", "")
 
 
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
+@needs_latex
 def test_the_settings_fit_the_page(tmp_path: Path) -> None:
     values = ", ".join(f"folder/of_many/recording_{number}.c3d" for number in range(9))
     settings = (SettingRow("generalization_of_the_gap", values, "frames"),)
     method = MethodRow("node_of_a_long_name", "plugin.a_method_of_a_long_name", settings=settings)
-    document = tmp_path / "paper.tex"
-    document.write_text(
-        r"\documentclass{article}\usepackage{array,booktabs,longtable}\begin{document}"
-        rf"{cited(Study('t', methods=(method,)))['settings.tex']}\end{{document}}"
-    )
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", document.name]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-    log = done.stdout.decode(errors="replace")
-    assert done.returncode == 0, log
+    settings_table = cited(Study("t", methods=(method,)))["settings.tex"]
+    log = compiled(tmp_path, "array,booktabs,longtable", settings_table)
     assert "Overfull" not in log
 
 

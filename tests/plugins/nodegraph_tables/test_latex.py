@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +13,7 @@ import pytest
 from nodegraph_tables import TableInfo, info_of, with_info
 from nodegraph_tables.latex import latex_of
 from nodegraph_tables.write_tex import write_tex
+from tests.latex import compiled, needs_latex
 
 UGLY = '<b>&amp; "it\'s" 100 % #1_$x^2 {~} \\ [mm] *12 \N{MINUS SIGN}1'
 LENGTHS = (5, 15, 45)
@@ -219,7 +218,7 @@ def test_a_table_far_wider_than_the_page_stands_sideways_where_its_rows_fit(
     assert ("rotating" in latex.splitlines()[0]) == (environment == "sidewaystable")
 
 
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
+@needs_latex
 def test_tables_compile(tmp_path: Path) -> None:
     ugly = comparison(ends=[UGLY, "*", "[x]"], fills=[UGLY, "[a]", "*b"])
     with_p = pd.DataFrame({"fill": ["a", "b"], "x": [0.5, 2e7], "p": [0.01, np.nan]})
@@ -238,15 +237,7 @@ def test_tables_compile(tmp_path: Path) -> None:
         wide(90),
     ]
     text = "\n".join(latex_of(table, f"{UGLY}\n\nagain") for table in tables)
-    document = tmp_path / "paper.tex"
-    packages = r"\usepackage{booktabs,graphicx,rotating}"
-    document.write_text(
-        rf"\documentclass{{article}}{packages}\begin{{document}}{text}\end{{document}}"
-    )
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", document.name]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-    log = done.stdout.decode(errors="replace")
-    assert done.returncode == 0, log
+    log = compiled(tmp_path, "booktabs,graphicx,rotating", text)
     assert "Overfull" not in log
     assert "Float too large" not in log
     assert (tmp_path / "paper.pdf").stat().st_size > 10_000
