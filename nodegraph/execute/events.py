@@ -139,7 +139,7 @@ class EventLog:
         self._remaining = RemainingTime(steps if self.listeners else (), seconds)
 
     def typical_seconds(self) -> dict[str, float]:
-        """Return the seconds of the steps that were computed, by node and method."""
+        """Return the seconds of the steps that were computed, by method."""
         return self._remaining.typical()
 
     def started(self, step: Step) -> None:

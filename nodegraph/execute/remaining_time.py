@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from statistics import fmean
+from statistics import fmean, median
 
 from nodegraph.plan import Step
 
@@ -15,7 +15,7 @@ _FEWEST = 5
 
 
 class RemainingTime:
-    """Weighs the steps that are left by what steps of their node and method took.
+    """Weighs the steps that are left by what steps of their method took.
 
     Parameters
     ----------
@@ -43,9 +43,10 @@ class RemainingTime:
     def estimate(self, elapsed: float) -> float | None:
         """Return the seconds to go; None while methods of unknown times may take most of them.
 
-        A method that was called five times takes the mean of its calls but the first two, any
-        other what it took in earlier runs. Where that is unknown, its first call is taken to be as
-        long as the longest first call so far, and the others as the mean of all methods.
+        A method that was called five times takes the mean of its calls but the first two, wherever
+        it stands in the graph, any other what it took in earlier runs. Where that is unknown, it
+        takes what its last call took; the first call of all is taken to be as long as the longest
+        first call so far, and the others as long as the median of the methods.
 
         Parameters
         ----------
@@ -56,33 +57,34 @@ class RemainingTime:
         self._count()
         if not self._took:
             return None
-        usual = {name: calls for name, calls in self._took.items() if len(calls) >= _FEWEST}
-        times = {**self._earlier, **{name: _usual(calls) for name, calls in usual.items()}}
-        mean = fmean(map(_usual, (usual or self._took).values()))
+        usual = {name: _usual(calls) for name, calls in self._took.items()}
+        known_now = {n: seconds for n, seconds in usual.items() if len(self._took[n]) >= _FEWEST}
+        times = {**self._earlier, **known_now}
+        typical = median(times.values() or usual.values())
         first = max(calls[0] for calls in self._took.values())
         known = unknown = 0.0
         for name, count in self._left.items():
             if name in times:
                 known += count * times[name]
-            elif name in self._took:
-                unknown += count * min(_usual(self._took[name]), mean)
+            elif name in usual:
+                unknown += count * usual[name]
             elif count:
-                unknown += first + (count - 1) * mean
+                unknown += first + (count - 1) * typical
         if unknown > known:
             return None
         ended = sum(map(sum, self._took.values()))
         return (known + unknown) * elapsed / ended if ended else 0.0
 
     def typical(self) -> dict[str, float]:
-        """Return the seconds of a step by node and method."""
+        """Return the seconds of a step by its method."""
         self._count()
         return {name: _usual(calls) for name, calls in self._took.items()}
 
     def _count(self) -> None:
         """Count what was noted, which most runs are too short to be asked for."""
-        self._left.update(map(_kind, self._to_compute))
+        self._left.update(step.method.node.name for step in self._to_compute)
         for step, seconds in self._settled:
-            name = _kind(step)
+            name = step.method.node.name
             self._left[name] -= 1
             if seconds is not None:
                 self._took[name].append(seconds)
@@ -93,8 +95,3 @@ class RemainingTime:
 def _usual(calls: Sequence[float]) -> float:
     """Return the mean of the calls after those that may compile, or the last of these."""
     return fmean(calls[_STARTING:] or calls[-1:])
-
-
-def _kind(step: Step) -> str:
-    """Return the kind of a step, whose steps take about as long: a method at a place of a graph."""
-    return f"{step.node} {step.method.node.name}"

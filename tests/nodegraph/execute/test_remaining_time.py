@@ -43,7 +43,7 @@ def test_after_a_tenth_it_is_right_within_a_tenth(steps: tuple[Step, ...], at_on
 def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, ...]) -> None:
     cheap = [step for step in steps if step.node != "c"]
     for earlier, seconds in [
-        ({"c strict.positive": 0.4}, pytest.approx(40.0, rel=0.1)),
+        ({"strict.positive": 0.4}, pytest.approx(40.0, rel=0.1)),
         ({}, None),
     ]:
         remaining = RemainingTime(steps, earlier)
@@ -81,7 +81,7 @@ def test_first_calls_that_compile_do_not_count_for_those_after(steps: tuple[Step
 def test_nothing_is_known_before_a_step_has_ended_and_methods_were_called_often(
     steps: tuple[Step, ...],
 ) -> None:
-    assert RemainingTime(steps, {"c strict.positive": 1.0}).estimate(3.0) is None
+    assert RemainingTime(steps, {"strict.positive": 1.0}).estimate(3.0) is None
     remaining = RemainingTime([step for step in steps if step.node == "a"], {})
     for count in range(1, 6):
         remaining.add(steps[3 * count], 1.0)
@@ -96,3 +96,13 @@ def test_steps_that_are_skipped_take_no_time(steps: tuple[Step, ...]) -> None:
         else:
             remaining.drop(step)
     assert remaining.estimate(1.0) == 0.0
+
+
+def test_a_method_takes_as_long_wherever_it_stands(run_of: Callable[..., Run]) -> None:
+    again = "      d: {use: strict.positive, in: c}\n"
+    steps = run_of(TEXT.rstrip(" ") + again).plan.steps
+    remaining = RemainingTime(steps, {})
+    for step in steps:
+        if step.node != "d":
+            remaining.add(step, took(step))
+    assert remaining.estimate(41.0) == pytest.approx(40.0, rel=0.1)
