@@ -109,18 +109,26 @@ def test_what_is_marked_is_what_a_plain_search_finds(built_in: Path) -> None:
     check_marks(built_in)
 
 
-def test_the_faces_are_those_that_are_marked(built_in: Path) -> None:
+def test_the_faces_are_those_with_the_fewest_markers_that_are_enough(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
-    marks = [(actor, row) for actor, rs in rows(built_in).items() for row in rs if row["marked"]]
+    points = table(built_in / "how-few_table.csv")
+    marks = [row for row in points if row["marked"]]
     assert marks
-    for actor, row in marks:
-        assert f"{actor}, k {row['k']}" in html
+    for row in marks:
+        assert float(row["rmse"]) <= 0.05
+        fewer = [each for each in points if each["actor"] == row["actor"]]
+        fewer = [each for each in fewer if int(each["markers"]) < int(row["markers"])]
+        assert all(float(each["rmse"]) > 0.05 for each in fewer)
+        assert f"{row['actor']}, k {row['k']}" in html
         assert f"{row['markers']} of 60 markers" in html
+    assert " markers</strong> are enough for rmse of at most 0.05 (" in html
 
 
 def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path) -> None:
     names = {path.name for path in built_in.glob("*.svg")}
-    assert names == {"fig1.svg", "fig2_figure.svg", "against-chance_figure.svg"}
+    assert names == {
+        *("fig1.svg", "fig2_figure.svg", "how-few_figure.svg", "against-chance_figure.svg"),
+    }
     for name in ("against-chance_table.csv", "left-out_table.csv"):
         groups = {(row["take"], row["k"]) for row in table(built_in / name)}
         assert groups == set(itertools.product(("own", "held_out"), ("10", "15", "20", "40")))

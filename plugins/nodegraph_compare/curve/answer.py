@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.ties import at_most
+from nodegraph_compare.curve.marks import first_within
+from nodegraph_compare.curve.notes import most_text
 from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, dot, joined, say, svg
 from nodegraph_tables.numbers import number_text, span_text
 
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
 
 _HEIGHT = 92.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 8.0, 232.0, 7.0, 75.0
-_KINDS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee"}
+_KINDS = {
+    "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee", "enough": "enough",
+}  # fmt: skip
 
 
 class _Scales(NamedTuple):
@@ -57,18 +60,11 @@ def answer_of(curves: Curves) -> Answer:
 
 def _sentence(curves: Curves) -> Text:
     drawn, marked, axes = curves.drawn, curves.marked, curves.axes
-    knees = [
-        float(points.x[marked.places[points.label]])
-        for points in drawn
-        if marked.kinds.get(points.label) == "knee"
-    ]
-    minima = [
-        float(points.x[marked.places[points.label]])
-        for points in drawn
-        if marked.kinds.get(points.label) == "minimum"
-    ]
+    knees, minima = _marked_at(curves, "knee"), _marked_at(curves, "minimum")
     of_all = "" if len(drawn) == 1 else _of(len(knees), len(drawn), "curve")
-    if marked.shared is not None:
+    if curves.enough is not None:
+        start = _enough(curves, curves.enough)
+    elif marked.shared is not None:
         place = Word(f"{marked.shared:g} {axes.x}")
         start = say(
             f"All {len(drawn)} curves have a minimum within {curves.tolerance:g} of {HERE}", place
@@ -92,6 +88,30 @@ def _sentence(curves: Curves) -> Text:
     return joined(" ", [say(f"{HERE}.", start), _beside_noise(curves)])
 
 
+def _marked_at(curves: Curves, kind: str) -> list[float]:
+    """Return the x of all marks of a kind."""
+    places, kinds = curves.marked.places, curves.marked.kinds
+    return [
+        float(points.x[places[points.label]])
+        for points in curves.drawn
+        if kinds.get(points.label) == kind
+    ]
+
+
+def _enough(curves: Curves, most: float) -> Text:
+    """Return from where on curves have an error that is small enough, and how many come to it."""
+    axes, count = curves.axes, len(curves.drawn)
+    what = f"{axes.metric} of at most {most_text(curves)}"
+    there = _marked_at(curves, "enough")
+    if not there:
+        last = [float(points.x[points.curve].max()) for points in curves.drawn]
+        return (f"No curve comes to {what}, with up to {_between(last)} {axes.x}",)
+    of_all = _of(len(there), count, "curve")
+    rest = "; the others do not come to it" if len(there) < count else ""
+    place = Word(f"{_between(there)} {axes.x}")
+    return say(f"{HERE} are enough for {what} ({of_all}{rest})", place)
+
+
 def _beside_noise(curves: Curves) -> Text:
     """Return how far marked points are above measurement noise, and which curves reach it."""
     under = [points for points in curves.drawn if math.isfinite(curves.floor(points))]
@@ -107,7 +127,7 @@ def _beside_noise(curves: Curves) -> Text:
     who = _of(len(known), len(under), "curve") if known else "no curve"
     reached = f"{who} reach{'es' * (len(known) < 2)}"
     at = say(f" at {HERE}", Word(f"{_between(known)} {curves.axes.x}")) if known else ()
-    if not times:
+    if not times or curves.enough is not None:
         return say(f"{reached[0].upper()}{reached[1:]} measurement noise{HERE}.", at)
     number = Word(span_text([min(times), max(times)]), "number")
     start = f"{curves.axes.metric} there is {HERE} times that of measurement noise"
@@ -122,10 +142,13 @@ def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
     reached = _reached(points, floor)
     where = "not reached" if reached is None else f"reached at {reached:g} {axes.x}"
     noise = (("Noise", (f"{number_text(floor, curves.unit)}, {where}",)),)
+    at, what = f"{points.x[place]:g} {axes.x}", _KINDS.get(kind, "lowest point")
+    if not kind and curves.mark != "none":
+        at, what = "no knee" if curves.enough is None else "not reached", f"lowest at {at}"
     return Card(
         title=f"{axes.compare} {points.label}" if axes.compare else axes.metric,
-        headline=(f"{points.x[place]:g} {axes.x}",),
-        value=(_KINDS.get(kind, "lowest point"),),
+        headline=(at,),
+        value=(what,),
         aside=(_numbers(curves, [float(points.value[place])]),),
         picture=_picture(points, curves, place, scales),
         facts=noise if math.isfinite(floor) else (),
@@ -138,11 +161,14 @@ def _picture(points: Points, curves: Curves, place: int, scales: _Scales) -> str
     if math.isfinite(floor):
         top = float(scales.y(np.array([floor]))[0])
         shade = f'<rect x="0" width="240" y="{top:.1f}" height="{_BOTTOM - top:.1f}"/>'
+    if curves.enough is not None:
+        level = float(scales.y(np.array([curves.enough]))[0])
+        shade += f'<line class="enough" x1="0" x2="240" y1="{level:.1f}" y2="{level:.1f}"/>'
     others = (_path(other, scales, "rest") for other in curves.drawn if other is not points)
     x, y = scales.x(points.x), scales.y(points.value)
     curve = "".join(
         dot(
-            round(float(x[at]), 1), round(float(y[at]), 1), "tied" if at == place else "best",
+            round(float(x[at]), 1), round(float(y[at]), 1), "before" if at == place else "own",
             f"{points.x[at]:g} {axes.x}: {number_text(float(points.value[at]))}",
             6.0 if at == place else 2.5,
         )
@@ -177,6 +203,8 @@ def _scope(curves: Curves) -> Text:
         parts[0] += ", on a logarithmic scale"
     if any(math.isfinite(curves.floor(points)) for points in drawn):
         parts.append("shaded: what measurement noise alone does")
+    if curves.enough is not None:
+        parts.append(f"dashed: {most_text(curves)}, which is enough")
     if "knee" in curves.marked.kinds.values():
         parts.append("knee: where a curve turns, so that more help less")
     several = f"{len(drawn)} curves" if len(drawn) > 1 else "One curve"
@@ -188,13 +216,15 @@ def _scope(curves: Curves) -> Text:
         f"{several}{kind}{f' ({data})' if data else ''}, each point a {point}: described, not "
         f"tested; other draws may differ{people}."
     )
+    if len(drawn) > 1:
+        parts.append("dark: the curve of the card, grey: the others")
     return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])
 
 
 def _reached(points: Points, floor: float) -> float | None:
     """Return the first x at which a curve is not above the noise floor."""
-    below = points.x[points.curve][at_most(points.value[points.curve], floor)]
-    return float(below[0]) if len(below) else None
+    place = first_within(points, floor)
+    return None if place is None else float(points.x[place])
 
 
 def _numbers(curves: Curves, values: Sequence[float]) -> str:

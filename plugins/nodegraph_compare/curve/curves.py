@@ -55,6 +55,11 @@ class Curves:
         """Curves of which a point has a number."""
         return [points for points in self.points if len(points.curve)]
 
+    @property
+    def enough(self) -> float | None:
+        """The error that is small enough; None where other places are marked."""
+        return None if isinstance(self.mark, str) else self.mark
+
     def floor(self, points: Points) -> float:
         """Return the noise floor under a curve; NaN where there is none."""
         return (self.floors or {}).get(points.label, math.nan)

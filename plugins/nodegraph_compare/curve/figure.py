@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from nodegraph_compare.curve.notes import verdict
+from nodegraph_compare.curve.notes import most_text, verdict
 from nodegraph_compare.pictures import reach
 from nodegraph_mocap import figure_text
 from nodegraph_tables.axes import SMALL, plain
-from nodegraph_tables.style import BEST, BLACK, LINE, QUIET, REST, scale_of, unit_text
+from nodegraph_tables.style import BLACK, LINE, QUIET, REST, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,8 +30,10 @@ _MOST_ACROSS = 4
 _MOST_BEHIND = 12
 """Curves up to which all others stand behind the one of a panel."""
 
-_SYMBOLS = {"shared": "o", "minimum": "o", "knee": "s"}
-_MEANINGS = {"shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee"}
+_SYMBOLS = {"shared": "o", "minimum": "o", "knee": "s", "enough": "o"}
+_MEANINGS = {
+    "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee", "enough": "enough",
+}  # fmt: skip
 _ROOM = 1.05
 _LETTERS = 24
 """Letters in a line above a panel."""
@@ -40,8 +42,8 @@ _LETTERS = 24
 def draw(curves: Curves) -> Figure:
     """Return the figure: a panel per curve, at most 24, on one scale.
 
-    In each, the curve is blue, with the points that it does not take hollow, its mark in black
-    and its noise floor shaded; the others are grey.
+    In each, the curve is black, with the points that it does not take hollow, a ring or a square
+    around its mark, its noise floor shaded and what is enough dashed; the others are grey.
     """
     drawn = curves.points[:_MOST_PANELS]
     across = min(len(drawn), _MOST_ACROSS)
@@ -85,6 +87,8 @@ def _draw_panel(panel: Panel, points: Points, curves: Curves) -> None:
             0.01, floor, "noise floor", transform=panel.get_yaxis_transform(), fontsize=SMALL - 1,
             color=QUIET, va="bottom", clip_on=True, in_layout=False,
         )  # fmt: skip
+    if curves.enough is not None:
+        panel.axhline(curves.enough, color=QUIET, linewidth=0.8, linestyle="--", zorder=1)
     _draw_curve(panel, points, scale)
     name = str(points.label) + ("" if len(points.curve) else " (no value)")
     panel.set_title(
@@ -98,7 +102,7 @@ def _draw_curve(panel: Panel, points: Points, scale: Scale) -> None:
     value = scale.shown(points.value)
     off = np.setdiff1d(np.flatnonzero(np.isfinite(value)), points.curve)
     panel.scatter(
-        points.x[off], value[off], s=11, facecolors="none", edgecolors=BEST, alpha=0.55,
+        points.x[off], value[off], s=11, facecolors="none", edgecolors=BLACK, alpha=0.55,
         linewidths=0.8, clip_on=False,
     )  # fmt: skip
     curve = points.curve
@@ -108,12 +112,12 @@ def _draw_curve(panel: Panel, points: Points, scale: Scale) -> None:
         points.x[curve],
         value[curve],
         yerr=reach(points.value, points.low, points.high)[:, curve],
-        color=BEST,
+        color=BLACK,
         linestyle="none",
         elinewidth=1.0,
     )
     panel.plot(
-        points.x[curve], value[curve], "o-", color=BEST, markersize=3.5, linewidth=1.5,
+        points.x[curve], value[curve], "o-", color=BLACK, markersize=3.5, linewidth=1.5,
         label=str(points.label), clip_on=False, zorder=3,
     )  # fmt: skip
 
@@ -138,6 +142,8 @@ def _notes(drawn: Sequence[Points], curves: Curves) -> list[str]:
         notes.append("Hollow: points that the curve does not take")
     if any(math.isfinite(floor) for floor in (curves.floors or {}).values()):
         notes.append("Shaded: what noise alone does")
+    if curves.enough is not None:
+        notes.append(f"Dashed: {most_text(curves)}, which is enough")
     deep = sum(int(np.count_nonzero(points.value < scale.lowest)) for points in curves.points)
     if deep:
         notes.append(f"{deep} on the lower edge: 0 or lower than shown")

@@ -1,4 +1,4 @@
-"""Places on curves that are worth a mark: local minima, those that curves share, and knees."""
+"""Places on curves that are worth a mark: minima, knees, and where an error is small enough."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from nodegraph_compare.ties import ROUNDING, apart
+from nodegraph_compare.ties import ROUNDING, apart, at_most
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.curve.points import Points
     from nodegraph_compare.curve.scale import Scale
 
-Mark = Literal["none", "minimum", "shared"]
+Mark = Literal["none", "minimum", "shared"] | float
 
 
 def local_minima(value: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -82,7 +82,7 @@ class Marks:
     places : mapping of label to int
         The marked point of each label.
     kinds : mapping of label to str
-        ``shared``, ``minimum`` or ``knee``.
+        ``shared``, ``minimum``, ``knee`` or ``enough``.
     """
 
     minima: Mapping[Label, NDArray[np.intp]]
@@ -105,7 +105,8 @@ def marks(
     curves
         The points of each label.
     mark
-        ``shared``, ``minimum``, or ``none``, for which the minima alone are found.
+        ``shared``, ``minimum``, or ``none``, for which the minima alone are found; a number, for
+        the first point of each curve that is no larger.
     tolerance
         How far apart minima may lie and still be shared, in units of x.
     level
@@ -122,12 +123,21 @@ def marks(
         shared = shared_minimum([points.x[minima[points.label]] for points in drawn], tolerance)
     places, kinds = {}, {}
     for points in drawn if mark != "none" else ():
-        place, kind = _minimum(points, minima[points.label], shared, mark)
-        if place is None:
-            place, kind = _knee(points, (level or {}).get(points.label, np.nan), scale), "knee"
+        if isinstance(mark, str):
+            place, kind = _minimum(points, minima[points.label], shared, mark)
+            if place is None:
+                place, kind = _knee(points, (level or {}).get(points.label, np.nan), scale), "knee"
+        else:
+            place, kind = first_within(points, mark), "enough"
         if place is not None:
             places[points.label], kinds[points.label] = place, kind
     return Marks(minima, shared, places, kinds)
+
+
+def first_within(points: Points, most: float) -> int | None:
+    """Return the first place on a curve with a value that is no larger; None where none is."""
+    within = points.curve[at_most(points.value[points.curve], most)]
+    return int(within[0]) if len(within) else None
 
 
 def _minimum(

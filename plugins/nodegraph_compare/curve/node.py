@@ -176,7 +176,7 @@ def curve(
     """Draw an error over a number, a curve per label, and mark where few is enough.
 
     As figure 2 of the marker study draws blendshape-weight errors over the number of selected
-    markers: a curve per actor, and a black circle around a minimum that all of them share. Lower
+    markers: a curve per actor, and a circle around a minimum that all of them share. Lower
     is better. An interior local minimum is a point of the curve lower than the one before and
     the one after; the ends are none. Of neighbouring points with one value the first counts.
 
@@ -227,9 +227,10 @@ def curve(
         same `x`, as where a method refuses; counted in the notes. Needs `blocks`.
     mark
         ``shared``: the smallest minimum that every curve has one within `tolerance` of, by a
-        black circle around each curve's nearest; where there is none the title states that, and a
-        black square marks each curve's knee. ``minimum``: each curve's lowest interior minimum,
-        its knee where it has none. A label without any number is disregarded.
+        circle around each curve's nearest; where there is none the title states that, and a
+        square marks each curve's knee. ``minimum``: each curve's lowest interior minimum,
+        its knee where it has none. A number: an error that is small enough, by a circle around
+        the first point of each curve that is no larger. A label without any number is disregarded.
     tolerance
         How far apart minima may lie and still be shared, in units of `x`.
 
@@ -240,8 +241,8 @@ def curve(
         axes of a point, `x`, the metric; with blocks, ``low``, ``high`` and ``blocks``, else
         ``rows``; ``on curve``; ``local minimum``; with a floor, ``floor`` (NaN where there is
         none for a label) and ``below floor`` (at or below it); ``marked`` (``shared``,
-        ``minimum``, ``knee`` or empty). Its answer states what is marked and what the noise floor
-        reaches, its notes what was left out.
+        ``minimum``, ``knee``, ``enough`` or empty). Its answer states what is marked and what the
+        noise floor reaches, its notes what was left out.
     figure
         A panel per curve, at most 24, with the others in grey. Logarithmic along y where no error
         is negative and they span more than a factor of 30, those below a millionth of the largest

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from nodegraph_compare.blocks import unsuccessful
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.left_out import absences, start_text
+from nodegraph_tables.style import scale_of, unit_text
 
 if TYPE_CHECKING:
     from nodegraph import Across
@@ -23,6 +24,12 @@ def verdict(curves: Curves) -> str:
     if shared is None:
         return f"no minimum shared within {curves.tolerance:g} {x}"
     return f"minimum shared at {shared:g} {x}"
+
+
+def most_text(curves: Curves) -> str:
+    """Return the error that is small enough, as it was set."""
+    assert curves.enough is not None
+    return f"{scale_of(curves.unit) * curves.enough:g} {unit_text(curves.unit)}".rstrip()
 
 
 def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
@@ -55,6 +62,11 @@ def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
     sentences.append("local minimum: lower than the points of the curve before and after it.")
     if curves.floors is not None:
         sentences.append("below floor: at or below what measurement noise alone does.")
+    if curves.enough is not None:
+        sentences.append(
+            f"enough: the first point of a curve whose {axes.metric} is at most "
+            f"{most_text(curves)}."
+        )
     if "knee" in curves.marked.kinds.values():
         sentences.append(
             "knee: the point of a curve farthest below the straight line through its first and "

@@ -112,16 +112,21 @@ def _grid(verdicts: Verdicts) -> str:
         for group in verdicts.groups
     }
     sides = list(dict.fromkeys(side for side, _ in cells))
+    names = [verdicts.within[axis] for axis in axes[:-1]]
+    titles = {top: escape(f"{verdicts.within[last]} {top}") for top in tops}
     heads = "".join(
-        f'<th scope="col">{escape(text)}</th>'
-        for text in (
-            *(verdicts.within[axis] for axis in axes[:-1]),
-            *(f"{verdicts.within[last]} {top}" for top in tops),
-        )
+        f'<th scope="col">{text}</th>' for text in (*map(escape, names), *titles.values())
     )
+    # on a phone each cell says itself what it is about
     rows = [
-        "".join(f'<th scope="row">{escape(str(label))}</th>' for label in side)
-        + "".join(f"<td>{_cell(verdicts, cells.get((side, top)))}</td>" for top in tops)
+        "".join(
+            f'<th scope="row" data-head="{escape(name)}">{escape(str(label))}</th>'
+            for name, label in zip(names, side, strict=True)
+        )
+        + "".join(
+            f'<td data-head="{title}">{_cell(verdicts, cells.get((side, top)))}</td>'
+            for top, title in titles.items()
+        )
         for side in sides
     ]
     return _table(heads, rows)

@@ -73,6 +73,11 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       const names = chart.widest(shown.map((method) => view.overview.methods[method]));
       const nameWidth = Math.round(Math.min(Math.max(names, 44) * (13 / 12) + 8, width * 0.34));
       const narrow = width - nameWidth - 74 * asides.length < 92 * groups.length;
+      const axis = view.overview.within.at(-1)?.name ?? "";
+      const heads = groups.map((group, at) => (at || narrow || !axis ? group.texts.at(-1) ?? view.what : view.groupText(group)));
+      // columns that do not fit keep room for a number and their longest word: the table scrolls
+      const words = heads.flatMap((text) => text.split(" ").map(chart.textWidth));
+      const least = nameWidth + 74 * asides.length + groups.length * (Math.min(Math.max(54, ...words), 110) + 15);
       const sign = view.better === "higher" ? -1 : 1;
       const keyOf = {
         name: (method) => view.overview.methods[method],
@@ -94,16 +99,15 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         scope: "col", class: className,
         "aria-sort": String(sort.key) === String(key) ? (sort.falling ? "descending" : "ascending") : null,
       }, element("button", { type: "button", title: "Sort by this column", "data-key": `head ${key}`, onclick: () => choose(key) }, label));
-      const axis = view.overview.within.at(-1)?.name ?? "";
       const above = view.overview.panels.filter((panel) => panel.groups.some((group) => groups.includes(group)));
       const panelRow = above.length > 1 || narrow ? element("tr", {}, element("td", { class: "name" }),
         ...above.map(({ title, groups: members }) => element("th", { scope: "colgroup", colspan: members.length, class: "panel" },
           [title, narrow ? axis : ""].filter(Boolean).join(", "))),
         ...asides.map(() => element("td", { class: "aside" }))) : null;
-      const table = element("table", { class: "heat", style: `--name-width: ${nameWidth}px` },
+      const table = element("table", { class: "heat", style: `--name-width: ${nameWidth}px; min-width: ${Math.ceil(least)}px` },
         element("thead", {}, panelRow, element("tr", {},
           head("name", "Method", "name"),
-          ...groups.map((group, at) => head(group.index, at || narrow || !axis ? group.texts.at(-1) ?? view.what : view.groupText(group), group === view.group ? "here" : "")),
+          ...groups.map((group, at) => head(group.index, heads[at], group === view.group ? "here" : "")),
           ...asides.map(({ key, title }) => head(key, title, "aside")))),
         element("tbody", {}, rows.map((method, at) => {
           const label = view.overview.methods[method];
@@ -116,13 +120,13 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         type: "button", class: "more", "data-key": "more", "aria-expanded": String(whole),
         onclick: () => { whole = !whole; redraw(); },
       }, whole ? "Show fewer" : `Show all ${order.length} methods`);
-      plot.replaceChildren(element("div", { class: "scroller", tabindex: groups.length * 44 > width ? 0 : null, role: "group", "aria-label": "Methods by group" }, table), fold || "");
+      plot.replaceChildren(element("div", { class: "scroller", tabindex: least > width ? 0 : null, role: "group", "aria-label": "Methods by group" }, table), fold || "");
       const verdict = groups.some((group) => view.numbers(group).tied.length);
       const panel = groups.length < view.overview.groups.length ? `${view.panel.title}. ` : "";
       return {
         caption: [
           strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.better === "higher" ? "highest" : "lowest"}` : `, and the difference to the ${view.better === "higher" ? "highest" : "lowest"}`}. `),
-          groups.some((group) => view.numbers(group).best.length) ? "Deeper blue is nearer the best. " : "",
+          groups.some((group) => view.numbers(group).best.length) ? `Bold: the best${groups.length > 1 ? " of its group" : ""}, its name in blue; deeper blue is nearer it. ` : "",
           verdict ? "Outlined cells are tied with the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
           hint(`A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`),

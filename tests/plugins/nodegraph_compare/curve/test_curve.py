@@ -165,6 +165,26 @@ def test_shares_are_in_percent() -> None:
     assert result.figure.axes[0].yaxis.get_major_formatter()(0.07) == "7"
 
 
+def test_an_error_that_is_small_enough_is_marked_where_a_curve_first_comes_to_it() -> None:
+    result = drawn(swept(ME=VALLEY, JZ=SLOPE, MB=dict.fromkeys(VALLEY, 0.4)), mark=0.25)
+    assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
+        ["ME", 25, "enough"], ["JZ", 25, "enough"],
+    ]  # fmt: skip
+    sentence, _, *cards = info_of(result.table).answer.lines
+    assert sentence == (
+        "25 markers are enough for mse of at most 0.25 1 "
+        "(2 of 3 curves; the others do not come to it)."
+    )
+    assert cards[0].startswith("actor ME: 25 markers, enough, mse 0.200")
+    assert cards[2].startswith("actor MB: not reached, lowest at 5 markers, mse 0.400")
+    assert any(note.startswith("enough: ") for note in info_of(result.table).notes)
+    assert "Dashed" in str(result.figure.get_supxlabel())
+    none = drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.01)
+    assert info_of(none.table).answer.lines[0] == (
+        "No curve comes to mse of at most 0.01 1, with up to 55 markers."
+    )
+
+
 def test_a_straight_curve_has_nothing_to_mark() -> None:
     result = drawn(swept(ME={1: 3.0, 2: 2.0, 3: 1.0}), mark="shared")
     assert info_of(result.table).answer.lines[0].startswith("Neither a minimum nor a knee to mark")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from nodegraph import Across, Label
 from nodegraph_compare.curve.node import curve
 from nodegraph_mocap import Table
-from nodegraph_tables.style import BEST, REST
+from nodegraph_tables.style import BLACK, REST
 
 ACTORS = ("ME", "MB", "JZ")
 SEARCHES = ((5, 9, 0.5), (10, 9, 0.4), (15, 11, 0.1), (20, 13, 0.3))
@@ -39,7 +39,9 @@ def figure(scores: Across[Table], floor: Any = None, **settings: Any) -> Any:
 def foreground(axis: Axes) -> Any:
     """Return the line of the curve that a panel is about."""
     (line,) = (
-        line for line in axis.lines if to_hex(line.get_color()) == BEST and line.get_marker() == "o"
+        line
+        for line in axis.lines
+        if to_hex(line.get_color()) == BLACK and line.get_marker() == "o"
     )
     return line
 
