@@ -98,7 +98,7 @@ def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
     match = re.search(r'<p class="(?:lead-)?sentence">(.*?)</p>', html, re.S)
     assert match is not None
     if match[1].startswith("The data cannot tell"):
-        first, *_ = re.split(" Against | Not compared", match[1])
+        first, *_ = re.split(" Against | Not compared| Without ", match[1])
         assert "<strong" not in first, "no method stands out without a verdict"
     yield "page", unescape(re.sub(r"<[^>]*>", "", match[1]))
     stream = io.StringIO()
@@ -117,12 +117,26 @@ def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
     yield "notebook", unescape(notebook[1])
 
 
+def read(shown: Shown, folder: Path) -> Iterator[str]:
+    """Yield what people read of a run: page, terminal and LaTeX."""
+    html = re.sub(r"<(script|style)\b.*?</\1>", "", page(shown.study), flags=re.S)
+    yield unescape(re.sub(r"<[^>]*>", "", html))
+    stream = io.StringIO()
+    print_summary(shown.study, shown.run, folder, Console(file=stream, width=400), full=True)
+    yield stream.getvalue()
+    yield from (text.decode() for name, text in shown.files.items() if name.endswith(".tex"))
+
+
 def check_places(shown: Shown, folder: Path) -> None:
     """Check that all places say what the answer says."""
     answer, overview = shown.answer, shown.overview
     said = " ".join(plain(answer.sentence).split())
     for place, sentence in sentences(shown, folder):
         assert " ".join(sentence.split()) == said, place
+    # what is merely not decided has one name
+    assert not re.search(
+        r"\bt(ied?|ies)\b|not clearly (apart|behind|worse)", "".join(read(shown, folder))
+    )
     verdicts = overview.verdicts
     assert overview.answer.sentence == answer.sentence
     assert overview.answer.scope == answer.scope

@@ -70,8 +70,8 @@ class Grid:
     rows : tuple of tuple of str
         The method, then a number per column.
     best, tied : tuple of (row, column)
-        The best numbers, and those that the data cannot tell from them. Column 1 is the first
-        with numbers.
+        The best numbers, and those that are not certain to be worse. Column 1 is the first with
+        numbers.
     """
 
     title: str

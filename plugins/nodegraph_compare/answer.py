@@ -17,19 +17,20 @@ from nodegraph_compare.question import EXTREME
 from nodegraph_compare.words import (
     UNCLEAR,
     beside_text,
+    best_words,
     caution_text,
     change_text,
     changes,
     group_title,
+    label_text,
     method_words,
+    not_certain,
     number_name,
     plain_names,
     reason_text,
     scope_text,
     signed,
-    tie_text,
     units_text,
-    unmarked_names,
     varying,
     with_units,
 )
@@ -50,7 +51,7 @@ from nodegraph_tables.numbers import percent, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -136,9 +137,8 @@ def _sentence(verdicts: Verdicts) -> Text:
         return _steps(verdicts, stands)
     told = [group for group in known if group.told]
     first = _decided(verdicts, known, told) if told else _undecided(verdicts, known)
-    more = [_absent(verdicts, known)]
-    if told:
-        more = [*(_varied(verdicts, each) for each in verdicts.variations), *more]
+    varied = [_varied(verdicts, each) for each in verdicts.variations if told]
+    more = [_without_suspects(verdicts, known), *varied, _absent(verdicts, known)]
     return joined(" ", [first, *_against(verdicts, known), *more])
 
 
@@ -165,13 +165,13 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     by_leader = _by_leader(groups)
     if len(by_leader) > 1 and len(varying(verdicts)) > 1 and len(groups) > MOST_CARDS:
         counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
-        names = [f"{unmarked_names(verdicts, each)} in {len(of)}" for each, of in counts]
+        names = [say(f"{HERE} in {len(of)}", _names(verdicts, each)) for each, of in counts]
         start = f"{end} mean {metric}, of {len(groups)} groups: {HERE}"
         return say(start, few(names, _MOST_NAMES))
     if len(by_leader) > 1:
         clauses = [
             say(
-                f"{HERE} for {HERE} ({HERE})", unmarked_names(verdicts, leaders),
+                f"{HERE} for {HERE} ({HERE})", _names(verdicts, leaders),
                 _where(verdicts, of), _number(verdicts, of, leaders[0]),
             )
             for leaders, of in by_leader.items()
@@ -180,9 +180,11 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     (leaders,) = by_leader
     number = _number(verdicts, groups, leaders[0])
     where = f" in all {len(groups)} groups" if len(groups) > 1 else ""
-    return say(
-        f"{end} mean {metric}{where}: {HERE} ({HERE})", unmarked_names(verdicts, leaders), number
-    )
+    return say(f"{end} mean {metric}{where}: {HERE} ({HERE})", _names(verdicts, leaders), number)
+
+
+def _names(verdicts: Verdicts, places: Sequence[int]) -> Text:
+    return listing(method_words(verdicts, places))
 
 
 def _by_leader(groups: Sequence[Verdict]) -> dict[tuple[int, ...], list[Verdict]]:
@@ -203,8 +205,6 @@ def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdic
     leaders = set.intersection(*(set(group.best) for group in told))
     texts = [_throughout(verdicts, told, sorted(leaders)) if leaders else _depends(verdicts, told)]
     texts.append(_besides(verdicts, told))
-    if not leaders:
-        texts.append(_compromise(verdicts, told))
     rest = [group for group in known if group not in told]
     if rest:
         reasons = dict.fromkeys(_reason(verdicts, group) for group in rest)
@@ -222,7 +222,7 @@ def _lower(text: Text) -> Text:
 
 
 def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[int]) -> Text:
-    names = listing(method_words(verdicts, leaders))
+    names = listing(best_words(verdicts, leaders))
     several = len(leaders) > 1
     where, count = "", len(verdicts.groups)
     if len(told) < count:
@@ -239,10 +239,10 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
     verb = "share" if several else "has"
     start = f"{HERE} {verb} the {EXTREME[metric.better]} mean {metric.name}{where} ({HERE})"
     if len(told) == 1:
-        ties = _ties(verdicts, told[0])
+        others = not_certain(verdicts, told[0])
         behind = len(told[0].behind)
         rest = f"; {'the other' if behind == 1 else f'the other {behind}'} clearly behind"
-        return say(f"{start}; {HERE}{rest * bool(behind)}.", names, number, ties)
+        return say(f"{start}; not certain: {HERE}{rest * bool(behind)}.", names, number, others)
     tied = set.intersection(*(set(group.tied) for group in told))
     if tied:
         order = sorted(tied, key=lambda place: abs(told[0].to_best_of(place)))
@@ -277,32 +277,33 @@ def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     return say(f"{others} is clearly behind, by {HERE}{more}", Word(nearest, "number"))
 
 
-def _ties(verdicts: Verdicts, group: Verdict) -> Text:
-    """Return the methods that are not certain to be worse, the nearest first."""
-    order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
-    texts = [tie_text(verdicts, group, place) for place in order[:_MOST_NAMES]]
-    more = len(order) - len(texts)
-    rest = say(f"{HERE} more", Word(str(more), "number")) if more > 0 else ()
-    return say(f"not certain: {HERE}", joined("; ", [*texts, rest] if rest else texts))
-
-
 def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
-    """Return which method is the best where, the groups with the same best together."""
+    """Return what does for all, and which is best where, groups with the same best together."""
     by_leader: dict[int, list[Verdict]] = {}
     for group in told:
         by_leader.setdefault(group.best[0], []).append(group)
     axes = _deciding(verdicts, told)
     depends = f"It depends on {plain(listing([verdicts.within[axis] for axis in axes]))}"
+    best = _best_by_group(verdicts, told, by_leader, axes)
+    if for_all := _compromise(verdicts, told):
+        return say(f"{depends}. {HERE} Best: {HERE}.", for_all, best)
+    return say(f"{depends}: {HERE}.", best)
+
+
+def _best_by_group(
+    verdicts: Verdicts,
+    told: Sequence[Verdict],
+    by_leader: Mapping[int, Sequence[Verdict]],
+    axes: Sequence[int],
+) -> Text:
+    """Return the best of each group, in clauses; of many, how often each is the best."""
     if len(by_leader) > _MOST_CLAUSES:
         counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
         names = [
-            say(f"{HERE} in {len(groups)}", method_words(verdicts, [place])[0])
+            say(f"{HERE} in {len(groups)}", best_words(verdicts, [place])[0])
             for place, groups in counts
         ]
-        return say(
-            f"{depends}: of {len(told)} groups, {HERE} have another best.",
-            few(names, _MOST_NAMES),
-        )
+        return say(f"{HERE}, of {len(told)} groups", few(names, _MOST_NAMES))
     most = max(by_leader, key=lambda place: len(by_leader[place]))
     several = len(axes) > 1 and len(by_leader[most]) > 1
     otherwise = several and len(by_leader) > 1 and len(told) == len(verdicts.groups)
@@ -314,7 +315,7 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     ]
     if otherwise:
         clauses.append(_clause(verdicts, most, by_leader[most], "otherwise"))
-    return say(f"{depends}: {HERE}.", joined("; ", clauses))
+    return joined("; ", clauses)
 
 
 def _deciding(verdicts: Verdicts, told: Sequence[Verdict]) -> list[int]:
@@ -332,18 +333,18 @@ def _deciding(verdicts: Verdicts, told: Sequence[Verdict]) -> list[int]:
 
 
 def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: str) -> Text:
-    """Return the best of groups, with the methods not clearly apart from it in any of them."""
-    tied = set.intersection(*({*group.tied, *group.best} for group in groups)) - {leader}
+    """Return the best of groups, with the methods not certain to be worse in any of them."""
+    equal = set.intersection(*({*group.best} for group in groups))
+    tied = set.intersection(*({*group.tied, *group.best} for group in groups)) - equal
     number = _number(verdicts, groups, leader)
-    (name,) = method_words(verdicts, [leader])
-    if len(tied) > _MOST_TIED:
-        count = f"tied with {len(tied)} others{' in each' if len(groups) > 1 else ''}"
-        return say(f"{HERE} {where} ({HERE}, {count})", name, number)
-    if not tied and any(group.tied for group in groups):
-        return say(f"{HERE} {where} ({HERE}, with ties)", name, number)
+    names = listing(best_words(verdicts, sorted(equal)))
+    if not any(group.tied for group in groups):
+        return say(f"{HERE} {where} ({HERE})", names, number)
     order = sorted(tied, key=lambda place: np.nanmax([abs(g.to_best_of(place)) for g in groups]))
-    names: list[Word | str] = [name, *plain_names(verdicts, order)]
-    return say(f"{HERE} {where} ({HERE})", listing(names, "or"), number)
+    others = _names(verdicts, order) or ("others",)
+    if len(tied) > _MOST_TIED:
+        others = (f"{len(tied)} others{' in each' * (len(groups) > 1)}",)
+    return say(f"{HERE} {where} ({HERE}, not certain against {HERE})", names, number, others)
 
 
 def _where(verdicts: Verdicts, groups: Sequence[Verdict], axes: Sequence[int] | None = None) -> str:
@@ -400,7 +401,7 @@ def _compromise(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     place = int(np.argmin(worst))
     if not np.isfinite(worst[place]):
         return ()
-    (name,) = method_words(verdicts, [place])
+    (name,) = best_words(verdicts, [place])
     behind = max(float(worst[place]) - 1, 0.0)
     # rounded up: `never more than`
     far = (
@@ -418,11 +419,29 @@ def _varied(verdicts: Verdicts, variation: Variation) -> Text:
     places = [axis for axis in varying(verdicts) if verdicts.within[axis] != variation.axis]
     every = f" at every {_both([verdicts.within[axis] for axis in places])}" if places else ""
     worse = method_words(verdicts, variation.worse)
+    label, other = (label_text(each) for each in (variation.label, variation.other))
     start = (
-        f"{variation.axis.capitalize()} {variation.label}: better than {variation.other} for "
+        f"{variation.axis.capitalize()} {label}: better than {variation.axis} {other} for "
         f"{len(variation.better)} of {variation.methods} {verdicts.compare}s{every}; worse for "
     )
     return say(f"{start}{HERE}.", few(worse, _MOST_NAMES) if worse else "none")
+
+
+def _without_suspects(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
+    """Return which method is best without the suspect blocks, where these decide it."""
+    by_leader: dict[tuple[int, ...], list[Verdict]] = {}
+    for group in known:
+        if group.suspects_decide and group.without_suspects is not None:
+            by_leader.setdefault(group.without_suspects.best, []).append(group)
+    clauses = [
+        say(
+            f"{HERE}{f' for {_where(verdicts, groups)}' * (len(known) > 1)}",
+            listing(best_words(verdicts, leaders)),
+        )
+        for leaders, groups in by_leader.items()
+    ]
+    start = f"Without {verdicts.blocks} whose truth is suspect the best is {HERE}."
+    return say(start, joined("; ", clauses)) if clauses else ()
 
 
 def _absent(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
@@ -540,12 +559,12 @@ def _beside_baseline(verdicts: Verdicts, place: int, groups: Sequence[Verdict]) 
         where[word].append(group)
     words = [word for word, of in where.items() if of]
     if len(words) == 1:
-        alike = f"{words[0]} throughout" if words[0] else "nowhere clearly apart"
-        return alike if len(groups) > 1 else words[0] or "not clearly apart"
+        alike = f"{words[0]} throughout" if words[0] else "nowhere certain"
+        return alike if len(groups) > 1 else words[0] or "not certain"
     axis = varying(verdicts)[-1]
     name = verdicts.within[axis]
     return ", ".join(
-        f"{word or 'not clearly apart'} at {name} "
+        f"{word or 'not certain'} at {name} "
         f"{_both([str(group.labels[axis]) for group in where[word]])}"
         for word in words
     )
@@ -566,8 +585,8 @@ def scope_words(verdicts: Verdicts) -> Text:
     ]
     several = sum(group.stands for group in groups)
     shared = (
-        f"Each of these {several} verdicts errs in up to 5 % of studies: a claim that rests on "
-        f"any one of them multiplies its p by {several}."
+        f"Each of these {several} verdicts errs in up to 5 % of studies; that one of the "
+        f"{several} does is more likely."
         if several > 1
         else ""
     )

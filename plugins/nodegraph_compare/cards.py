@@ -18,14 +18,13 @@ from nodegraph_compare.words import (
     count_text,
     group_title,
     method_words,
+    not_certain,
     plain_names,
     reason_text,
     scope_text,
     segments_text,
     signed,
-    tie_text,
     units_text,
-    unmarked_names,
 )
 from nodegraph_tables.answer import (
     HERE,
@@ -111,8 +110,8 @@ def _winner(verdicts: Verdicts, group: Verdict) -> Card:
         return Card("", best, value, interval, best=bool(group.marks))
     why = "none clearly best" if group.stands else "no verdict"
     if group.stands:
-        first = unmarked_names(verdicts, group.best)
-        lowest = say(f"{EXTREME[verdicts.metric.better]}: {first} {HERE}", value)
+        names = listing(method_words(verdicts, group.best))
+        lowest = say(f"{EXTREME[verdicts.metric.better]}: {HERE} {HERE}", names, value)
         return Card("", (why,), aside=lowest)
     reason = reason_text(verdicts, group)
     others = [each for each in verdicts.groups if each.known and each is not group]
@@ -133,7 +132,7 @@ def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
 
 
 def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
-    """Return the dots of one group: the best filled, those not clearly apart from it as rings."""
+    """Return the dots of one group: the best filled, those not certain to be worse as rings."""
     metric = verdicts.metric
     known = group.known
     kinds = dict.fromkeys(known, "rest") | _kinds(verdicts, group)
@@ -171,23 +170,20 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, str]:
 
 
 def _rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
-    """Yield the methods that are not certain to be worse than the best, and those behind."""
+    """Yield the methods that are not certain to be worse than the best, and those that are."""
     if len(group.known) < 2 or verdicts.metric.better == "none":
         return
     if not group.stands:
-        best = unmarked_names(verdicts, group.best)
+        best = listing(method_words(verdicts, group.best))
         end = EXTREME[verdicts.metric.better].capitalize()
         yield end, joined(" ", [best, joined(", ", _value(verdicts, group, group.best[0]))])
     elif verdicts.is_sequence:
         yield from _step_rows(verdicts, group)
     elif group.told:
-        order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
-        if order:
-            yield "Tied", few([tie_text(verdicts, group, place) for place in order], _MOST_NAMES)
+        if group.tied:
+            yield "Not certain", not_certain(verdicts, group)
         if group.behind:
             yield "Behind", _behind(verdicts, group)
-        if not order:
-            yield "Tied", ("none",)
 
 
 def _step_rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
@@ -205,9 +201,11 @@ def _behind(verdicts: Verdicts, group: Verdict) -> Text:
     (name,) = method_words(verdicts, [nearest])
     difference, mean = group.to_best_of(nearest), float(group.mean[group.best[0]])
     share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
-    more = len(group.behind) - 1
-    rest = f" and {more} more" if more else ""
     by = Word(f"{signed(difference, verdicts.metric.unit, mean)}{share}", "number")
+    count = len(group.behind)
+    if count > 1 and not group.tied:
+        return say(f"all {count} others, the nearest {HERE} {HERE}", name, by)
+    rest = f" and {count - 1} more" if count > 1 else ""
     return say(f"{HERE} {HERE}{rest}", name, by)
 
 
@@ -292,5 +290,8 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
         change = change_of(verdicts, group, other)
         return say(f"{HERE}; without them {HERE}{f'; {change}' if change else ''}", count, mean)
     names = listing(method_words(verdicts, other.best))
-    verb = "lead" if len(other.best) > 1 else "leads"
-    return say(f"{HERE}; without them {HERE} {verb} instead, {HERE}", count, names, mean)
+    if group.suspects_decide:
+        return say(f"{HERE}; without them the best: {HERE}, {HERE}", count, names, mean)
+    end = EXTREME[verdicts.metric.better]
+    text = f"{HERE}; without them {end}: {HERE}, {HERE}, not certain either"
+    return say(text, count, names, mean)

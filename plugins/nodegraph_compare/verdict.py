@@ -32,6 +32,8 @@ Rule = Literal["common blocks", "worst of block"]
 _FACES = ("recording", "actor")
 """What a made face is called in a graph."""
 
+_DOUBTFUL = 0.10
+
 Mark = Literal["best", "tied"]
 
 COMMON: Final = "common blocks"
@@ -140,8 +142,8 @@ class Paired(Value):
         Units in which the method is better, and worse.
     margin : (K,) array of float64
         The smallest ratio, or difference, within which it is shown to be equal.
-    doubtful : (K,) array of bool
-        Told apart by the t-test, alone, and not by sign flips.
+    alone : (K,) array of bool
+        Told apart by the t-test of the two by themselves, as if there were no other methods.
     """
 
     reference: int
@@ -157,7 +159,12 @@ class Paired(Value):
     wins: Numbers
     losses: Numbers
     margin: Numbers
-    doubtful: NDArray[np.bool_]
+    alone: NDArray[np.bool_]
+
+    @property
+    def doubtful(self) -> NDArray[np.bool_]:
+        """(K,), whether the t-test alone tells them apart, and sign flips do not."""
+        return self.alone & (self.flips > _DOUBTFUL)
 
     @property
     def apart(self) -> NDArray[np.bool_]:
@@ -298,6 +305,14 @@ class Verdict(Value):
         return self.judged and bool(self.best) and not self.objections
 
     @property
+    def suspects_decide(self) -> bool:
+        """Whether suspect blocks make the best out of a method that is clearly behind otherwise."""
+        other = self.without_suspects
+        if other is None:
+            return False
+        return bool({*other.best} & {*self.behind} or {*self.best} & {*other.behind})
+
+    @property
     def worse_than_best(self) -> list[int]:
         """The methods that are clearly worse than the best, by this rule for missing blocks."""
         if self.to_best is None:
@@ -314,7 +329,7 @@ class Verdict(Value):
 
     @property
     def tied(self) -> list[int]:
-        """The methods that a verdict does not tell from the best."""
+        """The methods that are not certain to be worse than the best, if there is a verdict."""
         if not self.stands:
             return []
         behind = self.behind

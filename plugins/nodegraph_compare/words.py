@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MOST_CARDS, Word, listing, plain, say
+from nodegraph_tables.answer import HERE, MOST_CARDS, Word, joined, say
 from nodegraph_tables.numbers import SMALLEST, SPACE, percent, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 UNCLEAR = "with no clear change"
 
 _FEW_BLOCKS = 10
+_MOST_NAMES = 3
 _MOST_IN_SIGHT = 4
 
 
@@ -51,7 +52,8 @@ def units_name(scope: Scope) -> str:
     """Return what several units are called."""
     if scope.kind == "clusters":
         return scope.several
-    named = {"segments": "segments of the recording", "draws": "repetitions"}
+    drawn = f"{scope.drawn}s" if scope.drawn else "repetitions"
+    named = {"segments": "segments of the recording", "draws": drawn}
     return named.get(scope.kind, "recordings")
 
 
@@ -216,6 +218,11 @@ def method_words(verdicts: Verdicts, places: Iterable[int]) -> list[Word]:
     ]
 
 
+def best_words(verdicts: Verdicts, places: Iterable[int]) -> list[Word]:
+    """Return the names of methods that stand out, as a verdict has them for the best."""
+    return [replace(word, kind="strong") for word in method_words(verdicts, places)]
+
+
 def _name(verdicts: Verdicts, label: Label) -> str:
     return str(label) if isinstance(label, str) else f"{verdicts.compare} {label}"
 
@@ -225,25 +232,20 @@ def plain_names(verdicts: Verdicts, places: Iterable[int]) -> list[str]:
     return [str(verdicts.methods[place]) for place in places]
 
 
-def unmarked_names(verdicts: Verdicts, places: Iterable[int]) -> str:
-    """Return the names of methods on which there is no verdict: ``threshold 2 and threshold 3``."""
-    return plain(listing(method_words(verdicts, places)))
-
-
 def count_text(count: int, several: str) -> str:
     """Return a number of things: ``10 gaps``, ``1 gap``."""
     return f"{count:,} {several if count != 1 else several.removesuffix('s')}"
 
 
 def label_text(label: Label, unit: str = "", rate: float = 0.0) -> str:
-    """Return a label as a reader sees it: numbers without useless digits, with their unit.
+    """Return a label as a reader sees it: words, or a number without useless digits and its unit.
 
     Frames are given in time, too, where the rate is known: ``5 frames (83 ms)``.
     """
     if isinstance(label, bool):
         return "yes" if label else "no"
     if not isinstance(label, (int, float)):
-        return str(label)
+        return label.replace("_", " ")
     if unit == "share":
         return f"{100 * label:.10g}{SPACE}%"
     time = f" ({_time_text(label / rate)})" if unit == "frames" and rate else ""
@@ -288,16 +290,32 @@ def times_text(verdicts: Verdicts, axis: int) -> str:
     return f"{verdicts.within[axis].capitalize()}: {listed(list(labels))}."
 
 
-def tie_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return a tied method with its distance, and in how many units it is worse."""
+def not_certain(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return the methods that are not certain to be worse than the best, the nearest first."""
+    order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
+    texts = [_not_certain(verdicts, group, place) for place in order[:_MOST_NAMES]]
+    more = len(order) - len(texts)
+    rest = say(f"{HERE} more", Word(str(more), "number")) if more > 0 else ()
+    return joined("; ", [*texts, rest])
+
+
+def _not_certain(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return how far a method is from the best, in how many units, and why that may be chance."""
+    paired = group.to_best
+    assert paired is not None
     (name,) = method_words(verdicts, [place])
     unit, mean = verdicts.metric.unit, float(group.mean[group.best[0]])
     distance = Word(signed(group.to_best_of(place), unit, mean), "number")
-    if group.to_best is None:
-        return say(f"{HERE} {HERE}", name, distance)
-    losses = Word(f"{group.to_best.losses[place]:.0f} of {group.scope.units}", "number")
+    count = Word(f"{paired.losses[place]:.0f} of {group.scope.units}", "number")
     units = units_name(group.scope).removeprefix("synthetic ")
-    return say(f"{HERE} {HERE}, worse in {HERE} {units}", name, distance, losses)
+    start = say(f"{HERE} {HERE}, worse in {HERE} {units}", name, distance, count)
+    if paired.losses[place] < group.scope.units:
+        return start
+    if place in group.worse_than_best:
+        return (*start, f", not by every rule for missing {verdicts.blocks}")
+    if paired.alone[place]:
+        return (*start, f", which may be chance among {len(group.known)} methods")
+    return (*start, ", by uneven amounts")
 
 
 def changes(group: Verdict) -> dict[int, tuple[int, str]]:

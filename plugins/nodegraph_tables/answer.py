@@ -55,7 +55,7 @@ class Word(Value):
         What stands out, what is doubted, what is compared, and what was measured, which is no
         conclusion.
     method : str
-        The label of a method, where the text says more.
+        The label of a method that stands out, or whose text says more.
     """
 
     text: str
@@ -119,11 +119,11 @@ def _part_html(part: str | Word) -> Markup:
         return escape(part)
     if part.kind == "number":
         return escape(part.text)
-    attribute = {
-        "method": f' data-method="{escape(part.method or part.text)}"',
-        "suspect": ' class="suspect"',
-    }.get(part.kind, "")
-    return Markup(f"<strong{attribute}>{escape(part.text)}</strong>")
+    tag = "span" if part.kind == "method" else "strong"
+    label = part.text if part.kind == "method" and not part.method else part.method
+    method = f' data-method="{escape(label)}"' if label else ""
+    suspect = ' class="suspect"' if part.kind == "suspect" else ""
+    return Markup(f"<{tag}{method}{suspect}>{escape(part.text)}</{tag}>")
 
 
 @dataclass(frozen=True)
@@ -307,14 +307,18 @@ def _filled(answer: Answer, part: Placeholder) -> Text:
             if part.label not in names:
                 where = f" for {finding.title}" if finding.title else ""
                 raise NodegraphError(f"{part.text}{where}: {part.name} {_are(names)}")
-        return (Word(part.label, "method"),)
+        return (_method(part, part.label),)
     if any({*names} != {*named[0]} for names in named):
         each = "; ".join(
             f"{_names(names)} for {finding.title}"
             for finding, names in zip(found, named, strict=True)
         )
         raise NodegraphError(f"{part.text} differs: {each}; write {{{part.name} at AXIS=LABEL}}")
-    return listing([Word(name, "method") for name in named[0]]) or ("none",)
+    return listing([_method(part, name) for name in named[0]]) or ("none",)
+
+
+def _method(part: Placeholder, name: str) -> Word:
+    return Word(name, "strong" if part.name in ("best", "better") else "method", name)
 
 
 def _names(names: Sequence[str]) -> str:

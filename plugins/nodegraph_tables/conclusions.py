@@ -20,8 +20,9 @@ _GROUP_ENDS = "blocks"
 def conclude_table(table: Table) -> Iterator[str]:
     """Yield the conclusions of a table, without measured numbers.
 
-    They are the sentence of its answer, which methods are best, tied and behind in each group, and
-    the rows that are marked as best. The order of all others may change by rounding.
+    They are the sentence of its answer, which methods are best, not certain to be worse and behind
+    in each group, and the rows that are marked as best. The order of all others may change by
+    rounding.
     """
     info = info_of(table)
     if info.answer.sentence:
@@ -42,7 +43,7 @@ def _concluded(finding: Finding) -> str:
     group = ", ".join(f"{axis} {label}" for axis, label in finding.group.items())
     if not finding.verdict:
         return f"{group or 'all'}: no verdict"
-    kinds = (("best", finding.best), ("tied", finding.tied), ("behind", finding.behind))
+    kinds = (("best", finding.best), ("not certain", finding.tied), ("behind", finding.behind))
     texts = (f"{kind}: {', '.join(sorted(names))}" for kind, names in kinds if names)
     return f"{group or 'all'}: {'; '.join(texts)}"
 

@@ -58,7 +58,7 @@ class TableInfo:
     best : mapping of column to tuple of int
         The rows whose cells are marked as the best.
     tied : mapping of column to tuple of int
-        The rows whose cells the data cannot tell from the best.
+        The rows whose cells are not certain to be worse than the best.
     highlights : tuple of int
         Further rows that a folded table shows, such as the nearest that is behind, or a baseline.
     overall : tuple of int

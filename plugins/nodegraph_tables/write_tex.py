@@ -23,8 +23,8 @@ def write_tex(
     r"""Write a table as LaTeX: methods by groups, each mean with its interval.
 
     It needs the packages that its first line names. The best of a group is bold, what is not
-    clearly worse italic, as the comparison marks them; where it cannot tell which is best, nothing
-    is marked. Numbers have the same decimals, and what is the same throughout stands in the
+    certain to be worse italic, as the comparison marks them; where it cannot tell which is best,
+    nothing is marked. Numbers have the same decimals, and what is the same throughout stands in the
     caption. A table that is wider or taller than the page is made smaller, or stands sideways if it
     is much wider. A table that is no comparison of methods is written as it is.
 

@@ -10,10 +10,10 @@ from markupsafe import Markup, escape
 
 from nodegraph_compare.cards import line_of
 from nodegraph_compare.words import (
+    best_words,
     group_title,
     has_panels,
     method_words,
-    unmarked_names,
     varying,
 )
 from nodegraph_tables.answer import (
@@ -136,19 +136,19 @@ def _list(verdicts: Verdicts) -> str:
     names = (
         ", ".join(verdicts.within[axis] for axis in varying(verdicts)),
         "best",
-        "not clearly apart",
+        "not certain",
     )
     heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
     rows = [
         f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
         f"<td>{_cell(verdicts, group)}</td>"
-        f"<td>{_tied(verdicts, group)}</td>"
+        f"<td>{_not_certain(verdicts, group)}</td>"
         for group in verdicts.groups
     ]
     return _table(heads, rows)
 
 
-def _tied(verdicts: Verdicts, group: Verdict) -> str:
+def _not_certain(verdicts: Verdicts, group: Verdict) -> str:
     tied = group.tied if group.told else []
     return html_of(few(method_words(verdicts, tied), _MOST_NAMES))
 
@@ -162,11 +162,11 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
     mean = span_text([group.mean[group.best[0]]], unit)
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
-        first = unmarked_names(verdicts, group.best)
-        return f"<small>{escape(f'{why}; first: {first} {mean}')}</small>"
-    tied = f", {len(group.tied)} tied" if group.tied else ""
-    names = html_of(listing(method_words(verdicts, group.best)))
-    return f"{names} <small>{escape(mean)}{tied}</small>"
+        first = html_of(listing(method_words(verdicts, group.best)))
+        return f"<small>{why}; first: {first} {escape(mean)}</small>"
+    others = f", {len(group.tied)} not certain" if group.tied else ""
+    names = html_of(listing(best_words(verdicts, group.best)))
+    return f"{names} <small>{escape(mean)}{others}</small>"
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:
@@ -180,7 +180,7 @@ def _table(heads: str, rows: Sequence[str]) -> str:
 
 
 def legend(verdicts: Verdicts) -> str:
-    """Return what the dots of the cards are, what tied means, and what is suspect."""
+    """Return what the dots of the cards are, and what is suspect."""
     if len(verdicts.groups) > MOST_CARDS:
         return ""
     suspect = any(group.without_suspects is not None for group in verdicts.groups)
@@ -198,11 +198,7 @@ def _dots(verdicts: Verdicts) -> str:
             f"Percentages: to the {verdicts.compare} before; dots: hollow where it begins, "
             "blue clearly better than before, orange clearly worse, grey not clearly changed."
         )
-    tied = (
-        "; ringed: tied, paired differences cannot tell it from the best"
-        if any(group.tied for group in told)
-        else ""
-    )
+    others = "; ringed: not certain to be worse" * any(group.tied for group in told)
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
-    return f"Dots: a method each{scale}; filled: the best{tied}{behind}."
+    return f"Dots: a method each{scale}; filled: the best{others}{behind}."

@@ -86,7 +86,7 @@ def _sentence(ranked: Sequence[Ranking], tested: Sequence[Ranking], comparison: 
 
 def _first(ranking: Ranking) -> Text:
     names = [str(ranking.methods[place]) for place in np.flatnonzero(ranking.first)]
-    return listing([Word(name, "method") for name in names])
+    return listing([Word(name, "strong", name) for name in names])
 
 
 def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
@@ -128,11 +128,11 @@ def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
         if near[place] and not first[place]
     ]
     rest = len(names) - _MOST_NAMES
-    tied = joined(", ", names[:_MOST_NAMES])
-    tied = say(f"{HERE} and {rest} more", tied) if rest > 0 else tied
+    others = joined(", ", names[:_MOST_NAMES])
+    others = say(f"{HERE} and {rest} more", others) if rest > 0 else others
     count = int(np.count_nonzero(~near & ~first))
     facts = [
-        ("Tied", tied or ("none",)),
+        ("Not certain", others or ("none",)),
         ("Apart", (f"{count} method{'s' * (count != 1)}",)),
         *facts,
     ]

@@ -115,9 +115,9 @@ def _alone(summary: Summary, comparison: Comparison) -> Verdict:
             return None
         arrays = {each.name: getattr(among, each.name) for each in fields(among)}
         reference = arrays.pop("reference")
-        doubtful = spread(arrays.pop("doubtful"), False)
+        alone = spread(arrays.pop("alone"), False)
         numbers = {name: spread(values) for name, values in arrays.items()}
-        return Paired(int(at[reference]), doubtful=doubtful, **numbers)
+        return Paired(int(at[reference]), alone=alone, **numbers)
 
     is_sequence = comparison.is_sequence
     taken = np.array(group.taken or [0] * len(at), dtype=np.int64)

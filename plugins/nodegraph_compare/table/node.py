@@ -167,7 +167,7 @@ def table(
         With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
         column in columns of their own, which a reader of the report sees in one cell.
         Its answer has a line per group: which mean is best, over what, and which methods are not
-        clearly behind it. Its notes list what that rests on: what was left out or filled in,
+        certain to be worse. Its notes list what that rests on: what was left out or filled in,
         where few large errors decide, and what it is without blocks whose truth is suspect: those
         with a reason in a column ``suspect`` of the scores, and those in which even the smallest
         error is an outlier (on a log scale, more than 5 robust standard deviations above the

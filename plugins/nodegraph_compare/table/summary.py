@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     from nodegraph_compare.units import Units
     from nodegraph_tables import BetterEnd
 
-_DOUBTFUL = 0.10
-
-
 UnitsOf = Callable[["Group", "NDArray[np.float64]", "NDArray[np.bool_]"], "Units"]
 
 
@@ -156,8 +153,8 @@ class Summary:
             full[reference] = np.nan
             return full
 
-        doubtful = np.zeros(self.mean.shape, dtype=bool)
-        doubtful[usable] = (result.p_alone <= LEVEL) & (flips > _DOUBTFUL)
+        alone = np.zeros(self.mean.shape, dtype=bool)
+        alone[usable] = result.p_alone <= LEVEL
         low, high = (spread(shown(end)) for end in ends)
         mean = self.mean[reference]
         # the same verdict in the metric's unit
@@ -178,7 +175,7 @@ class Summary:
             wins=spread((result.d < 0.0).sum(axis=0).astype(np.float64)),
             losses=spread((result.d > 0.0).sum(axis=0).astype(np.float64)),
             margin=spread(margin),
-            doubtful=doubtful,
+            alone=alone,
         )
 
 

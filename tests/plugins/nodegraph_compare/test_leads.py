@@ -98,7 +98,7 @@ def test_ranks_name_the_first_and_those_that_are_not_apart() -> None:
     (card,) = answer.cards
     assert (plain(card.headline), card.best) == ("ridge", True)
     assert [(term, plain(text)) for term, text in card.facts[:2]] == [
-        ("Tied", "linear"), ("Apart", "1 method"),
+        ("Not certain", "linear"), ("Apart", "1 method"),
     ]  # fmt: skip
     assert text(answer) == "ridge has the lowest mean rank."
     assert "8 takes" in plain(answer.scope)

@@ -1,6 +1,6 @@
 "use strict";
-// All methods in all groups: the value, how it stands to the best of its group, and the set that is
-// tied with the best. Deeper colour is nearer the best.
+// All methods in all groups: the value, how it stands to the best of its group, and what is
+// not certain to be worse. Deeper colour is nearer the best.
 nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"], (page, chart, { seconds }) => {
   const { element } = page;
   const { strong, hint } = chart;
@@ -36,7 +36,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
     const least = values[first[0]];
     const ratio = view.statistic !== "rank" && [...values].every((other) => !(other <= 0));
     const tint = best.length ? (nearness(value, values, least, ratio) * 34).toFixed(1) : 0;
-    const word = best.includes(method) ? ", best" : tied.includes(method) ? ", tied with the best" : "";
+    const word = best.includes(method) ? ", best" : tied.includes(method) ? ", not certain to be worse" : "";
     const names = [best.includes(method) && "first", (tied.includes(method) || (tied.length > 0 && best.includes(method))) && "tied", group === view.group && "here"];
     return element("td", { class: names.filter(Boolean).join(" "), style: `--nearness: ${tint}%` },
       element("button", {
@@ -127,7 +127,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         caption: [
           strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.better === "higher" ? "highest" : "lowest"}` : `, and the difference to the ${view.better === "higher" ? "highest" : "lowest"}`}. `),
           groups.some((group) => view.numbers(group).best.length) ? `Bold: the best${groups.length > 1 ? " of its group" : ""}, its name in blue; deeper blue is nearer it. ` : "",
-          verdict ? "Outlined cells are tied with the best. " : "",
+          verdict ? "Outlined cells are not certain to be worse than the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
           hint(`A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`),
         ],

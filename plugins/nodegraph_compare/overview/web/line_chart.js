@@ -147,7 +147,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${log ? ", log scale" : ""}. `),
         ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
-        ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: tied with the best there. "] : []),
+        ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: not certain to be worse there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
         log ? "Equal slopes are equal ratios. " : "", hint("Click a line or a name to follow it through the page."),
       ],
@@ -229,7 +229,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     return {
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.log ? ", log scale" : ""}. `),
-        "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: tied with it. " : "", hint("Click a dot or a name to follow it through the page."),
+        "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: not certain to be worse. " : "", hint("Click a dot or a name to follow it through the page."),
       ],
     };
   };

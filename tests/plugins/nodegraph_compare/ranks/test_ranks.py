@@ -93,7 +93,7 @@ def test_the_answer_says_who_ranks_first_and_who_is_not_apart() -> None:
     assert sentence == "lin has the lowest mean rank."
     assert scope.startswith("Scope: over 30 combinations of trial and gap. Mean ranks of rmse")
     assert re.match(
-        r"rmse: lin, mean rank 1\.\d\d of 4; tied: [a-z, ]+; apart: \d methods?; "
+        r"rmse: lin, mean rank 1\.\d\d of 4; not certain: [a-z, ]+; apart: \d methods?; "
         r"test: Friedman's, F = [\d.]+, p < 0\.0001, Kendall's W = 0\.\d\d; "
         r"pairs by Nemenyi's test\.$",
         card,
@@ -124,7 +124,9 @@ def test_methods_of_one_mean_rank_share_it() -> None:
     tied = {"a": scored(*range(8)), "b": scored(*range(8)), **worse}
     sentence, _, card = info_of(ranks(Across.of(tied, axis="fill")).table).answer.lines
     assert sentence == "a and b share the lowest mean rank."
-    assert card.startswith("rmse: a and b, mean rank 1.50 of 6; tied: c, d; apart: 2 methods")
+    assert card.startswith(
+        "rmse: a and b, mean rank 1.50 of 6; not certain: c, d; apart: 2 methods"
+    )
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
     assert "Wilcoxon's signed ranks, p = 1.0000" in info_of(ranks(two).table).answer.lines[-1]
 

@@ -217,6 +217,25 @@ def test_the_answer_names_who_is_not_clearly_behind() -> None:
         scores.pop("a2", None)
 
 
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"a": 1.0, "b": (1.001, 1.002, 1.001, 1.003, 1.002, 1.4, 1.001, 1.002)},
+         "by uneven amounts"),
+        ({"a": 1.0, "b": (1.01, 1.05, 1.02, 1.06, 1.01, 1.04, 1.09, 1.01),
+          "c": (0.9, 1.2, 1.1, 1.0, 1.2, 0.9, 1.1, 1.0),
+          "d": (1.2, 0.9, 1.0, 1.1, 0.9, 1.1, 1.2, 1.0)},
+         "which may be chance among 5 methods"),
+    ],
+)  # fmt: skip
+def test_what_is_worse_everywhere_and_still_not_certain_says_why(
+    tables: dict[str, Any], said: str
+) -> None:
+    scores = {name: scored(np.ones(8) * values) for name, values in {**tables, "far": 9.0}.items()}
+    card = words(table(Across.of(scores, axis="fill")).table)[0]
+    assert re.search(rf"not certain: b \+0\.0\d+\smm, worse in 8 of 8 gaps, {said}", card)
+
+
 def test_few_large_errors_that_decide_the_mean_are_in_the_notes() -> None:
     random = np.random.default_rng(0)
     wild = np.where(np.arange(80) % 10 == 0, 20.0, 0.5)
@@ -346,7 +365,7 @@ def test_a_method_without_any_number_is_not_said_to_be_behind() -> None:
     end = "the other is clearly behind, by 800 %. Not compared, without any number: none."
     assert sentence.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
     shown = html_of(result.overview.answer.sentence)
-    assert shown.endswith('without any number: <strong data-method="none">none</strong>.')
+    assert shown.endswith('without any number: <span data-method="none">none</span>.')
 
 
 def test_rows_over_groups_count_the_same_results_once() -> None:
@@ -389,7 +408,7 @@ def test_the_better_of_two_ways_of_every_method_is_said() -> None:
     methods = result.overview.verdicts.methods
     better, worse = ([methods[at] for at in at] for at in (variation.better, variation.worse))
     assert (better, worse, variation.methods) == (["far"], ["near"], 3)
-    said = "Ends met: better than plain for 1 of 3 fills at every length; worse for near."
+    said = "Ends met: better than ends plain for 1 of 3 fills at every length; worse for near."
     assert said in words(result.table)[0]
     # too few units decide nothing, and neither does an axis that no method has
     assert not table(both_ways(4), **settings).overview.verdicts.variations
