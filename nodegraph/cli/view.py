@@ -10,8 +10,9 @@ from nodegraph.cli.browser import needing_pages, ready
 HELP = "Show what files hold in a browser, several of them together."
 _MORE = """\
 Each file is read by the node that reads its format, and the page says what `nodegraph show FILE`
-prints: rate, length, gaps, and what reading it had to guess. Only this machine, and the one browser
-that opens the printed address first, can see it. Ctrl-C ends it.
+prints: rate, length, gaps, and what reading it had to guess. Samples of a recording are marked
+there by hand; the marks are kept beside it, in FILE.marks.csv, and FILE stays as it is. Only this
+machine, and the one browser that opens the printed address first, can see the page. Ctrl-C ends it.
 
 example:
   nodegraph view take.c3d cleaned.c3d
@@ -39,12 +40,13 @@ def view(arguments: Namespace) -> int:
     from nodegraph.plugin.registry import Registry
 
     with needing_pages():
-        from nodegraph.serve.files import application_of_files
+        from nodegraph.serve.files import MOST_BODY, application_of_files
         from nodegraph.serve.server import LocalServer
 
     registry = Registry.installed(arguments.plugin)
     files = read_files(arguments.files, registry, values_of(arguments, "with"))
-    server = LocalServer(application_of_files(files, registry.hooks), arguments.port)
+    pages = application_of_files(files, registry)
+    server = LocalServer(pages, arguments.port, most_body=MOST_BODY)
     ready(server.address, with_browser=arguments.browser)
     server.run()
     return 0

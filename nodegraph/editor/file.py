@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import re
-import secrets
 import stat
-from contextlib import suppress
 from pathlib import Path
 
 from nodegraph.editor.merge import merged
 from nodegraph.errors import GraphError, NodegraphError, Place, Problem
 from nodegraph.graphfile.spec import is_graph_file
+from nodegraph.whole_files import write_whole
 
 MOST_BYTES = 4_000_000
 """Bytes of the largest file that is edited."""
@@ -177,7 +175,7 @@ class EditedFile:
         self.look()
         if self.theirs is not None or self.revision != before:
             raise NodegraphError(f"not saved: {self.notice}")
-        _write(self.path, self.text)
+        write_whole(self.path, self.text)
         self._base = self.text
         self._turn_to(self.text)
 
@@ -208,7 +206,7 @@ class EditedFile:
             if self.is_saved:
                 self.copy.unlink(missing_ok=True)
             else:
-                _write(self.copy, self.text)
+                write_whole(self.copy, self.text)
         except OSError as error:
             self.notice = f"save soon: what is not saved cannot be kept in {self.copy}: {error}"
 
@@ -255,19 +253,3 @@ def _text_in(path: Path) -> str | None:
         raise GraphError([problem]) from error
     except OSError as error:
         raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
-
-
-def _write(path: Path, text: str) -> None:
-    """Write a file whole or not at all, with the permissions of the one that is there."""
-    unfinished = path.with_name(f".{path.name}-{secrets.token_hex(4)}")
-    try:
-        with open(unfinished, "x", encoding="utf-8", newline="") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        with suppress(FileNotFoundError):
-            unfinished.chmod(stat.S_IMODE(path.stat().st_mode))
-        unfinished.replace(path)
-    except BaseException:
-        unfinished.unlink(missing_ok=True)
-        raise

@@ -357,6 +357,10 @@ class Viewer:
     view : callable
         ``view(values)`` takes values of these types by label and returns a `Rendered`. A
         `nodegraph.Refusal` says why there is nothing to see.
+    beside : str
+        What ends the name of a file beside a viewed one, such as ``.marks.csv``: scripts of the
+        page write it through the module ``server``, ``keep(label, text)``, and what it holds is
+        viewed with the file. Empty where nothing is kept.
 
     Raises
     ------
@@ -366,6 +370,7 @@ class Viewer:
 
     types: tuple[type, ...]
     view: Callable[[Mapping[str, Any]], Rendered]
+    beside: str = ""
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -1,4 +1,4 @@
-"""Read and write recordings, heads, models, weights and marker sets."""
+"""Read and write recordings, heads, models, weights, marks and marker sets."""
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -53,6 +53,8 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         readers.read_weights,
         readers.read_head,
         readers.read_model,
+        readers.read_marks,
+        readers.read_selection,
         writers.write_c3d,
         writers.write_trc,
         writers.write_csv,
@@ -71,11 +73,11 @@ def nodegraph_formats() -> Iterable[Format]:
     """Return the formats that are read; of those that fit a file, the first."""
     from nodegraph_files import c3d, npz, obj
     from nodegraph_files.glb import reading as glb
-    from nodegraph_files.text import csv, live_link, maya, mot, trc, weights
+    from nodegraph_files.text import csv, live_link, marks, maya, mot, trc, weights
 
     recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, mot.FORMAT, maya.FORMAT, csv.FORMAT)
     of_weights = (live_link.FORMAT, weights.FORMAT)
-    return (*recordings, *of_weights, npz.MODEL_FORMAT, glb.FORMAT, obj.FORMAT)
+    return (*recordings, *of_weights, marks.FORMAT, npz.MODEL_FORMAT, glb.FORMAT, obj.FORMAT)
 
 
 @hookimpl

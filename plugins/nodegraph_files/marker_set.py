@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph import quoted
+from nodegraph_files.yaml_document import yaml_document
 from nodegraph_mocap.marker_set import MarkerSet
 
 PARTS = tuple(field.name for field in fields(MarkerSet))
@@ -26,29 +27,10 @@ def read_marker_set_yaml(path: Path) -> MarkerSet:
     ValueError
         If the file is not of that form, with the place where it is not.
     """
-    import yaml
-
-    # nothing is resolved, so that a marker may be called `no` or `1e3`; the loader in C is faster,
-    # but ends the process on brackets nested deep enough
     try:
-        loader = yaml.BaseLoader(path.read_text(encoding="utf-8-sig"))
-        root = loader.get_single_node()
-        _check_keys(root)
-        return marker_set_of(root and loader.construct_document(root))
-    except (yaml.YAMLError, UnicodeDecodeError, ValueError, RecursionError) as error:
+        return marker_set_of(yaml_document(path))
+    except ValueError as error:
         raise ValueError(f"{path}: not a marker set: {error}") from None
-
-
-def _check_keys(node: Any) -> None:
-    """Refuse a key that stands twice, of which YAML would keep the last in silence."""
-    pairs = node.value if getattr(node, "id", "") == "mapping" else []
-    lines: dict[str, int] = {}
-    for key, _ in pairs:
-        line = key.start_mark.line + 1
-        if key.id == "scalar" and lines.setdefault(key.value, line) != line:
-            raise ValueError(
-                f"line {line}: {quoted(key.value)} again, after line {lines[key.value]}"
-            )
 
 
 def marker_set_of(data: object) -> MarkerSet:

@@ -15,14 +15,18 @@ from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file, is_sample
 from nodegraph_files.rates import RateSetting
+from nodegraph_files.selection import read_selection_yaml
 from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.marks import Marks
 from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.selection import Selection
 
 MARKER_SETS = ("markers.yaml",)
+SELECTIONS = ("selection.yaml",)
 _MARKER_VERTICES = ("marker_vertices.csv",)
 _SLOW, _FAST = 1.0, 1e5  # Hz, of recordings that are usual
 _FARTHEST = 1e9  # mm
@@ -277,6 +281,55 @@ def read_marker_set(*, path: InputFile) -> MarkerSet:
         If the file is not of that form, with the place where it is not.
     """
     return read_marker_set_yaml(find_file(path, MARKER_SETS))
+
+
+@node("read.marks")
+def read_marks(*, path: InputFile) -> Marks:
+    """Read what a person has marked in a take, or a mask: which samples are bad, named, swapped.
+
+    Parameters
+    ----------
+    path
+        A table (CSV) with columns ``marker``, ``start`` (the first frame, counted from 0),
+        ``frames``, ``mark`` (``bad``, ``named`` or ``swapped``) and ``other`` (the other marker), a
+        row per span, as `nodegraph view` keeps it beside a take; or without the last two columns,
+        as `write.mask_csv` writes it: then all are bad.
+
+    Returns
+    -------
+    Marks
+        In the order of the rows.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of that form, with the line where it is not.
+    """
+    known = formats(Marks)
+    marks: Marks = _value_of(find_file(path, file_names("marks", known)), known)
+    return marks
+
+
+@node("read.selection")
+def read_selection(*, path: InputFile) -> Selection:
+    """Read which markers a method has chosen, as `write.selection_yaml` writes it.
+
+    Parameters
+    ----------
+    path
+        A YAML file, or a folder that holds ``selection.yaml``.
+
+    Returns
+    -------
+    Selection
+        As written.
+
+    Raises
+    ------
+    ValueError
+        If the file is not of that form.
+    """
+    return read_selection_yaml(find_file(path, SELECTIONS))
 
 
 def _value_of(file: Path, formats: Sequence[Format], **settings: object) -> Any:

@@ -10,10 +10,11 @@ from pathlib import Path
 from nodegraph import Format, formats
 from nodegraph_files.head import NEUTRAL, RawHead
 from nodegraph_files.npz import is_archive, is_model
-from nodegraph_files.readers import MARKER_SETS, file_names, matching_formats
+from nodegraph_files.readers import MARKER_SETS, SELECTIONS, file_names, matching_formats
 from nodegraph_files.text.counters import is_counter
 from nodegraph_files.text.text_file import other_format, start_in_utf8
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
+from nodegraph_mocap.marks import Marks
 from nodegraph_mocap.recording import Trajectories
 
 _READ_BY = {
@@ -21,10 +22,12 @@ _READ_BY = {
     Weights: "read.weights",
     RawHead: "read.head",
     BlendshapeModel: "read.model",
+    Marks: "read.marks",
 }
 """The nodes that read the types of formats; of a folder, the first that finds its file."""
 
-_MARKER_SET = "read.marker_set"
+_IN_YAML = {"read.marker_set": MARKER_SETS, "read.selection": SELECTIONS}
+_CHOSEN = re.compile(r"^[\"']?chosen[\"']?\s*:", re.MULTILINE)
 _SUFFIXES = (".yaml", ".yml")
 _START = 4096  # bytes
 _AXIS = re.compile(r"(.*[._: ])?[xyz](_?\d+)?", re.IGNORECASE)
@@ -33,7 +36,7 @@ _CELL = re.compile(r"[,;\t]")
 
 def readers() -> Mapping[str, Callable[[Path], str | None]]:
     """Return for each node that reads files what recognizes those that it reads."""
-    return {name: partial(_format_for, name) for name in (*_READ_BY.values(), _MARKER_SET)}
+    return {name: partial(_format_for, name) for name in (*_READ_BY.values(), *_IN_YAML)}
 
 
 def _format_for(node: str, path: Path) -> str | None:
@@ -49,12 +52,14 @@ def _in_folder(folder: Path) -> tuple[str, str] | None:
         for name in names:
             if (folder / name).is_file():
                 return node, _matching(folder / name, known)[0].name
-    return (_MARKER_SET, "YAML") if (folder / MARKER_SETS[0]).is_file() else None
+    in_yaml = (node for node, names in _IN_YAML.items() if (folder / names[0]).is_file())
+    return next(((node, "YAML") for node in in_yaml), None)
 
 
 def _of_file(file: Path) -> tuple[str, str] | None:
     if file.suffix.lower() in _SUFFIXES:
-        return _MARKER_SET, "YAML"
+        is_selection = _CHOSEN.search(_start(file).decode(errors="replace"))
+        return "read.selection" if is_selection else "read.marker_set", "YAML"
     known = [each for each in formats(object) if each.type in _READ_BY]
     matches = _matching(file, known)
     if matches:

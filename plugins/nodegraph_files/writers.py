@@ -232,21 +232,9 @@ def write_selection(selection: Selection, *, file: File) -> Files:
         One file with `chosen`; with `pairs` and `frequencies` in the same order, and with
         `columns` and `history`, where the selection has them. A number that is not known is null.
     """
-    import yaml
+    from nodegraph_files.selection import selection_text
 
-    parts: dict[str, object] = {"chosen": list(selection.chosen)}
-    if selection.pairs:
-        parts["pairs"] = [list(pair) for pair in selection.pairs]
-    if selection.frequencies is not None:
-        parts["frequencies"] = selection.frequencies.tolist()
-    if selection.history is not None:
-        parts["columns"] = list(selection.columns)
-        parts["history"] = [
-            [None if number != number else number for number in row]
-            for row in selection.history.tolist()
-        ]
-    text = yaml.safe_dump(parts, sort_keys=False, allow_unicode=True, default_flow_style=None)
-    return file.of(".yaml", text.encode())
+    return file.of(".yaml", selection_text(selection).encode())
 
 
 def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> bytes:

@@ -16,11 +16,11 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_markers.join import join
     from nodegraph_markers.keep import keep
     from nodegraph_markers.label import label
-    from nodegraph_markers.marked import drop_marked
+    from nodegraph_markers.marks import apply_marks
     from nodegraph_markers.rename import rename
     from nodegraph_markers.resample import resample
 
-    return (keep, rename, infer, label, crop, resample, join, drop_marked)
+    return (keep, rename, infer, label, crop, resample, join, apply_marks)
 
 
 @hookimpl

@@ -42,7 +42,7 @@ def rename(recording: Trajectories, *, names: dict[str, str]) -> Trajectories:
     return replace(
         recording,
         markers=_renamed(recording.markers, names, "recording"),
-        marker_set=marker_set and _renamed_set(marker_set, names),
+        marker_set=marker_set and renamed_set(marker_set, names),
     )
 
 
@@ -57,7 +57,9 @@ def _renamed(markers: Iterable[str], names: Mapping[str, str], where: str) -> tu
     return tuple(old_by_new)
 
 
-def _renamed_set(marker_set: MarkerSet, names: Mapping[str, str]) -> MarkerSet:
+def renamed_set(marker_set: MarkerSet, names: Mapping[str, str]) -> MarkerSet:
+    """Return the marker set with new names by old name."""
+
     def also(part: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(names.get(name, name) for name in part)
 

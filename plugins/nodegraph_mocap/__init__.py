@@ -9,6 +9,7 @@ from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.marks import Mark, Marks
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Mask, Origin, Trajectories, check_markers
 from nodegraph_mocap.selection import Selection
@@ -25,8 +26,10 @@ __all__ = [
     "Head",
     "HeadMotion",
     "HeadPose",
+    "Mark",
     "MarkerFrame",
     "MarkerSet",
+    "Marks",
     "Mask",
     "Origin",
     "Panel",

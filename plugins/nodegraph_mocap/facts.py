@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Fact
 from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_mocap.marks import KINDS
 from nodegraph_mocap.recording import Origin
 from nodegraph_mocap.suspect import impulses
 
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
     from nodegraph_mocap.face_model import BlendshapeModel, Weights
     from nodegraph_mocap.head import Head
     from nodegraph_mocap.marker_set import MarkerSet
+    from nodegraph_mocap.marks import Marks
     from nodegraph_mocap.recording import Trajectories
+    from nodegraph_mocap.selection import Selection
 
 _MOST_FRAMES = 200
 """Frames that are looked at for a size."""
@@ -88,10 +91,36 @@ def facts_of_model(model: BlendshapeModel) -> Iterator[Fact]:
     )
 
 
+def facts_of_marks(marks: Marks) -> Iterator[Fact]:
+    """Yield how many spans and samples are marked as what, and each marker's."""
+    by_marker = {mark.marker: dict.fromkeys(map(str, KINDS), 0) for mark in marks.marks}
+    for mark in marks.marks:
+        by_marker[mark.marker][mark.kind] += mark.frames
+    yield Fact("spans", len(marks.marks))
+    for kind in KINDS:
+        yield Fact(f"samples {kind}", sum(count[kind] for count in by_marker.values()))
+    yield Fact("samples by marker", by_marker)
+
+
 def facts_of_marker_set(marker_set: MarkerSet) -> Iterator[Fact]:
     """Yield the markers, and what the set knows of them."""
     yield Fact("markers", marker_set.markers)
     yield from _facts_of_set(marker_set)
+
+
+def facts_of_selection(selection: Selection) -> Iterator[Fact]:
+    """Yield the chosen markers, how often each pair was chosen, and how the search went."""
+    yield Fact("chosen markers", selection.chosen)
+    pairs = [" - ".join(pair) for pair in selection.pairs]
+    yield Fact("pairs to choose from", pairs)
+    if selection.frequencies is not None:
+        shares = zip(pairs, selection.frequencies.tolist(), strict=True)
+        yield Fact("how often each was chosen", {pair: {"share": share} for pair, share in shares})
+    if selection.history is not None:
+        rows = [
+            dict(zip(selection.columns, row, strict=True)) for row in selection.history.tolist()
+        ]
+        yield Fact("history", {f"trial {number}": row for number, row in enumerate(rows, 1)})
 
 
 def _length(frames: int, rate: float) -> Iterator[Fact]:

@@ -10,6 +10,7 @@ from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.marks import BESIDE, Marks
 from nodegraph_mocap.playback import Playback
 from nodegraph_mocap.recording import Mask, Trajectories
 from nodegraph_mocap.selection import Selection
@@ -68,7 +69,16 @@ def kinds() -> tuple[Kind, ...]:
             facts=late(f"{_FACTS}:facts_of_marker_set"),
             specimens=late(f"{_SPECIMENS}:marker_sets"),
         ),
-        Kind(Selection, specimens=late(f"{_SPECIMENS}:selections")),
+        Kind(
+            Marks,
+            facts=late(f"{_FACTS}:facts_of_marks"),
+            specimens=late(f"{_SPECIMENS}:marks"),
+        ),
+        Kind(
+            Selection,
+            facts=late(f"{_FACTS}:facts_of_selection"),
+            specimens=late(f"{_SPECIMENS}:selections"),
+        ),
         Kind(
             BlendshapeModel,
             facts=late(f"{_FACTS}:facts_of_model"),
@@ -84,5 +94,5 @@ def kinds() -> tuple[Kind, ...]:
 
 def viewer() -> Viewer:
     """Return what shows values that are seen in space or over time."""
-    types = (Trajectories, Animation, Weights, Head, BlendshapeModel, MarkerSet)
-    return Viewer(types, late("nodegraph_mocap.player.viewer:view"))
+    types = (Trajectories, Animation, Weights, Head, BlendshapeModel, MarkerSet, Marks)
+    return Viewer(types, late("nodegraph_mocap.player.viewer:view"), beside=BESIDE)

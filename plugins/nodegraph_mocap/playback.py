@@ -11,6 +11,7 @@ from nodegraph import Value
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.checks import finite, set_fields
 from nodegraph_mocap.face_model import Weights
+from nodegraph_mocap.marks import Mark
 from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
@@ -58,6 +59,10 @@ class Panel(Value):
         Millimetres from the middle to the picture's edge that hold what there is to see.
     strip : Strip or None
         Of a recording, what is to be seen over its time.
+    marks : tuple of Mark
+        Of a recording, what a person has said of its samples: it is shown with them applied.
+    can_be_marked : bool
+        Whether the reader may add marks.
 
     Raises
     ------
@@ -73,6 +78,8 @@ class Panel(Value):
     up: NDArray[np.float64]
     radius: float
     strip: Strip | None = None
+    marks: tuple[Mark, ...] = ()
+    can_be_marked: bool = False
 
     def __post_init__(self) -> None:
         if not self.shown.frames:

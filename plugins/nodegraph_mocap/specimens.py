@@ -17,6 +17,7 @@ from nodegraph_mocap.detections import Detections
 from nodegraph_mocap.face_model import BlendshapeModel, HeadMotion, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.marks import Mark, Marks
 from nodegraph_mocap.recording import Mask, Origin, Trajectories
 from nodegraph_mocap.selection import Selection
 
@@ -41,6 +42,7 @@ def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
     return {
         Trajectories: recordings,
         Mask: masks,
+        Marks: marks,
         MarkerSet: marker_sets,
         Selection: selections,
         Detections: detections,
@@ -88,6 +90,18 @@ def masks() -> dict[str, Mask]:
         hidden = recording.present & ((frame + np.arange(len(recording.markers))) % 5 == 1)
         specimens[name] = Mask(hidden=hidden, markers=recording.markers)
     return specimens
+
+
+def marks() -> dict[str, Marks]:
+    """Return marks of each kind, of a face with all its markers, and none of any."""
+    every = (
+        Mark(marker="nose", start=5, frames=4),
+        Mark(marker="brow_left", start=2, frames=30, kind="swapped", other="brow_right"),
+        Mark(marker="cheek_left", start=0, frames=20, kind="named", other="jaw"),
+        Mark(marker="forehead", start=0, frames=FRAMES, kind="named", other="hairline"),
+    )
+    odd = {name: Marks() for name in recordings()}
+    return odd | {"complete": Marks(marks=every), "gaps": Marks(marks=every)}
 
 
 def marker_sets() -> dict[str, MarkerSet]:

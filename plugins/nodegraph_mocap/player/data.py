@@ -12,6 +12,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
+from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -214,8 +215,13 @@ class _Packing:
         }
         if isinstance(shown, Animation):
             return entry | self._animation(shown)
-        strip = panel.strip and self._strip(panel.strip)
-        return entry | self._recording(place, shown) | {"strip": strip}
+        return {
+            **entry,
+            **self._recording(place, shown),
+            "strip": panel.strip and self._strip(panel.strip),
+            "marks": [astuple(mark) for mark in panel.marks],
+            "can_be_marked": panel.can_be_marked,
+        }
 
     def _recording(self, place: int, recording: Trajectories) -> dict[str, object]:
         origin = np.where(beyond(recording, self.step), Origin.MISSING, recording.origin)

@@ -12,6 +12,7 @@ from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.marks import BESIDE, Mark, Marks
 from nodegraph_mocap.playback import Curves, Panel, Playback
 from nodegraph_mocap.player.fitting import (
     check_meshes,
@@ -37,7 +38,8 @@ def view(values: Mapping[str, object]) -> Rendered:
 
     A head moves as the weights say whose names are its own, of the first that fit; otherwise its
     shapes, and those of a model, are shown one after the other. A marker set joins the markers of
-    the recordings that have them and no set of their own.
+    the recordings that have them and no set of their own. Marks are applied to the recording that
+    they lie beside, or the first that has their markers; a recording that is alone can be marked.
 
     Raises
     ------
@@ -59,8 +61,12 @@ class _Files:
         self._notes: list[str] = []
         self._shown: dict[str, Trajectories | Animation] = {}
         self._curves: dict[str, Weights] = {}
+        self._marks: dict[str, tuple[Mark, ...]] = {}
         for label, value in values.items():
             self._add(label, value)
+        for label, value in values.items():
+            if isinstance(value, Marks):
+                self._add_marks(label, value)
 
     def playback(self) -> Playback:
         """Return the playback, thinned to what fits.
@@ -88,7 +94,16 @@ class _Files:
             raise Refusal(f"{label} has no frame")
         panel = panel_of(label, thinned(shown, every), AUTO)
         value = self._values[label]
-        return replace(panel, strip=strip_of(value) if isinstance(value, Trajectories) else None)
+        if not isinstance(value, Trajectories):
+            return panel
+        marks = self._marks.get(label, ())
+        named = {name for name, each in self._values.items() if isinstance(each, Marks)}
+        is_alone = len(self._recordings) == 1 and named <= {label + BESIDE}
+        return replace(panel, strip=strip_of(value), marks=marks, can_be_marked=is_alone)
+
+    @property
+    def _recordings(self) -> dict[str, Trajectories]:
+        return {k: each for k, each in self._values.items() if isinstance(each, Trajectories)}
 
     def _add(self, label: str, value: object) -> None:
         if isinstance(value, Trajectories):
@@ -101,6 +116,18 @@ class _Files:
             self._add_model(label, value)
         elif isinstance(value, Head):
             self._add_head(label, value)
+
+    def _add_marks(self, label: str, marks: Marks) -> None:
+        new = {mark.other for mark in marks.marks if mark.kind == "named"}
+        needed = {mark.marker for mark in marks.marks} - new
+        beside = [name for name in self._recordings if name + BESIDE == label]
+        fitting = [name for name, each in self._recordings.items() if needed <= {*each.markers}]
+        taken = next(iter([*beside, *fitting]), None)
+        if taken is None:
+            self._notes.append(f"{label}: view it with the recording that it marks.")
+        else:
+            self._marks[taken] = marks.marks
+            self._notes.append(f"{taken} is shown as it is marked in {label}.")
 
     def _joined(self, recording: Trajectories) -> Trajectories:
         sets = (value for value in self._values.values() if isinstance(value, MarkerSet))

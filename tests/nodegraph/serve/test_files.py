@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,7 @@ from nodegraph.plugin.registry import Registry
 from nodegraph.serve.files import application_of_files
 from nodegraph.serve.guard import Guard
 from tests.nodegraph.cli.conftest import READER
-from tests.nodegraph.serve.requests import HOST, send
+from tests.nodegraph.serve.requests import HOST, ORIGIN, Answer, send
 
 VIEWER = """
 from nodegraph import Refusal, Rendered, Viewer
@@ -38,13 +40,18 @@ def _alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         Path(f"{name}.count").write_text(f"count:{number}")
 
 
-def page(*names: str, plugin: str = READER + VIEWER) -> str:
+def entered(*names: str, plugin: str = READER + VIEWER) -> tuple[Guard, str]:
+    """Return what answers for files, and the cookie that it has given."""
     Path("reader.py").write_text(plugin)
     registry = Registry.installed([Path("reader.py")])
     files = read_files(names, registry)
-    guard = Guard(application_of_files(files, registry.hooks), HOST)
+    guard = Guard(application_of_files(files, registry), HOST)
     answer = send(guard, f"/?token={guard.token}")
-    cookie = answer.headers["set-cookie"].partition(";")[0]
+    return guard, answer.headers["set-cookie"].partition(";")[0]
+
+
+def page(*names: str, plugin: str = READER + VIEWER) -> str:
+    guard, cookie = entered(*names, plugin=plugin)
     assert send(guard, "/").status == 403
     assert send(guard, "/value", cookie=cookie).status == 404
     shown = send(guard, "/", cookie=cookie)
@@ -69,3 +76,39 @@ def test_what_a_viewer_refuses_is_told_above_the_facts() -> None:
 
 def test_a_file_that_no_viewer_knows_has_its_facts() -> None:
     assert "<dd>4 things</dd>" in page("x.count", plugin=READER)
+
+
+def test_what_a_page_keeps_of_a_file_lies_beside_it_and_is_read_with_it() -> None:
+    plugin = READER + VIEWER.replace("view)]", "view, beside='.more.count')]")
+    guard, cookie = entered("a/x.count", "x.count", plugin=plugin)
+    file = Path("x.count.more.count")
+
+    def keep(cookie: str = cookie, **data: object) -> Answer:
+        body = json.dumps(data).encode()
+        return send(
+            guard,
+            "/kept",
+            method="POST",
+            body=body,
+            cookie=cookie,
+            origin=ORIGIN,
+            content_type="application/json",
+            content_length=str(len(body)),
+        )
+
+    assert keep("", label="x.count", text="count:1", before=None).status == 403
+    assert keep(label="x.count", text="count:1", before=None).status == 200
+    assert file.read_text() == "count:1"
+    shown = send(guard, "/", cookie=cookie).text
+    assert "<b>a/x.count=3+x.count=4+x.count.more.count=1</b>" in shown
+    assert '"x.count": "count:1"' in shown
+    refused = keep(label="x.count", text="count:2", before=None)
+    assert (refused.status, file.read_text()) == (409, "count:1")
+    assert "has changed since the page was loaded" in refused.data["message"]
+    assert keep(label="x.count", text="count:no", before="count:1").status == 200
+    assert send(guard, "/", cookie=cookie).status == 409
+    assert keep().status == 400
+    assert keep(label="/etc/passwd", text="", before=None).status == 400
+    shutil.rmtree("a")
+    gone = keep(label="a/x.count", text="count:1", before=None)
+    assert (gone.status, "cannot be written" in gone.data["message"]) == (409, True)

@@ -56,15 +56,20 @@ nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/ca
       options.append(switchFor("Truth", true, choose("truth")));
     }
     if (recordings.length) options.append(switchFor("Trails", false, choose("trails")), switchFor("Names", false, choose("names")));
-    const names = [...new Set(recordings.flatMap((panel) => panel.markers))];
-    const marker = choiceOf("Marker", [["", "none"], ...names.map((name) => [name, name])], (name) => selection.set({ marker: name || null }), "");
+    const marker = choiceOf("Marker", [], (name) => selection.set({ marker: name || null }), "");
+    const select = marker.querySelector("select");
+    const offer = () => {
+      const names = [...new Set(recordings.flatMap((panel) => panel.markers))];
+      select.replaceChildren(...[["", "none"], ...names.map((name) => [name, name])].map(([value, text]) => element("option", { value }, text)));
+    };
+    offer();
     if (study.with_hand) options.append(marker);
     if (study.with_hand && recordings.length > 1) options.append(switchFor("Over each other", false, choose("over")));
     if (study.panels.length) options.append(element("span", { class: "view", role: "group", "aria-label": "View" },
       buttonFor("\u2212", "Smaller", () => player.look((camera) => zoomed(camera, 1 / 1.25))),
       buttonFor("+", "Larger", () => player.look((camera) => zoomed(camera, 1.25))),
       buttonFor("Front", "From the front", () => player.look(frontal))));
-    return { element: element("div", { class: "controls" }, row, options), play, slider, clock, marker: marker.querySelector("select") };
+    return { element: element("div", { class: "controls" }, row, options), play, slider, clock, marker: select, offer };
   };
 
   // Which of many panels are shown: a button each, with the panel's mean error if there is one.

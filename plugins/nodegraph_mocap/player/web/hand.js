@@ -1,5 +1,5 @@
 // The marker that the reader looks at: its speed over time and its spectrum, in every recording.
-nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum", "mocap/player/marks"], (page, { speedsOf, spectrumOf, SHORTEST }, { Marks }) => {
+nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum", "mocap/player/marks"], (page, { speedsOf, spectrumOf, SHORTEST }, { spansOf }) => {
   const { element, svg } = page;
   const HEIGHT = 150;
   const LEFT = 46; // px for the numbers of the vertical axis
@@ -63,8 +63,6 @@ nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum", "mocap/p
       this.player = player;
       this.marker = null;
       this.lines = [];
-      const recordings = player.study.panels.filter((panel) => panel.kind === "markers");
-      this.marks = recordings.length === 1 ? new Marks(player, recordings[0]) : null; // of several, none would be meant
       this.element = element("div", { class: "hand", hidden: true });
       this.width = 0;
       new ResizeObserver(() => { if (this.marker && this.element.clientWidth !== this.width) this.draw(); }).observe(this.element);
@@ -87,7 +85,7 @@ nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum", "mocap/p
       });
       const key = this.lines.length > 1 ? element("p", { class: "legend" }, ...this.lines.map(({ panel, kind }) => element("span", {}, element("span", { class: `swatch ${kind}`, "aria-hidden": "true" }), panel.label))) : null;
       this.element.replaceChildren(...[
-        element("p", { class: "name" }, this.marker), key, this.marks?.element,
+        element("p", { class: "name" }, this.marker), key,
         element("p", { class: "quiet" }, "Speed in mm/s over time in s"), this.drawSpeed(),
         element("p", { class: "quiet" }, "Spectrum in mm per \u221aHz over frequency in Hz, all three coordinates"), this.drawSpectrum(),
       ].filter(Boolean));
@@ -107,7 +105,7 @@ nodegraph.define("mocap/player/hand", ["page", "mocap/player/spectrum", "mocap/p
       const most = drawn.reduce((top, { peaks }) => peaks.reduce((high, [, speed]) => (speed > high ? speed : high), top), 0) || 1;
       const y = (value) => HEIGHT - BOTTOM - (value / most) * (HEIGHT - BOTTOM - TOP);
       const plot = chart(`Speed of ${this.marker}`, this.width, { x, y, across: ticksOf(seconds, 6), up: ticksOf(most, 3) });
-      plot.append(...(this.marks?.spansOf(this.marker) ?? []).map(([first, stop]) =>
+      plot.append(...this.lines.flatMap(({ panel }) => spansOf(panel, this.player.study.every, this.marker)).map(([first, stop]) =>
         svg("rect", { class: "marked", x: x(first), width: Math.max(1, x(stop) - x(first)), y: TOP, height: HEIGHT - BOTTOM - TOP })));
       plot.append(...drawn.map(({ panel, kind, peaks }) => svg("path", { class: kind, d: pathOf(peaks.map(([frame, speed]) => [x((frame + 0.5) / panel.rate), y(speed)])) })));
       this.now = svg("line", { class: "at", y1: 0, y2: HEIGHT - BOTTOM });

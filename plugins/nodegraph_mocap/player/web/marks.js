@@ -1,21 +1,190 @@
-// Spans of a marker that a person marks as bad, undone one by one, and saved as a table of their own:
-// what is marked is left out by the node recording.drop_marked, and the take stays as it is.
-nodegraph.define("mocap/player/marks", ["page"], ({ element, announce }) => {
+// Marks: what a person says of samples, span by span. They are applied to a copy of the take, in
+// their order and as the node recording.apply_marks does, and the server keeps them beside the take.
+nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce }, server) => {
+  const MISSING = 0;
+  const WORDS = { bad: "left out", named: "given to another marker", swapped: "swapped" };
+
   const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
+  const cellOf = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : String(text));
+  const placeOf = ([, start, frames]) => (frames === 1 ? `frame ${start}` : `frames ${start} to ${start + frames - 1}`);
+  const textOf = (mark) => `${mark[0]}, ${placeOf(mark)}: ${mark[3]}${mark[4] ? `${mark[3] === "swapped" ? " with" : ""} ${mark[4]}` : ""}`;
 
-  const cellOf = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  // Of each marker its samples, its row of the strip and its impulses: [array, whether by frame].
+  const tracksOf = ({ markers, frames, origin, places, strip }) => markers.map((name, marker) => ({
+    name, column: marker,
+    origin: origin.slice(marker * frames, (marker + 1) * frames),
+    places: [0, 1, 2].map((k) => places.slice((3 * marker + k) * frames, (3 * marker + k + 1) * frames)),
+    kinds: strip.kinds.map((kind) => kind.slice(marker * strip.stretches, (marker + 1) * strip.stretches)),
+    impulses: strip.impulses[1].filter((_, at) => strip.impulses[0][at] === marker),
+  }));
 
+  const joined = (parts, Kind) => {
+    const whole = new Kind(parts.reduce((sum, part) => sum + part.length, 0));
+    let at = 0;
+    for (const part of parts) {
+      whole.set(part, at);
+      at += part.length;
+    }
+    return whole;
+  };
+
+  // The recording that tracks are, made from the one that they were cut from.
+  const recordingOf = (source, tracks) => {
+    const place = new Map(tracks.map(({ column }, at) => [column, at]));
+    const impulses = tracks.flatMap((track, at) => track.impulses.map((second) => [at, second]));
+    return {
+      markers: tracks.map(({ name }) => name),
+      origin: joined(tracks.map((track) => track.origin), Uint8Array),
+      places: joined(tracks.flatMap((track) => track.places), Float32Array),
+      edges: source.edges.filter((ends) => ends.every((end) => place.has(end))).map((ends) => ends.map((end) => place.get(end))),
+      strip: {
+        ...source.strip, impulses: [impulses.map(([at]) => at), impulses.map(([, second]) => second)],
+        kinds: source.strip.kinds.map((_, kind) => joined(tracks.map((track) => track.kinds[kind]), Uint8Array)),
+      },
+    };
+  };
+
+  const counting = (origin, [from, to] = [0, origin.length]) => origin.subarray(from, to).reduce((sum, code) => sum + (code !== MISSING), 0);
+
+  const erase = (track, span) => {
+    track.origin.fill(MISSING, ...span.frames);
+    track.kinds.forEach((kind, at) => kind.fill(at ? 0 : 255, ...span.stretches)); // the first are the missing
+    track.impulses = track.impulses.filter((second) => !span.has(second));
+  };
+
+  const swapParts = (one, other, [from, to]) => {
+    const kept = one.slice(from, to);
+    one.set(other.subarray(from, to), from);
+    other.set(kept, from);
+  };
+
+  const swap = (one, other, span) => {
+    swapParts(one.origin, other.origin, span.frames);
+    one.places.forEach((part, k) => swapParts(part, other.places[k], span.frames));
+    one.kinds.forEach((part, kind) => swapParts(part, other.kinds[kind], span.stretches));
+    const [here, there] = [one, other].map((track) => track.impulses.filter(span.has));
+    one.impulses = [...one.impulses.filter((second) => !span.has(second)), ...there];
+    other.impulses = [...other.impulses.filter((second) => !span.has(second)), ...here];
+  };
+
+  const emptyLike = (track, name) => {
+    const empty = {
+      name, column: -1, origin: track.origin.slice(), places: track.places.map((part) => part.slice()),
+      kinds: track.kinds.map((part) => part.slice()), impulses: [],
+    };
+    erase(empty, { frames: [], stretches: [], has: () => true });
+    return empty;
+  };
+
+  const give = (track, other, span) => {
+    const [from, to] = span.frames;
+    for (let frame = from; frame < to; frame += 1) {
+      if (track.origin[frame] === MISSING) continue;
+      other.origin[frame] = track.origin[frame];
+      track.places.forEach((part, k) => { other.places[k][frame] = part[frame]; });
+    }
+    const [first, last] = span.stretches;
+    other.kinds.forEach((part, kind) => part.set(track.kinds[kind].subarray(first, last), first));
+    other.impulses.push(...track.impulses.filter(span.has));
+    erase(track, span);
+  };
+
+  // Applies one mark to tracks; returns the tracks, and of how many samples it speaks.
+  const marked = (tracks, mark, source, every) => {
+    const [marker, start, frames, kind, other] = mark;
+    const refuse = (why) => { throw new Error(`${textOf(mark)}: ${why}`); };
+    const track = tracks.find(({ name }) => name === marker) ?? refuse(`there is no marker ${marker}`);
+    const second = tracks.find(({ name }) => name === other);
+    const stop = start + frames;
+    const all = source.frames * every;
+    if (start >= all) refuse(`the take has ${all} frames`);
+    const hertz = source.rate * every;
+    const { stretches } = source.strip;
+    const span = {
+      frames: [Math.ceil(start / every), Math.ceil(stop / every)],
+      stretches: [Math.floor((start / all) * stretches), Math.ceil((stop / all) * stretches)],
+      has: (second) => second * hertz > start - 0.5 && second * hertz < stop - 0.5,
+    };
+    const count = counting(track.origin, span.frames);
+    if (kind === "bad") {
+      erase(track, span);
+      return [tracks, count];
+    }
+    if (kind === "swapped") {
+      if (!second) refuse(`there is no marker ${other}`);
+      const both = count + counting(second.origin, span.frames);
+      swap(track, second, span);
+      return [tracks, both];
+    }
+    const is_all = count === counting(track.origin);
+    if (is_all && !second) {
+      track.name = other;
+      return [tracks, count];
+    }
+    const target = second ?? emptyLike(track, other);
+    const [from, to] = span.frames;
+    let both = 0;
+    for (let frame = from; frame < to; frame += 1) both += track.origin[frame] !== MISSING && target.origin[frame] !== MISSING;
+    if (both) refuse(`${other} is there in ${both * every} of these frames; swap the two, or mark those as bad first`);
+    give(track, target, span);
+    const rest = is_all ? tracks.filter((each) => each !== track) : tracks;
+    return [second ? rest : [...rest, target], count];
+  };
+
+  // What a recording becomes with marks, and how many samples each kind of mark speaks of. An error
+  // says which mark does not fit.
+  const applied = (source, marks, every) => {
+    const samples = {};
+    if (!marks.length) return { changes: {}, samples };
+    let tracks = tracksOf(source);
+    for (const mark of marks) {
+      const [next, count] = marked(tracks, mark, source, every);
+      tracks = next;
+      samples[mark[3]] = (samples[mark[3]] ?? 0) + count * every;
+    }
+    return { changes: recordingOf(source, tracks), samples };
+  };
+
+  // The spans in which marks speak of a marker, in seconds.
+  const spansOf = ({ marks, rate }, every, marker) => marks.filter(([name, , , , other]) => name === marker || other === marker)
+    .map(([, start, frames]) => [start / rate / every, (start + frames) / rate / every]);
+
+  // The marks of one recording: shows it as it is marked, and lets the reader mark it.
   class Marks {
     constructor(player, panel) {
-      Object.assign(this, { player, panel, spans: [], first: null, saved: true });
+      Object.assign(this, { player, panel, source: { ...panel }, samples: {}, first: null, whole: false, saved: true, saving: Promise.resolve() });
       const button = (text, act) => element("button", { type: "button", onclick: act }, text);
-      this.state = element("span", { class: "quiet", role: "status" });
-      this.undo = button("Undo", () => this.change(() => this.spans.pop()));
+      this.span = element("span", { class: "quiet" });
+      this.other = element("input", { list: "marks-others", "aria-label": "Other marker", placeholder: "other marker", size: 12 });
+      this.known = element("datalist", { id: "marks-others" });
+      this.undo = button("Undo", () => this.takeBack());
       this.save = button("Save marks", () => this.download());
+      this.save.hidden = this.keeps; // until that fails
+      this.state = element("span", { role: "status" });
+      this.list = element("ol", {});
+      this.fold = element("details", {}, element("summary", {}, "What is marked"), this.list);
+      this.acts = element("div", { class: "acts" },
+        element("span", {}, button("From here", () => this.begin()), button("Whole take", () => this.begin(true)), this.span),
+        element("span", {}, button("Bad", () => this.mark("bad")), this.other, this.known,
+          button("Swap", () => this.mark("swapped")), button("Name", () => this.mark("named"))));
       this.element = element("div", { class: "marks", role: "group", "aria-label": "Samples marked by hand" },
-        button("Bad from here", () => this.begin()), button("Bad to here", () => this.end()), this.undo, this.save, this.state);
+        element("p", { class: "name" }, "Marked by hand"), this.acts,
+        element("p", {}, this.undo, this.save, this.state), this.fold);
       addEventListener("beforeunload", (event) => { if (!this.saved) event.preventDefault(); });
-      this.tell();
+      this.trouble = this.show(panel.marks);
+      this.explain();
+    }
+
+    get label() {
+      return this.panel.label || "take";
+    }
+
+    get keeps() {
+      return Boolean(server?.keeps?.(this.label));
+    }
+
+    get file() {
+      return `${this.label.replace(/^.*[/\\:]/, "")}.marks.csv`;
     }
 
     // The frame of the file, of which only some may be shown.
@@ -23,58 +192,120 @@ nodegraph.define("mocap/player/marks", ["page"], ({ element, announce }) => {
       return this.player.frameOf(this.panel) * this.player.study.every;
     }
 
-    begin() {
-      this.first = { marker: this.player.marker, frame: this.frame };
+    begin(whole = false) {
+      this.whole = whole;
+      this.first = whole ? null : { marker: this.player.marker, frame: this.frame };
       this.tell();
     }
 
-    // Without a beginning, or with that of another marker, the frame that is shown.
-    end() {
+    // First frame and number of frames: the frame that is shown, or all from where it was begun.
+    get chosen() {
+      const { every } = this.player.study;
+      if (this.whole) return [0, this.source.frames * every];
+      const other = this.first?.marker === this.player.marker ? this.first.frame : this.frame;
+      return [Math.min(other, this.frame), Math.abs(other - this.frame) + every];
+    }
+
+    mark(kind) {
+      const other = kind === "bad" ? "" : this.other.value.trim();
       const { marker } = this.player;
-      const other = this.first?.marker === marker ? this.first.frame : this.frame;
-      const start = Math.min(other, this.frame);
-      this.change(() => this.spans.push({ marker, start, frames: Math.abs(other - this.frame) + this.player.study.every }));
+      if (kind !== "bad" && (!other || other === marker)) {
+        this.state.textContent = `Write the name of ${kind === "swapped" ? "the marker to swap with" : "the marker that it is"}.`;
+        this.other.focus();
+        return;
+      }
+      this.add([marker, ...this.chosen, kind, other]);
     }
 
-    change(act) {
-      act();
-      this.first = null;
-      this.saved = !this.spans.length;
-      this.tell();
-      this.player.hand.draw();
+    add(mark) {
+      const { marks } = this.panel;
+      const why = this.show([...marks, mark]);
+      if (why) this.show(marks);
+      this.changed(why);
     }
 
-    get samples() {
-      return new Set(this.spans.flatMap(({ marker, start, frames }) => Array.from({ length: frames }, (_, at) => `${start + at} ${marker}`))).size;
+    // What was read from the file may not fit the take; it can be taken back, too.
+    takeBack() {
+      this.changed(this.show(this.panel.marks.slice(0, -1)));
+    }
+
+    changed(trouble) {
+      Object.assign(this, { first: null, whole: false, saved: false, trouble });
+      this.player.remake();
+      this.explain();
+      this.keep();
+    }
+
+    // Shows the take as it is marked; returns why that is not possible.
+    show(marks) {
+      Object.assign(this.panel, this.source, { marks });
+      this.samples = {};
+      try {
+        const { changes, samples } = applied(this.source, marks, this.player.study.every);
+        Object.assign(this.panel, changes);
+        this.samples = samples;
+        return "";
+      } catch (error) {
+        return error.message;
+      }
+    }
+
+    // One after the other, so that the last stays; what cannot be kept can be saved elsewhere.
+    keep() {
+      const { text } = this;
+      if (!this.keeps) return;
+      this.saving = this.saving.then(async () => {
+        try {
+          await server.keep(this.label, text);
+          this.saved = text === this.text;
+        } catch (error) {
+          this.trouble = error.message;
+          this.save.hidden = false;
+        }
+        this.explain();
+      });
+    }
+
+    get sum() {
+      return Object.values(this.samples).reduce((sum, count) => sum + count, 0);
     }
 
     tell() {
-      this.undo.disabled = this.save.disabled = !this.spans.length;
-      const begun = this.first ? `from frame ${this.first.frame} of ${this.first.marker} on` : "";
-      const marked = this.spans.length ? `${counted(this.samples, "sample")} marked in ${counted(this.spans.length, "span")}${this.saved ? ", saved" : ""}` : "";
-      this.state.textContent = [marked, begun].filter(Boolean).join("; ") || "no sample is marked";
+      const { marker } = this.player;
+      const has_marker = this.panel.markers.includes(marker);
+      const [start, frames] = this.chosen;
+      this.span.textContent = has_marker ? `${marker}, ${this.whole ? "whole take" : placeOf([marker, start, frames])}` : "Click a marker first";
+      for (const each of this.acts.querySelectorAll("button, input")) each.disabled = !has_marker;
+    }
+
+    explain() {
+      const { marks, markers } = this.panel;
+      const about = this.player.study.every > 1 ? "about " : "";
+      const kinds = Object.entries(this.samples).map(([kind, count]) => `${count} ${WORDS[kind]}`).join(", ");
+      const count = marks.length ? `${about}${counted(this.sum, "sample")} in ${counted(marks.length, "span")}: ${kinds}` : "no sample is marked";
+      const where = this.keeps && this.saved && marks.length ? `; kept in ${this.file}` : "";
+      this.state.textContent = `${count}${where}${this.trouble ? `. ${this.trouble}` : ""}`;
+      this.undo.disabled = !marks.length;
+      this.save.disabled = !marks.length;
+      this.fold.hidden = !marks.length;
+      this.known.replaceChildren(...markers.map((name) => element("option", { value: name })));
+      this.list.replaceChildren(...marks.map((mark) => element("li", {},
+        element("button", { type: "button", onclick: () => this.player.goTo(mark[0], mark[1] / this.player.study.every / this.panel.rate) }, textOf(mark)))));
     }
 
     get text() {
-      return ["marker,start,frames", ...this.spans.map(({ marker, start, frames }) => `${cellOf(marker)},${start},${frames}`), ""].join("\n");
+      return ["marker,start,frames,mark,other", ...this.panel.marks.map((mark) => mark.map(cellOf).join(",")), ""].join("\n");
     }
 
     download() {
       const address = URL.createObjectURL(new Blob([this.text], { type: "text/csv" }));
-      const name = `${(this.panel.label || "take").replace(/^.*[/\\:]/, "")}.marks.csv`;
-      element("a", { href: address, download: name }).click();
+      element("a", { href: address, download: this.file }).click();
       setTimeout(() => URL.revokeObjectURL(address), 1000);
       this.saved = true;
-      this.tell();
-      announce(`Saved as ${name}`);
-    }
-
-    // The spans of the marker in hand, in seconds.
-    spansOf(marker) {
-      const rate = this.panel.rate * this.player.study.every;
-      return this.spans.filter((span) => span.marker === marker).map(({ start, frames }) => [start / rate, (start + frames) / rate]);
+      this.explain();
+      announce(`Saved as ${this.file}`);
     }
   }
 
-  return { Marks };
+  return { Marks, applied, spansOf };
 });

@@ -1,8 +1,8 @@
 // One clock, in seconds, for all panels of a playback; each shows the frame that began last.
 nodegraph.define("mocap/player", [
   "page", "selection", "theme", "mocap/player/data", "mocap/player/camera", "mocap/player/markers", "mocap/player/mesh",
-  "mocap/player/curves", "mocap/player/strip", "mocap/player/hand", "mocap/player/controls", "mocap/player/gestures",
-], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, { stripFor }, { Hand }, controls, { dragged, keyed }) => {
+  "mocap/player/curves", "mocap/player/strip", "mocap/player/marks", "mocap/player/hand", "mocap/player/controls", "mocap/player/gestures",
+], (page, selection, theme, { playbackOf }, camera, markers, { drawMesh }, { curvesFor }, { stripFor }, { Marks, applied }, { Hand }, controls, { dragged, keyed }) => {
   const { element } = page;
   const { frontal, within, projectionOf } = camera;
   const { drawMarkers, textOfMarkers, textOfSample, textOfDistance, tintOf, pointedMarker, namePointed, inksOf } = markers;
@@ -43,6 +43,9 @@ nodegraph.define("mocap/player", [
     }
 
     build(figure) {
+      const [marked] = this.study.panels.filter((panel) => panel.can_be_marked);
+      this.marks = marked ? new Marks(this, marked) : null;
+      const trouble = this.study.panels.filter((panel) => panel.marks?.length && !panel.can_be_marked).flatMap((panel) => this.applyMarks(panel));
       this.panels = this.study.panels.map((panel, place) => this.built(panel, place));
       this.controls = controlsFor(this);
       this.chooser = this.study.panels.length > MOST ? chooserFor(this, MOST) : null;
@@ -53,21 +56,47 @@ nodegraph.define("mocap/player", [
       });
       figure.classList.toggle("compared", this.study.truth !== null);
       this.hand = this.study.with_hand ? new Hand(this) : null;
-      const take = (marker) => selection.toggle("marker", marker);
-      this.strips = [
-        ...[this.hand].filter(Boolean),
-        ...this.study.panels.filter((panel) => panel.strip).map((panel) => stripFor(this, panel, take)),
-        ...this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves)),
-      ];
+      this.below = element("div", { class: "below" });
+      this.layBelow();
       const pictures = this.panels.length ? [this.legend, this.stage] : [];
-      const below = this.strips.length ? element("div", { class: "below" }, ...this.strips.map((strip) => strip.element)) : null;
+      const below = this.strips.length ? this.below : null;
       const help = element("p", { class: "quiet" }, this.help);
+      figure.append(...trouble.map((text) => element("p", { role: "alert" }, text)));
       figure.append(...[this.chooser?.element, this.controls.element, ...pictures, below, help].filter(Boolean));
       this.controls.clock.dataset.longest = this.clockTextsAt(this.study.ticks - 1).join(" \u00b7 ").replace(/\d/g, "0");
       this.tell();
-      for (const place of [this.stage, ...this.strips.map((strip) => strip.table).filter(Boolean)]) keyed(this, place);
+      keyed(this, this.stage);
       this.watch();
       this.arrange();
+    }
+
+    // Of several recordings; returns why that is not possible.
+    applyMarks(panel) {
+      try {
+        Object.assign(panel, applied(panel, panel.marks, this.study.every).changes);
+        return [];
+      } catch (error) {
+        return [`${panel.label}: ${error.message}`];
+      }
+    }
+
+    layBelow() {
+      const take = (marker) => selection.toggle("marker", marker);
+      this.strips = [
+        ...[this.marks, this.hand].filter(Boolean),
+        ...this.study.panels.filter((panel) => panel.strip).map((panel) => stripFor(this, panel, take)),
+        ...this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves)),
+      ];
+      this.below.replaceChildren(...this.strips.map((strip) => strip.element));
+      for (const { table } of this.strips) if (table) keyed(this, table);
+    }
+
+    // A recording has other samples, or other markers.
+    remake() {
+      this.layBelow();
+      this.controls.offer();
+      this.follow(selection.state);
+      this.hand.show(this.hand.marker);
     }
 
     get help() {
@@ -167,9 +196,13 @@ nodegraph.define("mocap/player", [
     }
 
     visit([first, last, marker]) {
+      this.goTo(marker, (first + last) / 2);
+    }
+
+    goTo(marker, seconds) {
       this.pause();
       this.marker = marker;
-      this.seek(Math.floor(((first + last) / 2) * this.study.rate));
+      this.seek(Math.floor(seconds * this.study.rate));
     }
 
     nextGap() {
@@ -192,7 +225,10 @@ nodegraph.define("mocap/player", [
         sight.observe(tile.canvas);
         resized.observe(tile.canvas);
       }
-      theme.on(() => this.invalidate());
+      theme.on(() => {
+        this.invalidate();
+        for (const strip of this.strips) if (strip.table) strip.draw();
+      });
       addEventListener("beforeprint", () => { this.printing = true; this.draw(); });
       addEventListener("afterprint", () => { this.printing = false; this.invalidate(); });
     }

@@ -4,8 +4,8 @@ nodegraph.define("mocap/player/rows", ["page", "theme"], ({ element }, theme) =>
   const MOST = 8192; // dots that a canvas is high
 
   const INKS = {
-    light: { line: "#dfe3e8", curve: "#1a5fb4", missing: "#17202c", filled: "#e0453c", repaired: "#d98a00", impulse: "#8a2f7d" },
-    dark: { line: "#2e3640", curve: "#82b4ff", missing: "#e7ebf0", filled: "#e0453c", repaired: "#d98a00", impulse: "#e59adb" },
+    light: { line: "#dfe3e8", curve: "#1a5fb4", missing: "#17202c", filled: "#e0453c", repaired: "#d98a00", impulse: "#8a2f7d", marked: "#8a5200" },
+    dark: { line: "#2e3640", curve: "#82b4ff", missing: "#e7ebf0", filled: "#e0453c", repaired: "#d98a00", impulse: "#e59adb", marked: "#e8b45c" },
   };
 
   class Rows {
@@ -25,7 +25,6 @@ nodegraph.define("mocap/player/rows", ["page", "theme"], ({ element }, theme) =>
       this.canvas.style.height = `${height * names.length}px`;
       this.listen();
       new ResizeObserver(() => this.draw()).observe(over);
-      theme.on(() => this.draw());
     }
 
     listen() {

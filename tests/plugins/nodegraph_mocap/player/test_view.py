@@ -6,14 +6,14 @@ import base64
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 from scipy.signal import welch
 
 import nodegraph as ng
@@ -234,46 +234,93 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
             assert violations(tab) == []
 
 
+def seen(tab: Page, markers: Sequence[str]) -> Trajectories:
+    """Return the recording that the player shows."""
+    panel = tab.evaluate(
+        f"(({{ markers, frames, rate, places, origin }}) => ({{ markers, frames, rate, "
+        f"places: [...places], origin: [...origin] }}))({PLAYER}.study.panels[0])"
+    )
+    places = np.array(panel["places"]).reshape(len(panel["markers"]), 3, -1).transpose(2, 0, 1)
+    origin = np.array(panel["origin"], dtype=np.uint8).reshape(len(panel["markers"]), -1).T
+    places[origin == Origin.MISSING] = np.nan
+    whole = Trajectories(
+        positions=places, markers=tuple(panel["markers"]), rate=panel["rate"], origin=origin
+    )
+    return whole.keep(markers)
+
+
 @needs_axe
-def test_samples_are_marked_by_hand_and_left_out_of_a_run(tab: Page, tmp_path: Path) -> None:
-    face = recordings()["gaps"]
+def test_samples_are_marked_by_hand_and_applied_in_a_run(
+    tab: Page, tmp_path: Path, complaints: list[str]
+) -> None:
+    face = replace(recordings()["gaps"], marker_set=None)
     named = replace(face, markers=(*face.markers[:6], 'a "nose", up', *face.markers[7:]))
-    ((file, content),) = ng.get_node("write.npz")(replace(named, marker_set=None)).content.items()
-    (tmp_path / file).write_bytes(content)
-    with served(str(tmp_path / file)) as address:
+    ((file, content),) = ng.get_node("write.npz")(named).content.items()
+    take, kept = tmp_path / file, tmp_path / f"{file}.marks.csv"
+    take.write_bytes(content)
+    with served(str(take)) as address:
         tab.goto(address)
         tab.wait_for_selector(".viewed-file")
         until(tab, PLAYER)
         marks = tab.locator(".marks")
-        for marker, first, last in (("brow_left", 12, 8), (named.markers[6], 20, 20)):
+        status = marks.get_by_role("status")
+
+        def mark(marker: str, span: tuple[int, int] | None, kind: str, other: str = "") -> None:
             tab.locator("label:has-text('Marker') select").select_option(marker)
-            tab.evaluate(f"{PLAYER}.seek({first})")
-            marks.get_by_text("Bad from here").press("Enter")
-            tab.evaluate(f"{PLAYER}.seek({last})")
-            marks.get_by_text("Bad to here").press("Enter")
-        for _ in range(2):
-            marks.get_by_text("Bad to here").click()
-        assert "6 samples marked in 4 spans" in marks.inner_text()
-        for _ in range(2):
-            marks.get_by_text("Undo").click()
-        assert "6 samples marked in 2 spans" in marks.inner_text()
-        assert tab.locator(".hand-chart .marked").count() == 1
-        assert violations(tab, ".hand") == []
-        with tab.expect_download() as saving:
-            marks.get_by_text("Save marks").click()
-        assert saving.value.suggested_filename == f"{file}.marks.csv"
-        saving.value.save_as(tmp_path / "marks.csv")
-        assert ", saved" in marks.inner_text()
-    text = 'marker,start,frames\nbrow_left,8,5\n"a ""nose"", up",20,1\n'
-    assert (tmp_path / "marks.csv").read_text() == text
-    graph = tmp_path / "graph.yaml"
-    graph.write_text(
-        "nodegraph: 1\nnodes:\n"
-        f"  take: {{use: read.recording, with: {{path: {file}}}}}\n"
-        "  clean: {use: recording.drop_marked, in: take, with: {path: marks.csv}}\n"
-    )
-    run = ng.run(graph, store=tmp_path / "store")
-    assert run["clean.marked"].value.hidden.sum() == 6
+            if span is None:
+                marks.get_by_text("Whole take").click()
+            else:
+                tab.evaluate(f"{PLAYER}.seek({span[0]})")
+                marks.get_by_text("From here").press("Enter")
+                tab.evaluate(f"{PLAYER}.seek({span[1]})")
+            marks.get_by_label("Other marker").fill(other)
+            marks.get_by_role("button", name=kind, exact=True).press("Enter")
+
+        mark("brow_left", (12, 8), "Bad")
+        mark(named.markers[6], (20, 20), "Bad")
+        mark("cheek_left", (2, 30), "Swap", "cheek_right")
+        mark("cheek_left", (3, 5), "Name", "cheek_right")
+        assert "cheek_right is there in 3 of these frames" in status.inner_text()
+        mark("forehead", None, "Name", "hairline")
+        mark("lip_left", (0, 9), "Name", "corner")
+        mark("brow_right", (0, 1), "Bad")
+        marks.get_by_text("Undo").click()
+        expect(status).to_have_text(re.compile(rf"in 5 spans.*; kept in {file}\.marks\.csv$"))
+        assert tab.locator(".rows .labels").first.inner_text().split("\n")[-1] == "corner"
+        for scheme, width in (("light", 1280), ("dark", 390)):
+            tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+            resize(tab, width)
+            assert tab.evaluate("document.documentElement.scrollWidth") <= width
+            assert violations(tab, ".below") == []
+        shown = status.inner_text()
+        samples = re.fullmatch(r"(\d+) samples in 5 spans: (.*); kept in .*", shown)
+        assert samples is not None
+        tab.reload()
+        until(tab, PLAYER)
+        assert status.inner_text() == shown
+        assert f"{file} is shown as it is marked in {kept.name}" in tab.inner_text("main")
+        kept.write_text(kept.read_text() + "nose,0,1,bad,\n")
+        mark("brow_right", (0, 1), "Bad")
+        expect(status).to_have_text(re.compile("has changed since the page was loaded"))
+        assert marks.get_by_text("Save marks").is_visible()
+        assert [complaint for complaint in complaints if "409" not in complaint] == []
+        complaints.clear()
+        kept.write_text(kept.read_text().removesuffix("nose,0,1,bad,\n"))
+        tab.evaluate(f"{PLAYER}.marks.takeBack()")
+        expect(status).to_have_text(re.compile("kept in"))
+        graph = tmp_path / "graph.yaml"
+        graph.write_text(
+            "nodegraph: 1\nnodes:\n"
+            f"  take: {{use: read.recording, with: {{path: {file}}}}}\n"
+            f"  marks: {{use: read.marks, with: {{path: {kept.name}}}}}\n"
+            "  clean: {use: recording.apply_marks, in: {recording: take, marks: marks}}\n"
+        )
+        run = ng.run(graph, store=tmp_path / "store")
+        clean = run["clean"].value
+        there = seen(tab, clean.markers)
+    assert take.read_bytes() == content
+    assert np.array_equal(there.origin, clean.origin)
+    assert np.nanmax(np.abs(there.positions - clean.positions)) < 0.01
     run.save(tmp_path / "run")
     report = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
-    assert "6 samples by hand are left out, of 2 markers" in report
+    assert f"{samples[1]} samples by hand: {samples[2]}" in report
