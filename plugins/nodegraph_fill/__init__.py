@@ -15,6 +15,8 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_fill.bilinear import bilinear
     from nodegraph_fill.burke_lasenby import burke_lasenby
     from nodegraph_fill.cubic import cubic
+    from nodegraph_fill.dct import dct
+    from nodegraph_fill.dynammo import dynammo
     from nodegraph_fill.gaussian_process import gaussian_process
     from nodegraph_fill.guenter import guenter
     from nodegraph_fill.kriging import kriging
@@ -38,6 +40,8 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         bilinear,
         burke_lasenby,
         cubic,
+        dct,
+        dynammo,
         gaussian_process,
         guenter,
         kriging,

@@ -85,6 +85,53 @@ def smooth(
                 back[i, k] += change[i, k]
 
 
+@compiled("states", "covariances", "steps")
+def smooth_linear(transition: Floats, states: Floats, covariances: Floats, steps: Floats) -> None:
+    """Write the state in every frame, all frames being known, where it does not walk at random.
+
+    As `smooth`, for the state ``x[t+1] = F x[t] + w``: what is beside the diagonal is -F. With
+    ``J[t] = W[t] F'``, it is ``W[t+1] = inv(D[t+1] - F J[t])`` and ``h[t+1] = i[t+1] + J[t]' h[t]``
+    going forward, and ``x[t] = W[t] h[t] + J[t] x[t+1]`` and ``P[t] = W[t] + J[t] P[t+1] J[t]'``
+    going back.
+
+    Parameters
+    ----------
+    transition : (D, D) array of float64
+        F.
+    states : (T, D) array of float64
+        i; x is written there.
+    covariances : (T, D, D) array of float64
+        The blocks D of the diagonal; P is written there.
+    steps : (D, D) array of float64
+        Zeros; the sum of ``J[t] P[t+1]``, the covariances of x[t] and x[t+1], is written there.
+    """
+    frames, size = states.shape
+    back, line, square = np.empty_like(covariances), np.empty(size), np.empty((size, size))
+    for t in range(frames):
+        block = covariances[t]
+        if t > 0:
+            np.dot(states[t - 1], back[t - 1], line)
+            np.dot(transition, back[t - 1], square)
+            for i in range(size):
+                states[t, i] += line[i]
+                for k in range(size):
+                    block[i, k] -= square[i, k]
+        _invert(block)
+        np.dot(block, transition.T, back[t])
+    for t in range(frames - 1, -1, -1):
+        block = covariances[t]
+        np.dot(block, states[t].copy(), states[t])
+        if t < frames - 1:
+            np.dot(back[t], states[t + 1], line)
+            np.dot(back[t], covariances[t + 1], square)
+            change = np.dot(square, back[t].T)
+            for i in range(size):
+                states[t, i] += line[i]
+                for k in range(size):
+                    steps[i, k] += square[i, k]
+                    block[i, k] += change[i, k]
+
+
 @compiled()
 def information(missing: Flags, basis: Floats, weighted: Floats, total: Floats) -> Floats:
     """Return I of a frame, the sum over the coordinates that it has, from that over all."""

@@ -43,25 +43,10 @@ class StateSpace:
     drift: NDArray[np.float64]
 
     def estimate(self, matrix: TakeMatrix, gaps: Gaps, *, with_sigma: bool) -> Estimate:
-        """Return the mean of every sample, and its deviation, all present ones being known.
-
-        The estimates beside the gaps leave out what is missing in them.
-        """
+        """Return the mean of every sample, and its deviation, all present ones being known."""
         rows = np.where(matrix.missing, 0.0, matrix.rows - self.middle)
-        states, covariances = self._smoothed(rows, matrix.missing)
-
-        def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-            hidden = matrix.hidden_ends(gaps)
-            at, there = hidden.frame, states[hidden.frame]
-            lacking = hidden.missing & ~matrix.missing[at]
-            for row, lost, state, covariance in zip(
-                rows[at], lacking, there, covariances[at], strict=True
-            ):
-                self._forget(row, lost, state, covariance)
-            return hidden.of_gaps(self._positions(matrix, there))
-
-        sigma = self._sigma(matrix, gaps, covariances) if with_sigma else None
-        return Estimate(self._positions(matrix, states), sigma, beside)
+        states = States(self.middle, self._basis, self.noise, *self._smoothed(rows, matrix.missing))
+        return states.estimate(matrix, gaps, with_sigma=with_sigma)
 
     def _smoothed(
         self, rows: NDArray[np.float64], missing: NDArray[np.bool_]
@@ -79,23 +64,6 @@ class StateSpace:
         covariances[0] = np.linalg.solve(identity + start, start) if len(rows) > 1 else start
         kalman_kernel.smooth(missing, basis, weighted, total, states, covariances)
         return states, covariances
-
-    def _forget(
-        self,
-        row: NDArray[np.float64],
-        lost: NDArray[np.bool_],
-        state: NDArray[np.float64],
-        covariance: NDArray[np.float64],
-    ) -> None:
-        """Take some of the coordinates from a state that they were a part of.
-
-        With c their rows of the basis, r their noise and y their values, ``P c' inv(r - c P c')
-        (y - c x)`` is subtracted from x.
-        """
-        some = self._basis[lost]
-        gain = some @ covariance
-        off = row[lost] - some @ state
-        state -= np.linalg.solve(np.diag(self.noise[lost]) - gain @ some.T, off) @ gain
 
     @cached_property
     def _scale(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -115,12 +83,68 @@ class StateSpace:
         vectors, scale = self._scale
         return np.asarray((vectors.T * self.first) @ vectors / np.multiply.outer(scale, scale))
 
-    def _positions(self, matrix: TakeMatrix, states: NDArray[np.float64]) -> NDArray[np.float64]:
-        return matrix.positions(states @ self._basis.T + self.middle)
 
-    def _sigma(
-        self, matrix: TakeMatrix, gaps: Gaps, covariances: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+@dataclass(frozen=True)
+class States:
+    """The states of rows ``middle + C x[t] + v[t]`` as all present samples have them.
+
+    Attributes
+    ----------
+    middle : (P,) array of float64
+    basis : (P, D) array of float64
+        C.
+    noise : (P,) array of float64
+        The variances of v, mm^2, positive.
+    means : (T, D) array of float64
+    covariances : (T, D, D) array of float64
+    """
+
+    middle: NDArray[np.float64]
+    basis: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    means: NDArray[np.float64]
+    covariances: NDArray[np.float64]
+
+    def estimate(self, matrix: TakeMatrix, gaps: Gaps, *, with_sigma: bool) -> Estimate:
+        """Return the mean of every sample of these rows, and its deviation.
+
+        The estimates beside the gaps leave out what is missing in them.
+        """
+
+        def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+            hidden = matrix.hidden_ends(gaps)
+            at, there = hidden.frame, self.means[hidden.frame]
+            rows, lacking = matrix.rows[at] - self.middle, hidden.missing & ~matrix.missing[at]
+            for row, lost, state, covariance in zip(
+                rows, lacking, there, self.covariances[at], strict=True
+            ):
+                self._forget(row, lost, state, covariance)
+            return hidden.of_gaps(self._positions(matrix, there))
+
+        sigma = self._sigma(matrix, gaps) if with_sigma else None
+        return Estimate(self._positions(matrix, self.means), sigma, beside)
+
+    def _forget(
+        self,
+        row: NDArray[np.float64],
+        lost: NDArray[np.bool_],
+        state: NDArray[np.float64],
+        covariance: NDArray[np.float64],
+    ) -> None:
+        """Take some of the coordinates from a state that they were a part of.
+
+        With c their rows of the basis, r their noise and y their values, ``P c' inv(r - c P c')
+        (y - c x)`` is subtracted from x.
+        """
+        some = self.basis[lost]
+        gain = some @ covariance
+        off = row[lost] - some @ state
+        state -= np.linalg.solve(np.diag(self.noise[lost]) - gain @ some.T, off) @ gain
+
+    def _positions(self, matrix: TakeMatrix, states: NDArray[np.float64]) -> NDArray[np.float64]:
+        return matrix.positions(states @ self.basis.T + self.middle)
+
+    def _sigma(self, matrix: TakeMatrix, gaps: Gaps) -> NDArray[np.float64]:
         from nodegraph_fill import kalman_kernel
 
         spread, sigma = (
@@ -128,7 +152,7 @@ class StateSpace:
             np.full((len(matrix.rows), len(matrix.seen)), np.nan),
         )
         row, column = np.nonzero(np.repeat(gaps.mask[:, matrix.seen], 3, axis=1))
-        spread[row, column] = kalman_kernel.spread(row, column, covariances, self._basis)
+        spread[row, column] = kalman_kernel.spread(row, column, self.covariances, self.basis)
         sigma[:, matrix.seen] = np.sqrt(
             (spread + self.noise).reshape(len(sigma), -1, 3).mean(axis=2)
         )

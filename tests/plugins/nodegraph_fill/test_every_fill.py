@@ -18,9 +18,28 @@ from tests.plugins.recordings import make_gappy, make_recording, quietly
 
 FILLS: dict[str, Any] = {fill.__name__: fill for fill in nodegraph_nodes()}
 ALONG_TIME = ("akima", "cubic", "linear", "pattern", "pchip")
-COMPLETE = (*("bilinear", "gaussian_process", "kriging", "ppca", "soft_impute", "subspace_kalman"),)
+COMPLETE = (
+    "bilinear",
+    "dct",
+    "dynammo",
+    "gaussian_process",
+    "kriging",
+    "ppca",
+    "soft_impute",
+    "subspace_kalman",
+)
 """These estimate every sample of a marker that is ever present."""
-MODELS = ("bilinear", "burke_lasenby", "nearest_frames", "pca", "ppca", "ridge", "soft_impute")
+MODELS = (
+    "bilinear",
+    "burke_lasenby",
+    "dct",
+    "dynammo",
+    "nearest_frames",
+    "pca",
+    "ppca",
+    "ridge",
+    "soft_impute",
+)
 
 every = pytest.mark.parametrize("name", FILLS)
 
