@@ -51,7 +51,7 @@ def width(text: str, size: float, *, bold: bool = False, monospace: bool = False
 
 
 CHIP_HEIGHT = 19.0
-_PADDING = 12.0
+INSET = 12.0
 _CHIP_INSET = 8.0
 _CHIP_GAP = 5.0
 _WIDEST_ROW = 196.0
@@ -138,7 +138,7 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
     for style, text in heading:
         y += _LEADING[style]
         hint = clean(text) if shortened(text) != clean(text) else ""
-        texts.append(Text(style, shortened(text), _PADDING, y - 3.0, hint))
+        texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
     chips: list[Chip] = []
     limit = max(inner, _WIDEST_ROW)
     for style, labels in (("alternative", box.alternatives), ("axis", box.axes)):
@@ -148,16 +148,16 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
             wide = width(short, _SIZES["chip"], bold=style == "axis") + 2 * _CHIP_INSET
             if x + wide > limit:
                 x, top = 0.0, top + CHIP_HEIGHT + _CHIP_GAP
-            chips.append(Chip(style, short, _PADDING + x, top, wide, text))
+            chips.append(Chip(style, short, INSET + x, top, wide, text))
             x += wide + _CHIP_GAP
             y = top + CHIP_HEIGHT
-    inner = max([inner, *(chip.x + chip.width - _PADDING for chip in chips)])
+    inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
     rule = y + 7.0
     lows = [rule]
     places: list[dict[str, float]] = []
     for x, sockets, side in (
-        (_PADDING, box.inputs, inputs),
-        (_PADDING + inner, box.outputs, outputs),
+        (INSET, box.inputs, inputs),
+        (INSET + inner, box.outputs, outputs),
     ):
         y = rule
         places.append({})
@@ -170,7 +170,7 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
                 short = shortened(text, _LONGEST[style])
                 texts.append(Text(style, short, x, y - 3.5, hint, at_end=side is outputs))
         lows.append(y)
-    wide, high = inner + 2 * _PADDING, max(lows) + 6.0
+    wide, high = inner + 2 * INSET, max(lows) + 6.0
     return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
 
 

@@ -1,8 +1,8 @@
-"""A checked graph as a picture: only ports that are wired are drawn."""
+"""A checked graph as a picture."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from nodegraph.draw.boxes import shortened
@@ -38,8 +38,8 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
     return svg(folded(picture) if fold else picture)
 
 
-def picture_of(graph: Graph) -> Picture:
-    """Return the picture of a graph.
+def picture_of(graph: Graph, *, every_port: bool = False) -> Picture:
+    """Return the picture of a graph, with the ports that are wired, or with every port.
 
     An axis stands at each node whose settings name it, with its labels at the first of them; an
     axis with one label is not drawn.
@@ -60,6 +60,9 @@ def picture_of(graph: Graph) -> Picture:
             for axis in own
         ]
         said.update(own)
+        if every_port:
+            read |= {(node.name, port.name) for port in node.first.node.outputs}
+            fed |= {(node.name, port.name) for port in _inputs(node)}
         boxes.append(replace(_box(graph, node, read, fed), axes=tuple(axes)))
     return Picture(graph.title, tuple(boxes), tuple(arrows.values()))
 
@@ -122,13 +125,12 @@ def _box(
     graph: Graph, node: GraphNode, read: set[tuple[str, str]], fed: set[tuple[str, str]]
 ) -> Box:
     described = node.first.node
-    ports = {port.name: port for method in node.methods.values() for port in method.node.inputs}
     inputs = [
-        replace(_socket(port), gathers=_received(graph, node, node.first.inputs.get(port.name)))
-        for port in ports.values()
+        replace(socket_of(port), gathers=_received(graph, node, node.first.inputs.get(port.name)))
+        for port in _inputs(node)
         if (node.name, port.name) in fed
     ]
-    outputs = [_socket(port) for port in described.outputs if (node.name, port.name) in read]
+    outputs = [socket_of(port) for port in described.outputs if (node.name, port.name) in read]
     labels = list(node.methods) if node.has_alternatives else []
     more = [f"and {len(labels) - _MOST_METHODS} more"] if len(labels) > _MOST_METHODS else []
     return Box(
@@ -139,6 +141,12 @@ def _box(
         alternatives=(*labels[:_MOST_METHODS], *more),
         kind=_kind(graph, node),
     )
+
+
+def _inputs(node: GraphNode) -> Collection[Port]:
+    """Return the ports of a node's methods."""
+    ports = {port.name: port for method in node.methods.values() for port in method.node.inputs}
+    return ports.values()
 
 
 def _own_axes(graph: Graph, node: GraphNode) -> tuple[str, ...]:
@@ -153,8 +161,9 @@ def _kind(graph: Graph, node: GraphNode) -> Kind:
     return "node" if any(method.inputs for method in node.methods.values()) else "input"
 
 
-def _socket(port: Port) -> Socket:
-    return Socket(port.name, str(port).partition(": ")[2])
+def socket_of(port: Port) -> Socket:
+    """Return a port as it is drawn."""
+    return Socket(port.name, port.kind)
 
 
 def _is_truth(node: GraphNode, output: str) -> bool:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from nodegraph.draw.from_graph import socket_of
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
-from nodegraph.errors import UnknownNodeError
+from nodegraph.errors import Problems, UnknownNodeError
+from nodegraph.graph.used_graphs import UsedGraphs
 from nodegraph.graphfile.spec import GraphSpec, NodeSpec, Reference
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registry
@@ -14,9 +16,10 @@ from nodegraph.plugin.registry import Registry
 def picture_of_spec(spec: GraphSpec, registry: Registry) -> Picture:
     """Return the picture of a spec: its nodes, and the arrows between nodes that are there.
 
-    Ports that must be fed are drawn, too. Axes and what an arrow carries only a valid graph has.
+    Every port is drawn. Axes and what an arrow carries only a valid graph has.
     """
-    used = {name: _installed(node, registry) for name, node in spec.nodes.items()}
+    graphs = UsedGraphs(spec.graphs, registry, Problems()).nodes(spec)
+    used = {name: _installed(node, registry, graphs) for name, node in spec.nodes.items()}
     arrows: dict[Arrow, None] = {}
     for name, node in spec.nodes.items():
         for port, reference in _feeds(node):
@@ -30,9 +33,11 @@ def picture_of_spec(spec: GraphSpec, registry: Registry) -> Picture:
     return Picture(spec.title or spec.file, tuple(boxes), tuple(arrows))
 
 
-def _installed(node: NodeSpec, registry: Registry) -> Node | None:
-    """Return the first of a node's methods that is installed."""
+def _installed(node: NodeSpec, registry: Registry, graphs: Mapping[str, Node]) -> Node | None:
+    """Return the first of a node's methods that is installed, or a graph file."""
     for method in node.methods:
+        if method.use in graphs:
+            return graphs[method.use]
         family = registry.family(method.use[:-2]) if method.use.endswith(".*") else {}
         try:
             registered = next(iter(family.values()), None) or registry.find(method.use)
@@ -53,7 +58,8 @@ def _feeds(node: NodeSpec) -> Iterator[tuple[str, Reference]]:
 def _arrow(used: dict[str, Node | None], name: str, port: str, source: Reference) -> Arrow:
     target, origin = used[name], used[source.node]
     first_input = target.inputs[0].name if target and target.inputs else "input"
-    output = source.port or (origin.outputs[0].name if origin else "output")
+    outputs = origin.outputs if origin else ()
+    output = source.port or (outputs[0].name if outputs else "output")
     known = origin.output(output) if origin else None
     truth = known is not None and known.truth
     return Arrow(source.node, output, name, port or first_input, truth=truth)
@@ -62,14 +68,17 @@ def _arrow(used: dict[str, Node | None], name: str, port: str, source: Reference
 def _box(
     spec: GraphSpec, node: NodeSpec, used: Node | None, fed: list[str], read: list[str]
 ) -> Box:
-    required = [port.name for port in used.inputs if not port.optional] if used else []
+    inputs = {port.name: socket_of(port) for port in used.inputs} if used else {}
+    outputs = {port.name: socket_of(port) for port in used.outputs} if used else {}
+    inputs |= {name: Socket(name) for name in fed if name not in inputs}
+    outputs |= {name: Socket(name) for name in read if name not in outputs}
     uses = tuple(method.label or method.use for method in node.methods)
     is_reported = any(entry.node == node.name for entry in spec.report)
     return Box(
         node.name,
         lines=() if node.has_alternatives else uses,
-        inputs=tuple(Socket(port) for port in dict.fromkeys([*required, *fed])),
-        outputs=tuple(Socket(port) for port in dict.fromkeys(read)),
+        inputs=tuple(inputs.values()),
+        outputs=tuple(outputs.values()),
         alternatives=uses if node.has_alternatives else (),
-        kind="report" if is_reported else "node" if required or fed else "input",
+        kind="report" if is_reported else "node" if inputs else "input",
     )

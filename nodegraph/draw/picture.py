@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 Kind = Literal["node", "input", "report"]
+
+_AROUND = re.compile(r"(Truth|Across)\[|\]| \| None$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,16 @@ class Socket:
 
     def __str__(self) -> str:
         return f"{self.name}: {self.type}" if self.type else self.name
+
+    @property
+    def value(self) -> str:
+        """The type of one value: of ``Truth[Across[Table]]``, ``Table``."""
+        return _AROUND.sub("", self.type)
+
+    @property
+    def truth(self) -> bool:
+        """Whether the value is the truth."""
+        return self.type.startswith("Truth[")
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.resources import files
 from itertools import pairwise
 
-from nodegraph.draw.boxes import CHIP_HEIGHT, Chip, Shape, Text, escaped, shortened, width
+from nodegraph.draw.boxes import CHIP_HEIGHT, INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Picture
@@ -40,6 +40,8 @@ _LOOK = {
     "chip axis text": 'font-size="11" font-weight="600" fill="#0b63c4"',
     "legend": 'font-size="11" fill="#5b6675"',
 }
+_COLOURS = ("#5b6675", "#00756b", "#8430b0", "#b8225f", "#3d7a1f", "#2f5fd0", "#7d6200")
+"""Of sockets: of types that have no mark of their own, then of those that have one."""
 """Sizes, and light colours for programs that do not read `picture.css`."""
 
 
@@ -83,41 +85,96 @@ def head(x: float, y: float, *, truth: bool, gathers: bool) -> str:
     )
 
 
-def legend(picture: Picture, top: float) -> tuple[str, float, float]:
-    """Return the legend, how far to the right it reaches, and how far down."""
-    entries = []
+def _marks(picture: Picture) -> dict[str, int]:
+    """Return the mark of each type, in the order in which the boxes have them; 0 for any other."""
+    sockets = (socket for box in picture.boxes for socket in (*box.inputs, *box.outputs))
+    types = dict.fromkeys(socket.value for socket in sockets if socket.type)
+    return {name: mark if mark < len(_COLOURS) else 0 for mark, name in enumerate(types, 1)}
+
+
+def _socket(mark: int, x: float, y: float, *, truth: bool, port: str = "") -> str:
+    """Return a mark whose shape and colour tell a type; it is hollow for the truth."""
+    wide = f'stroke="{_COLOURS[mark]}" stroke-width="1.6"'
+    look = f'fill="#ffffff" {wide}' if truth else f'fill="{_COLOURS[mark]}"'
+    begin = f'class="socket type-{mark}{" truth" * truth}"{port} {look}'
+    if mark < 3:
+        half = (2.6, 3.7, 3.3)[mark]
+        place = f'x="{number(x - half)}" y="{number(y - half)}"'
+        size = f'width="{number(2 * half)}" height="{number(2 * half)}"'
+        round_by = f' rx="{number(half)}"' if mark == 1 else ""
+        return f"<rect {begin} {place} {size}{round_by}/>"
+    corners = [(x + right, y + down) for right, down in _CORNERS[mark]]
+    return f'<path {begin} d="M{"L".join(map(_pair, corners))}Z"/>'
+
+
+_CORNERS: Mapping[int, Sequence[Point]] = {
+    3: [(0, -4.6), (4.6, 0), (0, 4.6), (-4.6, 0)],
+    4: [(-3.4, -4.2), (4.4, 0), (-3.4, 4.2)],
+    5: [(-4.3, -3.4), (4.3, -3.4), (0, 4.4)],
+    6: [(-1.8, -4.2), (1.8, -4.2), (4.4, 0), (1.8, 4.2), (-1.8, 4.2), (-4.4, 0)],
+}
+"""Of a diamond, triangles to the right and down, and a hexagon; before them stand a small square,
+a circle and a square."""
+
+
+_Samples = list[tuple[str, str]]
+"""What is drawn in the legend, each with its meaning."""
+
+
+def _styles(picture: Picture) -> _Samples:
+    """Return samples of arrows, chips and frames that the picture has."""
+    samples = []
     for kind in ("truth", "gathers"):
         if any(getattr(arrow, kind) for arrow in picture.arrows):
             look = _LOOK[f"wire {kind}"]
             path = f'<path class="wire" {look} d="M0 0L30 0"/>'
-            entries.append((f'<g class="{kind}">{path}</g>', kind))
+            samples.append((f'<g class="{kind}">{path}</g>', kind))
     for style, shown, radius in (("alternative", "alternatives", 5), ("axis", "axes", 7)):
         if any(getattr(box, shown) for box in picture.boxes):
             look = _LOOK[f"chip {style}"]
             rect = f'<rect {look} x="2" y="-7" width="26" height="14" rx="{radius}"/>'
-            entries.append((f'<g class="chip {style}">{rect}</g>', shown))
+            samples.append((f'<g class="chip {style}">{rect}</g>', shown))
     for kind, text, radius in (("input", "reads data", 7), ("report", "in the report", 3)):
         if any(box.kind == kind for box in picture.boxes):
             place = f'x="2" y="-7" width="26" height="14" rx="{radius}"'
             rect = f'<rect class="frame" {_LOOK[f"frame {kind}"]} {place}/>'
-            entries.append((f'<g class="box-{kind}">{rect}</g>', text))
-    if not entries:
+            samples.append((f'<g class="box-{kind}">{rect}</g>', text))
+    return samples
+
+
+def _types(picture: Picture, marks: Mapping[str, int]) -> _Samples:
+    """Return samples of sockets."""
+    samples = [(_socket(mark, 22, 0, truth=False), name) for name, mark in marks.items() if mark]
+    if 0 in marks.values():
+        samples.append((_socket(0, 22, 0, truth=False), "other types"))
+    sockets = (socket for box in picture.boxes for socket in (*box.inputs, *box.outputs))
+    if marks and any(socket.truth for socket in sockets):
+        samples.append((_socket(1, 22, 0, truth=True), "hollow: the truth"))
+    return samples
+
+
+def _legend(rows: Iterable[_Samples], top: float) -> tuple[str, float, float]:
+    """Return the legend, how far to the right it reaches, and how far down."""
+    parts = []
+    reach, y = 0.0, top + 12.0
+    for row in filter(None, rows):
+        x = 0.0
+        for sample, text in row:
+            parts.append(f'<g transform="translate({number(x)} {number(y)})">{sample}</g>')
+            place = f'x="{number(x + 37)}" y="{number(y + 4)}"'
+            parts.append(f"<text {_LOOK['legend']} {place}>{escaped(text)}</text>")
+            x += 55.0 + width(text, 11.0)
+        reach, y = max(reach, x - 18.0), y + 22.0
+    if not parts:
         return "", 0.0, top - 18.0
-    x, y = 0.0, top + 12.0
-    parts = ['<g class="legend">']
-    for sample, text in entries:
-        parts.append(f'<g transform="translate({number(x)} {number(y)})">{sample}</g>')
-        place = f'x="{number(x + 37)}" y="{number(y + 4)}"'
-        parts.append(f"<text {_LOOK['legend']} {place}>{text}</text>")
-        x += 55.0 + width(text, 11.0)
-    return "".join([*parts, "</g>"]), x - 18.0, top + 20.0
+    return f'<g class="legend">{"".join(parts)}</g>', reach, y - 14.0
 
 
 _MARGIN = 16.0
 _SMALLEST_SCALE = 0.6
 
 
-def svg(picture: Picture) -> str:
+def svg(picture: Picture, *, sockets: bool = False) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
@@ -126,6 +183,12 @@ def svg(picture: Picture) -> str:
     hover. Colours follow the reader's light or dark scheme; a page sets ``--picture-paper`` and
     ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
+
+    Parameters
+    ----------
+    picture
+    sockets
+        Whether every port has a mark whose shape and colour tell its type, with a legend.
 
     Raises
     ------
@@ -137,8 +200,10 @@ def svg(picture: Picture) -> str:
         _arrow(arrow, points) for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
     ]
     frames = [_frame(*frame) for frame in drawing.frames]
-    boxes = [_box(shape, x, y) for shape, (x, y) in drawing.boxes]
-    explained, wide, high = legend(picture, drawing.height + 18.0)
+    marks = _marks(picture) if sockets else {}
+    boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
+    rows = _styles(picture), _types(picture, marks)
+    explained, wide, high = _legend(rows, drawing.height + 18.0)
     return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 
 
@@ -194,7 +259,7 @@ def _ends(arrow: Arrow) -> str:
     return f"{arrow.source}.{arrow.source_port} {arrow.target}.{arrow.target_port}"
 
 
-def _box(shape: Shape, x: float, y: float) -> str:
+def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
     kind = shape.box.kind
     radius = 18 if kind == "input" else 9
     look = _LOOK["frame" if kind == "node" else f"frame {kind}"]
@@ -211,7 +276,20 @@ def _box(shape: Shape, x: float, y: float) -> str:
             f' y1="{number(shape.rule)}" y2="{number(shape.rule)}"/>'
         )
     parts += [_text(text) for text in shape.texts] + [_chip(chip) for chip in shape.chips]
+    if marks:
+        parts += _sockets(shape, marks)
     return "".join([*parts, "</g>"])
+
+
+def _sockets(shape: Shape, marks: Mapping[str, int]) -> Iterator[str]:
+    for side, sockets, heights, x in (
+        ("input", shape.box.inputs, shape.inputs, INSET / 2 - 0.6),
+        ("output", shape.box.outputs, shape.outputs, shape.width - INSET / 2 - 0.6),
+    ):
+        for socket in sockets:
+            port = f' data-{side}="{escaped(socket.name)}"'
+            mark = marks.get(socket.value, 0)
+            yield _socket(mark, x, heights[socket.name], truth=socket.truth, port=port)
 
 
 def _text(text: Text) -> str:

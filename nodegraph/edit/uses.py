@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from enum import Enum, auto
 from typing import Any, NamedTuple
@@ -85,8 +85,13 @@ def uses(data: dict[str, Any], registry: Registry) -> Iterator[Use]:
         yield from _node(("nodes", name), mapping(node), registry)
 
 
-def nodes_of(entry: object, registry: Registry) -> Iterator[Node]:
-    """Yield the installed nodes that an entry of ``nodes``, or one of its alternatives, uses."""
+def nodes_of(
+    entry: object, registry: Registry, graphs: Mapping[str, Node] | None = None
+) -> Iterator[Node]:
+    """Yield the nodes that an entry of ``nodes``, or one of its alternatives, uses.
+
+    These are installed, or stand for graph files, by what ``use`` names.
+    """
     if isinstance(entry, str):
         entry = {"alternatives" if entry.endswith(".*") else "use": entry}
     alternatives = mapping(entry).get("alternatives")
@@ -94,10 +99,13 @@ def nodes_of(entry: object, registry: Registry) -> Iterator[Node]:
         for each in registry.family(alternatives.removesuffix(".*")).values():
             yield each.node
     for label, method in mapping(alternatives).items():
-        yield from nodes_of(method if mapping(method).get("use") else label, registry)
-    for use in (mapping(entry).get("use"), *_list(alternatives)):
+        yield from nodes_of(method if mapping(method).get("use") else label, registry, graphs)
+    for use in map(str, (mapping(entry).get("use"), *_list(alternatives))):
+        if graphs is not None and use in graphs:
+            yield graphs[use]
+            continue
         with suppress(UnknownNodeError):
-            yield registry.find(str(use)).node
+            yield registry.find(use).node
 
 
 def _node(path: Path, node: dict[str, Any], registry: Registry) -> Iterator[Use]:

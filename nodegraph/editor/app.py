@@ -21,6 +21,7 @@ from nodegraph.editor.checking import Checking
 from nodegraph.editor.completion import about, options_at
 from nodegraph.editor.edits import Edits
 from nodegraph.editor.file import MOST_BYTES, EditedFile
+from nodegraph.editor.links import Links
 from nodegraph.editor.panel import axes_of, installed, panel_of
 from nodegraph.editor.running import Running
 from nodegraph.editor.view import Places, problems_of_files, unchecked_view_of, view_of
@@ -36,7 +37,7 @@ MOST_BODY = 6 * MOST_BYTES + 1000
 
 _NOT_UNDERSTOOD = (ValueError, LookupError, TypeError, OverflowError, RecursionError)
 """What reading the body of a request raises."""
-_SCRIPTS = ("text", "picture", "editor", "panel", "run")
+_SCRIPTS = ("text", "picture", "editor", "panel", "links", "run")
 _TEMPLATES = "nodegraph.editor"
 
 
@@ -53,6 +54,7 @@ def application(file: EditedFile, registry: Registry, running: Running) -> Starl
             Route("/about", _at_place(page.about), methods=["POST"]),
             Route("/node", _as_data(page.node)),
             Route("/nodes", _as_data(page.nodes)),
+            Route("/targets", _as_data(page.targets)),
             Route("/axes", _as_data(page.axes)),
             Route("/edit", page.edit, methods=["POST"]),
             Route("/preview", _as_data(page.preview)),
@@ -166,11 +168,20 @@ class _Page:
     def node(self, request: Request) -> object:
         """Return what is shown of the node that a request names."""
         name = request.query_params.get("name", "")
-        return panel_of(self._file.text, name, self._registry, self._file.path.name)
+        return panel_of(self._file.text, name, self._registry, self._file.path)
 
     def nodes(self, request: Request) -> object:
-        """Return the nodes that can be added."""
-        return installed(self._registry)
+        """Return the nodes that can be added; with a source, those that it can feed."""
+        source = request.query_params.get("source", "")
+        return installed(self._registry, self._links() if source else None, source)
+
+    def targets(self, request: Request) -> object:
+        """Return the ports that an output of the picture fits, and why it does not fit others."""
+        box, port = (request.query_params.get(name, "") for name in ("box", "port"))
+        return self._links().targets(box, port)
+
+    def _links(self) -> Links:
+        return Links(self._file.text, self._file.path, self._registry)
 
     def axes(self, request: Request) -> object:
         """Return the axes of the graph."""

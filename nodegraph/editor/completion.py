@@ -181,7 +181,7 @@ class _Options:
             yield Option(name, "node", said)
             outputs = used[0].node.outputs if used else ()
             for port in outputs if len(outputs) > 1 else ():
-                yield Option(f"{name}.{port.name}", str(port).partition(": ")[2], said)
+                yield Option(f"{name}.{port.name}", port.kind, said)
 
 
 def words_of(schema: Mapping[str, Any]) -> list[str]:

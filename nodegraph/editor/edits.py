@@ -5,16 +5,16 @@ from __future__ import annotations
 import inspect
 import pathlib
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from nodegraph import edit
 from nodegraph.edit.document import Document, Path, value_at
-from nodegraph.edit.uses import nodes_of
+from nodegraph.editor.links import Links
 from nodegraph.errors import GraphError, NodegraphError, nearest
 from nodegraph.execute.option_text import read_axis, read_value
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.nodes import label_of
-from nodegraph.node.ports import mismatch
 from nodegraph.plugin.registry import Registry
 
 _KEYS = (str, int, float, bool)
@@ -34,6 +34,7 @@ class Edits:
 
     def __init__(self, registry: Registry, path: pathlib.Path) -> None:
         self._registry = registry
+        self._path = path
         self._folder = path.parent
         self._file = path.name
 
@@ -76,14 +77,16 @@ class Edits:
         return edit.set_value(text, path, read_value(str(path[-1]), value), file=self._file)
 
     def _add_node(self, text: str, *, name: str, use: str, after: str) -> str:
-        """Add a node, and feed its first port from another if that fits."""
+        """Add a node behind another, which feeds it if it fits, or by one of its outputs."""
         entry: dict[str, object] = {"use": use}
-        if after and (source := self._fitting(text, use, after)):
-            entry["in"] = source
+        with suppress(GraphError):  # the text is not YAML, which the edit will say
+            if feed := Links(text, self._path, self._registry).fitting(use, after):
+                entry["in"] = feed
         if not text.strip("\ufeff \r\n"):
             text = f"nodegraph: {FORMAT}\nnodes:\n  {name}: {{}}\n"
             return edit.set_value(text, ("nodes", name), entry, file=self._file)
-        return edit.add_node(text, name, entry, after=after, file=self._file)
+        behind = after.partition(".")[0]
+        return edit.add_node(text, name, entry, after=behind, file=self._file)
 
     def _remove_node(self, text: str, *, name: str) -> str:
         return edit.remove_node(text, name, registry=self._registry, file=self._file)
@@ -128,22 +131,6 @@ class Edits:
         with target.open("x", encoding="utf-8", newline="") as file:
             file.write(inner)
         return text
-
-    def _fitting(self, text: str, use: str, source: str) -> str:
-        """Return the first output of a node that fits the first port of a method, if any does."""
-        try:
-            entry = value_at(Document(text, self._file).data, ("nodes", source))
-        except GraphError:
-            return ""
-        node = next(nodes_of(entry, self._registry), None)
-        target = next(nodes_of(use, self._registry), None)
-        if node is None or target is None or not target.inputs:
-            return ""
-        port = target.inputs[0]
-        for output in node.outputs:
-            if not mismatch(output, port):
-                return f"{source}.{output.name}" if len(node.outputs) > 1 else source
-        return ""
 
 
 def _is_path(value: object) -> bool:

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterator
+from pathlib import Path
 
 from nodegraph.edit.document import Document, flow, value_at
-from nodegraph.edit.uses import Kind, mapping, nodes_of, uses
+from nodegraph.edit.uses import mapping
 from nodegraph.editor.completion import is_closed, words_of
-from nodegraph.errors import nearest, quoted
+from nodegraph.editor.links import Data, Links
 from nodegraph.graphfile.nodes import label_of
 from nodegraph.graphfile.schema import about_node, names_of
 from nodegraph.graphfile.settings_schema import settings_schema
 from nodegraph.node.decorator import Node
 from nodegraph.node.description import meanings
-from nodegraph.node.ports import Port, mismatch
 from nodegraph.plugin.registry import Registry
-
-Data = dict[str, Any]
 
 
 def axes_of(text: str, file: str) -> list[Data]:
@@ -33,16 +29,19 @@ def axes_of(text: str, file: str) -> list[Data]:
     return [{"name": str(name), "labels": flow(labels)} for name, labels in axes.items()]
 
 
-def installed(registry: Registry) -> list[Data]:
-    """Return the nodes that can be added, each with what is said of it."""
+def installed(registry: Registry, links: Links | None = None, source: str = "") -> list[Data]:
+    """Return the nodes that can be added, each with what is said of it.
+
+    Of those, with a source, only the ones that it can feed.
+    """
     return [
         {"use": name, "about": about_node(registered)}
         for registered, (name, *_) in names_of(registry).items()
-        if not registered.node.deprecated
+        if not registered.node.deprecated and (links is None or links.fitting(name, source))
     ]
 
 
-def panel_of(text: str, name: str, registry: Registry, file: str) -> Data:
+def panel_of(text: str, name: str, registry: Registry, path: Path) -> Data:
     """Return what is shown of a node.
 
     Parameters
@@ -50,31 +49,25 @@ def panel_of(text: str, name: str, registry: Registry, file: str) -> Data:
     text
     name
     registry
-    file
-        The name of the file in messages.
+    path
+        Of the file.
 
     Raises
     ------
     GraphError
         If the text is not YAML, or has no such node.
     """
-    document = Document(text, file)
-    nodes = mapping(mapping(document.data).get("nodes"))
-    if name not in nodes:
-        raise document.error(0, f"no node {quoted(name)}", nearest(name, nodes))
-    return _Panel(document, nodes, name, registry).data()
+    return _Panel(Links(text, path, registry), name, registry).data()
 
 
 class _Panel:
-    def __init__(
-        self, document: Document, nodes: Mapping[Any, Any], name: str, registry: Registry
-    ) -> None:
-        self._nodes = nodes
+    def __init__(self, links: Links, name: str, registry: Registry) -> None:
+        self._links = links
         self._name = name
         self._registry = registry
-        self._entry = mapping(nodes[name])
-        self._used = list(nodes_of(nodes[name], registry))
-        self._data = document.data
+        self._entry = mapping(links.entry(name))
+        self._used = links.of(links.entry(name))
+        self._data = links.document.data
 
     def data(self) -> Data:
         alternatives = self._entry.get("alternatives")
@@ -91,7 +84,7 @@ class _Panel:
         path = ["nodes", self._name]
         alternatives = self._entry.get("alternatives")
         for label, method in mapping(alternatives).items():
-            used = list(nodes_of(method if mapping(method).get("use") else label, self._registry))
+            used = self._links.of(method if mapping(method).get("use") else label)
             yield self._section(str(label), [*path, "alternatives", label], used[:1])
         if alternatives is None:
             yield self._section("", path, self._used[:1])
@@ -108,17 +101,27 @@ class _Panel:
         }
         written = mapping(value_at(self._data, (*path, "with")))
         known = [*mapping(self._data.get("axes")), *mapping(self._data.get("inputs"))]
+        forms = {
+            name: {
+                "about": str(schema["description"]),
+                "words": words_of(schema),
+                "is_closed": is_closed(schema),
+            }
+            for name, schema in common.items()
+        } | {
+            name: {"about": f"Default: {flow(value)}.", "words": [], "is_closed": False}
+            for node in used[:1]
+            for name, value in self._links.defaults.get(node.name, {}).items()
+        }
         settings = [
             {
                 "name": name,
                 "path": [*path, "with", name],
-                "about": str(schema["description"]),
                 "value": flow(written[name]) if name in written else "",
-                "words": words_of(schema),
-                "is_closed": is_closed(schema),
                 "variables": [f"${each}" for each in known],
+                **form,
             }
-            for name, schema in common.items()
+            for name, form in forms.items()
         ]
         about = [used[0].name, used[0].summary] if len(used) == 1 else []
         return {
@@ -131,53 +134,17 @@ class _Panel:
     def _ports(self) -> Iterator[Data]:
         """Yield the ports, each with what feeds it, and what could."""
         wiring = self._entry.get("in")
-        ports: dict[str, tuple[Port, Node]] = {}
-        for node in self._used:
-            for port in node.inputs:
-                ports.setdefault(port.name, (port, node))
-        after = self._after()
-        for place, (name, (port, node)) in enumerate(ports.items()):
+        for place, (name, (port, node)) in enumerate(self._links.ports(self._name).items()):
             is_named = isinstance(wiring, dict) and "from" not in wiring
             feed = mapping(wiring).get(name) if is_named else wiring if place == 0 else None
-            target = replace(port, truth=True) if node.damages and not port.truth else port
             yield {
                 "name": name,
-                "type": str(port).partition(": ")[2],
+                "type": port.kind,
                 "about": meanings(node).get(name, ""),
                 "is_optional": port.optional,
                 "feed": "" if feed is None else feed if isinstance(feed, str) else flow(feed),
-                "sources": list(self._sources(target, after)),
+                "sources": list(self._links.sources(self._name, name)),
             }
-
-    def _sources(self, port: Port, after: set[str]) -> Iterator[Data]:
-        """Yield the outputs of all other nodes, each with why it does not fit, if it does not."""
-        for name, entry in self._nodes.items():
-            if name == self._name:
-                continue
-            node = next(nodes_of(entry, self._registry), None)
-            outputs = node.outputs if node else ()
-            reason = f"{name} reads {self._name}" if name in after else ""
-            if not outputs:
-                yield {"source": name, "type": "", "reason": reason}
-            for output in outputs:
-                yield {
-                    "source": f"{name}.{output.name}" if len(outputs) > 1 else name,
-                    "type": str(output).partition(": ")[2],
-                    "reason": reason or mismatch(output, port) or "",
-                }
-
-    def _after(self) -> set[str]:
-        """Return the nodes that read this, directly or not."""
-        readers: dict[str, set[str]] = {}
-        for use in uses(self._data, self._registry):
-            if use.kind is Kind.SOURCE and use.path[0] == "nodes":
-                readers.setdefault(use.name, set()).add(str(use.path[1]))
-        pending, after = [self._name], set[str]()
-        while pending:
-            new = readers.get(pending.pop(), set()) - after
-            after |= new
-            pending += new
-        return after
 
     def _rivals(self) -> list[Data]:
         """Return the other methods of the family, each with why it cannot stand beside these."""

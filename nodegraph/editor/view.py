@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from nodegraph.draw import svg
-from nodegraph.draw.from_graph import MOST_ON_A_PAGE, drawing_for_page
+from nodegraph.draw import Picture, svg
+from nodegraph.draw.from_graph import picture_of
 from nodegraph.draw.from_spec import picture_of_spec
 from nodegraph.editor.outline import Span, outline_of
 from nodegraph.errors import GraphError, Place, Problem, Problems, one_line
@@ -21,6 +21,7 @@ from nodegraph.graphfile import GraphSpec, read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
 
+_MOST_BOXES = 500
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 
 
@@ -71,7 +72,7 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
     except GraphError as error:
         problems = places.problems(error.problems, is_error=True)
         reason = f"{number_of(len(problems), 'mistake')}: drawn as far as the text can be read"
-        drawing = _drawn(spec, registry) if spec else ""
+        drawing = _drawn_spec(spec, registry) if spec else ""
         if not drawing:
             reason = f"{number_of(len(problems), 'mistake')}: the picture is that of before"
         lines = {
@@ -84,7 +85,7 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
         message = f"internal error; please report it: {type(error).__name__}: {error}"
         problem = Problem(Place(path.name), message)
         return View(None, places.problems([problem], is_error=True), "", message, nodes)
-    drawing = drawing_for_page(graph, fold=False)
+    drawing = _drawn(picture_of(graph, every_port=True))
     reason = "" if drawing else f"too many nodes to draw: {len(graph.nodes):,}"
     return View(graph, places.problems(graph.notices, is_error=False), drawing, reason, nodes)
 
@@ -98,12 +99,15 @@ def unchecked_view_of(text: str) -> View:
     return View(None, [], "", reason, outline_of(text).nodes())
 
 
-def _drawn(spec: GraphSpec, registry: Registry) -> str:
+def _drawn(picture: Picture) -> str:
+    """Return a picture as SVG; empty if it is too large for a page."""
+    return svg(picture, sockets=True) if len(picture.boxes) <= _MOST_BOXES else ""
+
+
+def _drawn_spec(spec: GraphSpec, registry: Registry) -> str:
     """Return the picture of a graph with mistakes; empty if it goes in circles, or is too large."""
-    if len(spec.nodes) > MOST_ON_A_PAGE:
-        return ""
     try:
-        return svg(picture_of_spec(spec, registry))
+        return _drawn(picture_of_spec(spec, registry))
     except ValueError:
         return ""
 

@@ -97,6 +97,14 @@ def graph_stand_in(
     return PassThrough(use, _identity, (), outputs, outputs, inputs, output_names, title)
 
 
+def graph_as_node(
+    use: str, title: str, inputs: tuple[Port, ...], outputs: tuple[Port, ...]
+) -> PassThrough:
+    """Return a graph file as a node with its own ports, for what shows it."""
+    names = tuple(port.name for port in outputs)
+    return PassThrough(use, _identity, (), inputs, outputs, inputs, names, title)
+
+
 def port_stand_in(port: Port) -> PassThrough:
     """Return the node that stands for a port of a graph file while the file is checked alone."""
     return PassThrough(port.type.__name__, _identity, (), (), (Port("value", port.type),))

@@ -16,8 +16,10 @@ from nodegraph.errors import Problems, quoted
 from nodegraph.graph.assembly import Assembler
 from nodegraph.graph.flatten import FlatGraph, flatten
 from nodegraph.graph.model import Choices
+from nodegraph.graph.pass_through import graph_as_node
 from nodegraph.graph.subgraph import Subgraph, invalid_subgraph, subgraph_of
 from nodegraph.graphfile.spec import GraphSpec
+from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Port
 from nodegraph.plugin.registry import Registry
 
@@ -40,6 +42,16 @@ class UsedGraphs:
         self._registry = registry
         self._problems = problems
         self._checked: dict[Path, Subgraph] = {}
+
+    def nodes(self, spec: GraphSpec) -> dict[str, Node]:
+        """Return the graph files that a graph uses as nodes, by what ``use`` names."""
+        used = {name: self._subgraph(path) for name, path in spec.uses.items()}
+        return {
+            name: graph_as_node(
+                name, graph.spec.title, tuple(graph.inputs.values()), tuple(graph.outputs.values())
+            )
+            for name, graph in used.items()
+        }
 
     def flat(self, spec: GraphSpec, problems: Problems) -> FlatGraph:
         """Return a graph in which the graphs that it uses are inlined."""

@@ -203,11 +203,16 @@ class Port:
     optional: bool = False
     columns: tuple[str, ...] = ()
 
-    def __str__(self) -> str:
+    @property
+    def kind(self) -> str:
+        """What it takes or gives, as in a signature: ``Truth[Trajectories] | None``."""
         text = self.type.__name__
         text = f"Across[{text}]" if self.across else text
         text = f"Truth[{text}]" if self.truth else text
-        return f"{self.name}: {text}" + (" | None" if self.optional else "")
+        return text + (" | None" if self.optional else "")
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.kind}"
 
 
 def mismatch(source: Port, target: Port) -> str | None:

@@ -4,7 +4,8 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   const holder = document.getElementById("panel");
   const search = document.getElementById("search");
   let shown = ""; // the node and the revision that the panel shows
-  let all = null;
+  let all = []; // the nodes that can be added
+  let source = ""; // what feeds the one that will be; none for the node in hand
 
   const button = (text, onclick, attributes) => element("button", { type: "button", onclick, ...attributes }, text);
   const edit = async (action, values) => {
@@ -47,7 +48,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     part.settings.map(setting),
     part.settings.length ? null : element("p", { class: "quiet" }, part.is_known
       ? "It has no settings."
-      : "What it uses is a graph file, or is not installed: its ports and settings stand in the text."));
+      : "What it uses is not installed, or cannot be read: its ports and settings stand in the text."));
 
   // ---- what feeds it ----
 
@@ -156,11 +157,14 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     if (!list.value) return;
     search.close();
     const wanted = name.value.trim();
-    if (await edit("add_node", { name: wanted, use: list.value, after: editor.chosen() })) editor.choose(wanted, { scroll: "both" });
+    if (await edit("add_node", { name: wanted, use: list.value, after: source || editor.chosen() })) editor.choose(wanted, { scroll: "both" });
     draw();
   };
-  const open_search = async () => {
-    all ??= await editor.get("/nodes");
+  // Search the nodes that can be added, or those that an output can feed.
+  const open_search = async (output = "") => {
+    source = output;
+    all = await editor.get("/nodes", { source });
+    search.querySelector("h2").textContent = source ? `Add a node that ${source} feeds` : "Add a node";
     words.value = "";
     find();
     search.showModal();
@@ -179,7 +183,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   });
   search.querySelector("#search-add").addEventListener("click", add);
   search.querySelector("#search-cancel").addEventListener("click", () => search.close());
-  document.getElementById("add").addEventListener("click", open_search);
+  document.getElementById("add").addEventListener("click", () => open_search());
   document.getElementById("picture").addEventListener("dblclick", (event) => {
     if (!event.target.closest("[data-box]")) open_search();
   });
@@ -248,4 +252,5 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
 
   editor.on(draw);
   draw();
+  return { open_search };
 });

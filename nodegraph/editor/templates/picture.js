@@ -1,11 +1,18 @@
-// The pane of the picture: cards that can be chosen, by a click or by keys.
+// The pane of the picture: cards that can be chosen, by a click or by keys, and how large they are.
 nodegraph.define("picture", [], () => {
   const STEPS = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 };
+  const SETTLED = 200; // milliseconds without a change of size
+  const [LEAST, MOST] = [0.02, 4];
+  const WHEEL = 0.006; // how much a pixel of the wheel changes the logarithm of the size
+  const START = 4; // pixels by which a drag differs from a click
 
   // A reader hears of the name of a card that is chosen.
   const make = (holder, reader) => {
     let chosen = "";
+    let shown = ""; // the picture as it came
     let scale = 0; // none: as wide as the pane, unless words became too small
+    let drawn = 0; // the scale at which it is drawn while another is shown
+    let settling = 0;
     const boxes = () => [...holder.querySelectorAll("[data-box]")];
     const has = (box, name) => box.dataset.box === name || box.dataset.box.startsWith(`${name}.`);
     const show = () => {
@@ -37,38 +44,93 @@ nodegraph.define("picture", [], () => {
       } else return;
       event.preventDefault();
     });
-    const resize = () => {
+
+    // ---- its size ----
+
+    const width_of = (picture) => Number(picture.getAttribute("width"));
+    const settle = () => {
+      clearTimeout(settling);
       const picture = holder.querySelector("svg");
-      if (picture && scale) picture.style.minWidth = picture.style.maxWidth = `${scale * picture.getAttribute("width")}px`;
+      if (!picture || !scale) return;
+      const { scrollLeft, scrollTop } = holder;
+      drawn = 0;
+      picture.style.transform = picture.style.willChange = "";
+      picture.style.minWidth = picture.style.maxWidth = `${scale * width_of(picture)}px`;
+      holder.scrollTo(scrollLeft, scrollTop);
     };
+    const scale_now = (picture) => picture.getBoundingClientRect().width / width_of(picture);
+    // A picture that changes its size is a layer that is stretched, and is drawn anew once it keeps it:
+    // to lay out all its words at each step would take many frames. A point of the window stays.
+    const zoom_to = (wanted, x, y) => {
+      const picture = holder.querySelector("svg");
+      const width = width_of(picture);
+      const before = picture.getBoundingClientRect();
+      const now = before.width / width;
+      drawn ||= now;
+      scale = Math.max(LEAST, Math.min(wanted, MOST));
+      const style = getComputedStyle(holder);
+      const room = holder.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+      const left = (size) => Math.max(0, (room - size * width) / 2); // it stands in the middle
+      picture.style.willChange = "transform";
+      picture.style.transformOrigin = "0 0";
+      picture.style.transform = `translateX(${left(scale) - left(drawn)}px) scale(${scale / drawn})`;
+      const after = picture.getBoundingClientRect();
+      const move = (from, to, point) => to + (point - from) * scale / now - point;
+      holder.scrollBy(move(before.left, after.left, x), move(before.top, after.top, y));
+      clearTimeout(settling);
+      settling = setTimeout(settle, SETTLED);
+    };
+    holder.addEventListener("wheel", (event) => {
+      const picture = holder.querySelector("svg");
+      if (!picture || !(event.ctrlKey || event.metaKey)) return;
+      event.preventDefault();
+      const pixels = event.deltaY * (event.deltaMode ? 16 : 1);
+      zoom_to(scale_now(picture) * Math.exp(-WHEEL * Math.max(-50, Math.min(pixels, 50))), event.clientX, event.clientY);
+    }, { passive: false });
+
+    // ---- the part of it that is in view, moved by the mouse between the cards ----
+
+    let grip = null;
+    holder.addEventListener("pointerdown", (event) => {
+      const is_bar = event.offsetX > holder.clientWidth || event.offsetY > holder.clientHeight;
+      if (event.pointerType !== "mouse" || event.button !== 0 || box_of(event) || (event.target === holder && is_bar)) return;
+      grip = { x: event.clientX, y: event.clientY, left: holder.scrollLeft, top: holder.scrollTop, moves: false };
+    });
+    holder.addEventListener("pointermove", (event) => {
+      if (!grip) return;
+      const [right, down] = [event.clientX - grip.x, event.clientY - grip.y];
+      if (!grip.moves && Math.hypot(right, down) < START) return;
+      if (!grip.moves) holder.setPointerCapture(event.pointerId);
+      grip.moves = true;
+      holder.scrollTo(grip.left - right, grip.top - down);
+    });
+    for (const end of ["pointerup", "pointercancel"]) holder.addEventListener(end, () => { grip = null; });
     return {
       // Make the picture larger by a factor, or, by 0, as large as the pane has room for all of it.
       zoom: (factor) => {
         const picture = holder.querySelector("svg");
         if (!picture) return;
-        const [width, height] = ["width", "height"].map((name) => Number(picture.getAttribute(name)));
-        const now = picture.getBoundingClientRect().width / width;
-        const room = Math.min((holder.clientWidth - 30) / width, (holder.clientHeight - 30) / height, 1);
-        scale = Math.max(0.1, Math.min(factor ? now * factor : room, 4));
-        resize();
+        const room = Math.min((holder.clientWidth - 30) / width_of(picture), (holder.clientHeight - 30) / picture.getAttribute("height"), 1);
+        const { left, top } = holder.getBoundingClientRect();
+        zoom_to(factor ? scale_now(picture) * factor : room, left + holder.clientWidth / 2, top + holder.clientHeight / 2);
+        if (!factor) settle();
       },
       // Show another picture, with the names of nodes that have mistakes; without one, the last stays, and
       // looks as if it were behind.
       draw: (svg, wrong) => {
         holder.classList.toggle("stale", !svg);
-        if (!svg) return;
-        const focused = document.activeElement?.dataset?.box;
-        holder.innerHTML = svg;
-        const picture = holder.querySelector("svg");
-        picture.setAttribute("role", "group");
-        picture.setAttribute("aria-label", "Nodes");
-        for (const box of boxes()) {
-          box.setAttribute("role", "button"); // its title names it
-          if (wrong.some((name) => has(box, name))) box.dataset.wrong = "";
+        if (svg && svg !== shown) {
+          const focused = document.activeElement?.dataset?.box;
+          shown = holder.innerHTML = svg;
+          const picture = holder.querySelector("svg");
+          picture.setAttribute("role", "group");
+          picture.setAttribute("aria-label", "Nodes");
+          for (const box of boxes()) box.setAttribute("role", "button"); // its title names it
+          settle();
+          show();
+          if (focused) boxes().find((box) => box.dataset.box === focused)?.focus();
         }
-        resize();
-        show();
-        if (focused) boxes().find((box) => box.dataset.box === focused)?.focus();
+        if (svg) for (const box of boxes()) box.toggleAttribute("data-wrong", wrong.some((name) => has(box, name)));
       },
       choose: (name, { scroll }) => {
         chosen = name;

@@ -48,6 +48,9 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     }  # fmt: skip
     types = {socket.name: socket.type for socket in boxes["gaps"].outputs}
     assert types == {"gappy": "float", "truth": "Truth[float]", "hidden": "int"}
+    assert [socket.name for socket in boxes["again"].outputs] == ["gappy"]
+    whole = {box.name: box for box in picture_of(graph_of(text), every_port=True).boxes}
+    assert [socket.name for socket in whole["again"].outputs] == ["gappy", "truth", "hidden"]
 
 
 def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -> None:

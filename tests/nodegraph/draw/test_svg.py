@@ -371,12 +371,64 @@ def test_alternatives_axes_ports_and_fixed_labels_are_written() -> None:
     assert "gaps gaps.cut" in (root.findtext(f"{SVG}desc") or "")
 
 
+def test_sockets_tell_types_by_shape_and_colour() -> None:
+    root = ElementTree.fromstring(svg(fill(), sockets=True))
+    marks = {
+        (group.get("data-box"), side, each.get(f"data-{side}")): each
+        for group in root.iter(f"{SVG}g")
+        for each in group
+        for side in ("input", "output")
+        if each.get(f"data-{side}")
+    }
+    assert len(marks) == sum(len(box.inputs) + len(box.outputs) for box in fill().boxes)
+    recording = marks["gaps", "input", "recording"]
+    assert recording.attrib["class"] == "socket type-1"
+    assert recording.get("fill") == marks["capture", "output", "recording"].get("fill")
+    mask = marks["gaps", "output", "hidden"]
+    assert (mask.get("fill"), mask.get("rx")) != (recording.get("fill"), recording.get("rx"))
+    truth = marks["error", "input", "truth"]
+    assert truth.attrib["class"] == "socket type-1 truth"
+    assert (truth.get("fill"), truth.get("stroke")) == ("#ffffff", recording.get("fill"))
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    legend = ["Trajectories", "Mask", "hollow: the truth"]
+    assert [text for text in texts if text in legend] == legend
+    assert "data-input" not in svg(fill())
+    kinds = tuple(Socket(f"p{number}", f"T{number}") for number in range(8))
+    root = ElementTree.fromstring(svg(Picture("", (Box("a", (), kinds),)), sockets=True))
+    drawn = [each for each in root.iter() if each.get("data-input")]
+    looks = {str((each.tag, each.get("rx"), each.get("fill"))) for each in drawn}
+    assert len(looks) == 7  # the last two share that of other types
+    assert "other types" in [element.text for element in root.iter(f"{SVG}text")]
+
+
+def test_sockets_stand_out_in_light_and_dark() -> None:
+    style = ElementTree.fromstring(svg(fill())).findtext(f"{SVG}style") or ""
+    colours = re.findall(r"(--face|--type): [^;]*?light-dark\((#\w{6}), (#\w{6})\)", style)
+    faces, *types = [(light, dark) for _, light, dark in colours]
+    assert len(types) == len({light for light, _ in types}) == len({dark for _, dark in types}) == 6
+    for scheme in (0, 1):
+        for each in types:
+            assert contrast(each[scheme], faces[scheme]) > 4.5
+
+
+def contrast(colour: str, other: str) -> float:
+    """Return the contrast of two colours by WCAG 2."""
+
+    def luminance(text: str) -> float:
+        parts = (int(text[at : at + 2], 16) / 255 for at in (1, 3, 5))
+        linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(colour), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
 def test_names_stay_text() -> None:
     ports = (Socket(HOSTILE, HOSTILE),)
     box = Box(HOSTILE, (HOSTILE,), ports, ports, (HOSTILE,), (HOSTILE,))
     last = Box("last", (), ports)
     arrow = Arrow(HOSTILE, HOSTILE, "last", HOSTILE, fixed=HOSTILE)
-    drawn = svg(Picture(HOSTILE, (box, last), (arrow,)))
+    drawn = svg(Picture(HOSTILE, (box, last), (arrow,)), sockets=True)
     tags = {element.tag.removeprefix(SVG) for element in ElementTree.fromstring(drawn).iter()}
     assert tags <= {"svg", "title", "desc", "style", "g", "rect", "line", "path", "text"}
     assert "<script" not in drawn

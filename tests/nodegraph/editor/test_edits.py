@@ -183,6 +183,64 @@ def test_a_panel_has_forms_and_what_fits(editor: Editor) -> None:
     assert [each["feed"] for each in ports[:2]] == ["fill", "gaps.truth"]
 
 
+def test_an_output_has_the_ports_that_it_fits(editor: Editor) -> None:
+    found = editor.get("/targets?box=gaps&port=hidden").data
+    assert found["source"] == "gaps.hidden"
+    assert found["ports"]["error"] == {
+        "estimate": "'estimate' takes Trajectories, not Mask",
+        "truth": "'truth' takes Trajectories, not Mask",
+        "hidden": "",
+    }
+    assert set(found["ports"]["gaps"].values()) == {"a node cannot feed itself"}
+    found = editor.get("/targets?box=fill&port=output").data
+    assert (found["source"], found["ports"]["error"]["truth"]) == ("fill", "")
+    assert found["ports"]["gaps"]["recording"] == "fill reads gaps"
+    leak = editor.get("/targets?box=gaps&port=truth").data["ports"]["fill"]["recording"]
+    assert "must not see it" in leak
+    assert editor.get("/targets?box=odd&port=x").status == 409
+    nodes = {each["use"] for each in editor.get("/nodes?source=error").data}
+    assert "compare.table" in nodes
+    assert "fill.linear" not in nodes
+    view = act(editor, "add_node", name="more", use="score.gaps", after="gaps.hidden")
+    assert lines(view) == {"  more: {use: score.gaps, in: {hidden: gaps.hidden}}"}
+
+
+PART = """\
+nodegraph: 1
+inputs: {x: Trajectories, ends: met}
+nodes:
+  cut: {use: gaps.cut, in: $x}
+  fill: {use: fill.linear, in: cut.gappy, with: {ends: $ends}}
+outputs: {filled: fill, hidden: cut.hidden}
+"""
+
+
+def test_a_graph_that_is_used_has_ports_whatever_is_wrong(editor: Editor, path: Path) -> None:
+    (path.parent / "part.yaml").write_text(PART)
+    text = GRAPH.replace("report:", "  part: {use: part.yaml}\nreport:")
+    view = editor.edit(text=text)
+    assert [each["message"] for each in view["problems"]] == [
+        "part: port x: Trajectories of part.yaml is not fed"
+    ]
+    assert 'data-input="x"' in view["svg"]
+    panel = editor.get("/node?name=part").data
+    (port,), ((setting,),) = panel["ports"], [each["settings"] for each in panel["sections"]]
+    assert (port["name"], port["type"], port["feed"]) == ("x", "Truth[Trajectories]", "")
+    assert (setting["name"], setting["about"]) == ("ends", "Default: met.")
+    view = act(editor, "connect", node="part", port="x", source="capture")
+    assert "part: {use: part.yaml, in: {x: capture}}" in view["text"]
+    assert view["problems"] == []
+    for box, source in (("part", "part.filled"), ("part.hidden", "part.hidden")):
+        port = box.rpartition(".")[2].replace("part", "filled")
+        found = editor.get(f"/targets?box={box}&port={port}").data
+        assert (found["source"], found["ports"]["part"]["x"]) == (
+            source, "a node cannot feed itself",
+        )  # fmt: skip
+    refused = editor.get("/targets?box=part.cut&port=truth")
+    assert refused.status == 409
+    assert "outside it are filled, hidden" in refused.data["message"]
+
+
 def test_a_panel_of_a_graph_with_mistakes(editor: Editor) -> None:
     view = editor.edit(text=GRAPH.replace("in: capture", "in: none"))
     assert view["svg"].count("data-box=") == 4
@@ -215,7 +273,7 @@ def test_nodes_move_into_a_graph_beside_this(editor: Editor, path: Path) -> None
     assert list(view["nodes"]) == ["capture", "part", "error"]
     assert 'data-frame="part"' in view["svg"]
     part = editor.get("/node?name=part").data
-    assert [each["is_known"] for each in part["sections"]] == [False]
+    assert [each["is_known"] for each in part["sections"]] == [True]
     inner = path.parent / "parts" / "filled.yaml"
     assert "alternatives: [fill.linear, fill.muscle]" in inner.read_text()
     assert path.read_text() == GRAPH

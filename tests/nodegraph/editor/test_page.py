@@ -159,6 +159,65 @@ def test_a_picture_is_as_large_as_one_likes(page: Page) -> None:
     assert page.evaluate("document.querySelector('[aria-pressed=true]')") is None
 
 
+def drag_link(page: Page, output: str, x: float, y: float) -> None:
+    """Drag from an output, ``gaps.gappy``, to a place of the window."""
+    box, _, port = output.partition(".")
+    page.mouse.move(*centre(page, f"[data-box={box}] [data-output={port}]"))
+    page.mouse.down()
+    page.mouse.move(x + 8, y)
+    page.mouse.move(x, y)
+
+
+def centre(page: Page, selector: str) -> tuple[float, float]:
+    box = page.locator(selector).bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_a_link_is_drawn_from_an_output_to_a_port(page: Page) -> None:
+    estimate = "[data-box=error] [data-input=estimate]"
+    drag_link(page, "gaps.gappy", *centre(page, estimate))
+    until(page, "document.querySelector('#picture [data-fits]')")
+    marked = "[...document.querySelectorAll('[data-fits]')].map(({ dataset }) => dataset.input)"
+    assert page.evaluate(marked) == ["recording", "estimate", "truth"]
+    page.mouse.up()
+    until(page, has_text("estimate: gaps.gappy"))
+    assert page.evaluate(marked) == []
+    until(page, f"{CHOSEN} === 'error'")
+    page.click("#undo")
+    until(page, state("saved"))
+    assert page.evaluate(TEXT) == GRAPH
+    for target, said in (
+        (estimate, "error.estimate: 'estimate' takes Trajectories, not Mask"),
+        ("[data-box=fill] .name", "fill: 'recording' takes Trajectories, not Mask"),
+    ):
+        drag_link(page, "gaps.hidden", *centre(page, target))
+        page.mouse.up()
+        said = f"gaps.hidden does not feed {said}"
+        until(page, f"document.getElementById('notice').textContent === {said!r}")
+    drag_link(page, "gaps.gappy", *centre(page, "[data-box=error] .name"))
+    page.mouse.up()
+    until(page, "document.getElementById('notice').textContent.includes('fits estimate, truth')")
+    drag_link(page, "gaps.gappy", *centre(page, estimate))
+    page.keyboard.press("Escape")
+    page.mouse.up()
+    assert page.query_selector("#picture .drawn") is None
+    drag_link(page, "error.output", *bottom(page))
+    page.mouse.up()
+    until(page, "document.getElementById('search').open")
+    assert page.inner_text("#search-title") == "Add a node that error feeds"
+    page.keyboard.type("compare.table")
+    page.keyboard.press("Enter")
+    until(page, has_text("table: {use: compare.table, in: error}"))
+
+
+def bottom(page: Page) -> tuple[float, float]:
+    """Return a place below all cards."""
+    pane = page.locator("#picture").bounding_box()
+    assert pane is not None
+    return pane["x"] + pane["width"] / 2, pane["y"] + pane["height"] - 30
+
+
 def test_another_program_changes_the_file(page: Page, path: Path) -> None:
     put_cursor(page, "Two")
     page.keyboard.type(" good")

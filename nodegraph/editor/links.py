@@ -1,0 +1,185 @@
+"""The links of a graph file that are there, and that could be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from nodegraph.edit.document import Document
+from nodegraph.edit.uses import Kind, mapping, nodes_of, uses
+from nodegraph.errors import GraphError, Problems, nearest, quoted
+from nodegraph.graph.used_graphs import UsedGraphs
+from nodegraph.graphfile import read_graph_text
+from nodegraph.node.decorator import Node
+from nodegraph.node.ports import Port, mismatch
+from nodegraph.plugin.registry import Registry
+
+Data = dict[str, Any]
+
+
+class Links:
+    """What the nodes of a text give and take, whether or not it is a valid graph.
+
+    Parameters
+    ----------
+    text
+    path
+        Of the file.
+    registry
+
+    Attributes
+    ----------
+    document : Document
+    nodes : mapping of name to its entry
+    defaults : mapping of text to mapping
+        The inputs, with their values, that a node can set of a graph file, by what ``use`` names.
+
+    Raises
+    ------
+    GraphError
+        If the text is not YAML.
+    """
+
+    def __init__(self, text: str, path: Path, registry: Registry) -> None:
+        self.document = Document(text, path.name)
+        self.nodes = mapping(mapping(self.document.data).get("nodes"))
+        self._registry = registry
+        self._graphs: Mapping[str, Node] = {}
+        self.defaults: Mapping[str, Mapping[str, object]] = {}
+        try:
+            spec = read_graph_text(text, path.name, path.parent)
+        except GraphError:
+            return
+        self._graphs = UsedGraphs(spec.graphs, registry, Problems()).nodes(spec)
+        self.defaults = {
+            use: {
+                name: part.value
+                for name, part in spec.graphs[spec.uses[use]].inputs.items()
+                if node.port(name) is None
+            }
+            for use, node in self._graphs.items()
+        }
+
+    def of(self, entry: object) -> list[Node]:
+        """Return the nodes that an entry, or one of its alternatives, uses."""
+        return list(nodes_of(entry, self._registry, self._graphs))
+
+    def entry(self, name: str) -> object:
+        """Return the entry of a node.
+
+        Raises
+        ------
+        GraphError
+            If there is none.
+        """
+        if name not in self.nodes:
+            raise self.document.error(0, f"no node {quoted(name)}", nearest(name, self.nodes))
+        return self.nodes[name]
+
+    def ports(self, name: str) -> dict[str, tuple[Port, Node]]:
+        """Return the ports of a node's methods, each with the first method that has it."""
+        ports: dict[str, tuple[Port, Node]] = {}
+        for node in self.of(self.entry(name)):
+            for port in node.inputs:
+                ports.setdefault(port.name, (port, node))
+        return ports
+
+    def sources(self, name: str, port: str) -> Iterator[Data]:
+        """Yield the outputs of all other nodes, each with why it does not fit, if it does not."""
+        target = _as_fed(*self.ports(name)[port])
+        after = self._linked(name, forward=True)
+        for other in self.nodes:
+            if other == name:
+                continue
+            outputs = self._outputs(other)
+            reason = f"{other} reads {name}" if other in after else ""
+            if not outputs:
+                yield {"source": other, "type": "", "reason": reason}
+            for output in outputs:
+                yield {
+                    "source": f"{other}.{output.name}" if len(outputs) > 1 else other,
+                    "type": output.kind,
+                    "reason": reason or mismatch(output, target) or "",
+                }
+
+    def targets(self, box: str, output: str) -> Data:
+        """Return what an output of a box in the picture is, and which ports it fits.
+
+        Returns
+        -------
+        data
+            The `source` as a link names it, and for each other node and port why it does not fit,
+            if it does not.
+
+        Raises
+        ------
+        GraphError
+            If no link can begin there.
+        """
+        name, source, port = self._output(box, output)
+        before = self._linked(name, forward=False)
+        found: dict[str, dict[str, str]] = {}
+        for other in self.nodes:
+            reason = f"{name} reads {other}" if other in before else ""
+            reason = "a node cannot feed itself" if other == name else reason
+            found[other] = {
+                each: reason or mismatch(port, _as_fed(target, node)) or ""
+                for each, (target, node) in self.ports(other).items()
+            }
+        return {"source": source, "ports": found}
+
+    def fitting(self, use: str, source: str) -> object:
+        """Return what feeds the first port of a method that a node fits; None if none does.
+
+        Parameters
+        ----------
+        use
+        source
+            A node, any of whose outputs may feed it, or one output.
+        """
+        name, _, output = source.partition(".")
+        nodes = self.of(use)
+        outputs = self._outputs(name)
+        for place, target in enumerate(nodes[0].inputs if nodes else ()):
+            for each in outputs:
+                if output in ("", each.name) and not mismatch(each, _as_fed(target, nodes[0])):
+                    wire = f"{name}.{each.name}" if len(outputs) > 1 else name
+                    return wire if place == 0 else {target.name: wire}
+        return None
+
+    def _output(self, box: str, output: str) -> tuple[str, str, Port]:
+        """Return the node of an output of a box, the output as a link names it, and its port."""
+        name, _, inside = box.partition(".")
+        outputs = self._outputs(name)
+        for port in outputs:
+            if port.name == (inside or output):
+                return name, f"{name}.{port.name}" if len(outputs) > 1 else name, port
+        message = f"{quoted(box)} is part of a graph of its own"
+        hint = f"outside it are {', '.join(port.name for port in outputs)}" if outputs else ""
+        raise self.document.error(0, message, hint)
+
+    def _outputs(self, name: str) -> tuple[Port, ...]:
+        used = self.of(self.nodes.get(name))
+        return used[0].outputs if used else ()
+
+    def _linked(self, name: str, *, forward: bool) -> set[str]:
+        """Return the nodes that read a node, directly or not; or those that it reads."""
+        links: dict[str, set[str]] = {}
+        for use in uses(self.document.data, self._registry):
+            if use.kind is Kind.SOURCE and use.path[0] == "nodes":
+                ends = use.name, str(use.path[1])
+                source, target = ends if forward else ends[::-1]
+                links.setdefault(source, set()).add(target)
+        pending, linked = [name], set[str]()
+        while pending:
+            new = links.get(pending.pop(), set()) - linked
+            linked |= new
+            pending += new
+        return linked
+
+
+def _as_fed(port: Port, node: Node) -> Port:
+    """Return a port as what feeds it sees it: a node that damages the truth may read it."""
+    return replace(port, truth=True) if node.damages and not port.truth else port
