@@ -21,7 +21,7 @@ from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.store import Store
 
 if TYPE_CHECKING:
-    from nodegraph.report.write import Written
+    from nodegraph.report.write import WrittenRun
     from nodegraph.runs.folder import RunFolder
 
 
@@ -76,7 +76,7 @@ class Run(execute.Run):
                 )
             )
 
-    def write_to(self, folder: RunFolder) -> Written:
+    def write_to(self, folder: RunFolder) -> WrittenRun:
         """Write record and report into a folder that has the graph and the events already."""
         from nodegraph.report.write import write_run
 

@@ -20,7 +20,7 @@ from nodegraph.cli.summary import print_summary, run_answer
 from nodegraph.notebook import run_html
 from nodegraph.report.from_run import compose
 from nodegraph.report.page import page
-from nodegraph.report.study import Kind, Study
+from nodegraph.report.study import NoteSubject, Study
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.value import Overview
 from nodegraph_tables import Answer, info_of
@@ -188,7 +188,7 @@ def check_odd(seed: int, folder: Path) -> bool:
     it = shown(odd_study(seed, most=60).text, folder)
     tables = [s for s in it.study.sections if s.node == "table"]
     assert it.study.answer
-    failed = [note.reason for note in it.study.notes if note.kind is Kind.FAILED]
+    failed = [note.reason for note in it.study.notes if note.kind is NoteSubject.FAILED]
     assert not [reason for reason in failed if "cannot be" in reason]
     if not tables or len([*it.run["table"].labels()]) > 1:
         return False
@@ -251,7 +251,7 @@ def test_an_answer_of_the_graph_is_said_everywhere_or_refused_with_its_place(
     assert it.study.ok
     wrong = ACTORS.format(actors=8, fills=fills, more=words.replace("behind", "best"))
     refused = shown(wrong, tmp_path, store)
-    (note,) = (note for note in refused.study.notes if note.kind is Kind.FAILED)
+    (note,) = (note for note in refused.study.notes if note.kind is NoteSubject.FAILED)
     assert re.match(r".*graph\.yaml:14:27: 'answer': \{best cubic\} for length 5", note.reason)
     check_places(refused, tmp_path)
     # the author wrote of other methods

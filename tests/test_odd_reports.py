@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from nodegraph.report.study import Kind, Study, read_study
+from nodegraph.report.study import NoteSubject, Study, read_study
 from tests import odd_studies
 from tests.browser import load
 from tests.odd_studies import odd_study
@@ -240,7 +240,7 @@ def check_odd(seed: int, folder: Path) -> Path:
     odd = odd_study(seed)
     run = run_of(odd.text, folder, odd_studies.NODES)
     study = read_study(run)
-    failed = [note.reason for note in study.notes if note.kind is Kind.FAILED]
+    failed = [note.reason for note in study.notes if note.kind is NoteSubject.FAILED]
     assert not [reason for reason in failed if "cannot be" in reason], (seed, failed)
     data = overview_of(study)
     assert {each["label"] for each in data.get("methods", ())} <= {*odd.methods}, seed

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
 
 from nodegraph.archive.contents import CITATION, METADATA, README, RUN, Contents, readme
-from nodegraph.archive.inputs import PLUGINS, ReadFile, RunFolders, files_read, free_name
+from nodegraph.archive.inputs import PLUGINS, ArchivedInput, RunFolders, files_read, free_name
 from nodegraph.archive.relocate import Relocation, local_folders, relocate_graph, relocate_settings
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.filenames import fold, portable_paths
@@ -166,7 +166,7 @@ class _Collector:
                 "inputs: the run had no store, and so did not record which files it read"
             )
 
-    def _why_missing(self, file: ReadFile) -> str:
+    def _why_missing(self, file: ArchivedInput) -> str:
         if file.is_shipped:
             return ""
         if file.path is None:

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from nodegraph.archive.inputs import PLUGINS, ReadFile
+from nodegraph.archive.inputs import PLUGINS, ArchivedInput
 from nodegraph.archive.relocate import Relocation
 from nodegraph.remote import is_remote
 from nodegraph.report.study import Study
@@ -35,7 +35,7 @@ class Contents:
     study : Study
     record : Record
     files : dict of name to bytes
-    inputs : tuple of ReadFile
+    inputs : tuple of ArchivedInput
     command : str
         Runs the graph again in the unpacked archive.
     missing : list of str
@@ -49,7 +49,7 @@ class Contents:
     record: Record
     command: str = ""
     files: dict[str, bytes] = field(default_factory=dict)
-    inputs: tuple[ReadFile, ...] = ()
+    inputs: tuple[ArchivedInput, ...] = ()
     missing: list[str] = field(default_factory=list)
     relocation: Relocation = field(default_factory=lambda: Relocation({}, ()))
 
@@ -125,7 +125,7 @@ def _inputs(contents: Contents) -> Iterator[str]:
         yield ""
 
 
-def _whence(file: ReadFile) -> str:
+def _whence(file: ArchivedInput) -> str:
     if is_remote(file.written):
         return ", to be fetched from there"
     return ", part of its package" if file.is_shipped else ""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import chain, count
 from pathlib import Path, PurePosixPath
 
-from nodegraph.cache_key import Files
+from nodegraph.cache_key import FileDigests
 from nodegraph.filenames import fold, portable_name
 from nodegraph.runs.record import Record, RecordedStep
 
@@ -16,7 +16,7 @@ FOLDER, PLUGINS = "inputs", "plugins"
 
 
 @dataclass(frozen=True)
-class ReadFile:
+class ArchivedInput:
     """A file, or a folder of files, that a run read.
 
     Attributes
@@ -62,7 +62,7 @@ def files_read(
     folders: Sequence[Path],
     reserved: Collection[str],
     is_shipped: Callable[[str], bool],
-) -> tuple[ReadFile, ...]:
+) -> tuple[ArchivedInput, ...]:
     """Return the files that a run read.
 
     Parameters
@@ -81,20 +81,20 @@ def files_read(
         for step in steps
         for setting, digest in step.files.items()
     )
-    digests = Files()
-    files: list[ReadFile] = []
+    digests = FileDigests()
+    files: list[ArchivedInput] = []
     reserved = {fold(name) for name in (*reserved, FOLDER)}
     used: set[str] = set()
     # files that keep their names come first, so that the rest are renamed
     for written, digest in sorted(named, key=lambda item: not _stays(item[0], reserved)):
         if is_shipped(written):
-            files.append(ReadFile(written, digest, written, is_shipped=True))
+            files.append(ArchivedInput(written, digest, written, is_shipped=True))
             continue
         path = _located(written, digest, folders, digests)
         stays = _stays(written, reserved) and (path is None or path == folders[0] / written)
         same = next((file for file in files if path and _is_same(file.path, path)), None)
         name = same.name if same is not None else _name(written, used, stays=stays)
-        files.append(ReadFile(written, digest, name, path))
+        files.append(ArchivedInput(written, digest, name, path))
     return tuple(files)
 
 
@@ -122,7 +122,9 @@ def _name(written: str, used: set[str], *, stays: bool) -> str:
     return name
 
 
-def _located(written: str, digest: str, folders: Sequence[Path], digests: Files) -> Path | None:
+def _located(
+    written: str, digest: str, folders: Sequence[Path], digests: FileDigests
+) -> Path | None:
     for folder in folders:
         path = folder / written
         try:
@@ -155,7 +157,7 @@ def free_name(name: str, used: set[str]) -> str:
 
 
 @dataclass(frozen=True)
-class PluginFile:
+class ArchivedPlugin:
     """A plugin file that a run used.
 
     Attributes
@@ -203,7 +205,7 @@ class RunFolders:
         used = [home / Path(name).parent for home in homes for name in self._record.included]
         return list(dict.fromkeys([*homes, *used, *self._starts]))
 
-    def plugins(self) -> Iterator[PluginFile]:
+    def plugins(self) -> Iterator[ArchivedPlugin]:
         """Yield each plugin file that the run used."""
         used: set[str] = set()
         for written, plugin in zip(
@@ -212,7 +214,7 @@ class RunFolders:
             path = Path(plugin.path)
             content = _content([path, *(start / written for start in self._starts)], plugin.sha256)
             name = free_name(f"{PLUGINS}/{path.name}", used)
-            yield PluginFile(written, name, path, content)
+            yield ArchivedPlugin(written, name, path, content)
 
     def why_missing(self, path: str) -> str:
         """Return why a file is not in the archive, and where it was."""

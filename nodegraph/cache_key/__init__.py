@@ -1,6 +1,6 @@
 """Keys of steps: everything that decides a result, read from source files and from memory."""
 
-from nodegraph.cache_key.files import Files
+from nodegraph.cache_key.files import FileDigests
 from nodegraph.cache_key.functions import Code, Reached
 from nodegraph.cache_key.modules import UNKNOWN
 from nodegraph.cache_key.sources import PARSER
@@ -10,7 +10,7 @@ __all__ = [
     "PARSER",
     "UNKNOWN",
     "Code",
-    "Files",
+    "FileDigests",
     "Reached",
     "StepDigest",
     "StepDigests",

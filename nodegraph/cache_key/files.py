@@ -57,7 +57,7 @@ class FileMemo:
         return data
 
 
-class Files(FileMemo):
+class FileDigests(FileMemo):
     """Digests of the content of files."""
 
     def digest(self, path: Path) -> str:

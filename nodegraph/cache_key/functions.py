@@ -14,7 +14,7 @@ from types import CodeType, FunctionType, MappingProxyType, ModuleType, NoneType
 from typing import Any
 
 from nodegraph.cache_key.files import FileMemo
-from nodegraph.cache_key.modules import Modules, Reach
+from nodegraph.cache_key.modules import Modules, ReferencedCode
 from nodegraph.cache_key.sources import digest_of
 from nodegraph.import_time import LOADED, STARTED
 from nodegraph.plugin.hook_types import Format
@@ -117,7 +117,7 @@ class Code:
         )
 
 
-def _edited(reach: Reach, loaded: Mapping[str, int]) -> Iterator[str]:
+def _edited(reach: ReferencedCode, loaded: Mapping[str, int]) -> Iterator[str]:
     """Yield which files were edited since the program began, or since they were last imported.
 
     A module that was imported later may be up to date all the same; that is not known.

@@ -30,7 +30,7 @@ them."""
 _INSTALLED = {"site-packages", "dist-packages"}
 
 
-class Place(NamedTuple):
+class ModuleFiles(NamedTuple):
     """The file of a module, if it has one, and the folders of its submodules, if it has some."""
 
     file: str
@@ -43,7 +43,7 @@ At = tuple[str, str | None]
 
 
 @dataclass
-class Reach:
+class ReferencedCode:
     """The code that references lead to.
 
     Attributes
@@ -64,7 +64,7 @@ class Reach:
     versions: dict[str, str] = field(default_factory=dict)
     troubles: list[str] = field(default_factory=list)
 
-    def add(self, other: Reach) -> None:
+    def add(self, other: ReferencedCode) -> None:
         """Add what another one has."""
         self.digests |= other.digests
         self.edited |= other.edited
@@ -88,10 +88,10 @@ class Modules:
     def __init__(self, followed: Iterable[str], memo: FileMemo) -> None:
         self._followed = frozenset(followed)
         self._memo = memo
-        self._places: dict[str, Place | None] = {}
+        self._places: dict[str, ModuleFiles | None] = {}
         self._versions: dict[str, Mapping[str, str] | None] = {}
-        self._known: dict[At, tuple[Reach, list[At]]] = {}
-        self._sources: dict[str, tuple[ModuleSource, Reach]] = {}
+        self._known: dict[At, tuple[ReferencedCode, list[At]]] = {}
+        self._sources: dict[str, tuple[ModuleSource, ReferencedCode]] = {}
 
     def add(self, file: str, name: str) -> str:
         """Make a file known as a module of that name, and return the name that it has here."""
@@ -99,16 +99,16 @@ class Modules:
         while place is not None and os.path.abspath(place.file) != file:
             name += "'"
             place = self._place(name)
-        self._places[name] = place or Place(file)
+        self._places[name] = place or ModuleFiles(file)
         return name
 
-    def reach(self, references: Iterable[str]) -> Reach:
+    def reach(self, references: Iterable[str]) -> ReferencedCode:
         """Return the code that references lead to, directly or not.
 
         A name that a package imports leads to the module that it is imported from, and not to what
         else the package imports, unless an import of the package does more than to bind names.
         """
-        result = Reach()
+        result = ReferencedCode()
         waiting = self._all_that_differ(_absolute("", references))
         seen: set[At] = set()
         while waiting:
@@ -116,7 +116,7 @@ class Modules:
             if at not in seen:
                 seen.add(at)
                 if at not in self._known:
-                    own = Reach()
+                    own = ReferencedCode()
                     follow = self._all(at[0]) if at[1] == ANY else self._follow(*at, own)
                     self._known[at] = own, self._all_that_differ(follow)
                 own, more = self._known[at]
@@ -137,7 +137,7 @@ class Modules:
             return module.partition(".")[0], ""
         return at if self._folders(module) else (module, "")
 
-    def _follow(self, module: str, name: str | None, own: Reach) -> Iterator[At]:
+    def _follow(self, module: str, name: str | None, own: ReferencedCode) -> Iterator[At]:
         """Add a module, and yield all that it leads to."""
         versions = self._counted(module)
         own.versions |= versions or {}
@@ -169,17 +169,17 @@ class Modules:
                 text = f"{module} imports a module whose name is known only when it runs"
                 own.troubles.append(text)
 
-    def _read(self, module: str, file: str) -> tuple[ModuleSource, Reach]:
+    def _read(self, module: str, file: str) -> tuple[ModuleSource, ReferencedCode]:
         """Return the source of a module, and whether it can be read and was edited."""
         if not file:
-            return ModuleSource(""), Reach()
+            return ModuleSource(""), ReferencedCode()
         try:
             source = ModuleSource(*self._memo.get(file, read_source))
             time = os.stat(file).st_mtime_ns
         except OSError as error:
             trouble = f"{module}: its file cannot be read: {error.strerror or error}"
-            return ModuleSource(""), Reach(troubles=[trouble])
-        return source, Reach(edited={module: (file, time)} if time > STARTED else {})
+            return ModuleSource(""), ReferencedCode(troubles=[trouble])
+        return source, ReferencedCode(edited={module: (file, time)} if time > STARTED else {})
 
     def _passed(self, package: str, name: str, source: ModuleSource) -> Iterator[At]:
         """Yield where a package takes a name from; nothing if it may be of the package itself."""
@@ -201,16 +201,16 @@ class Modules:
         place = self._place(name)
         return place.folders if place else ()
 
-    def _place(self, name: str) -> Place | None:
+    def _place(self, name: str) -> ModuleFiles | None:
         if name not in self._places:
             self._places[name] = self._find(name)
         return self._places[name]
 
-    def _find(self, name: str) -> Place | None:
+    def _find(self, name: str) -> ModuleFiles | None:
         module = sys.modules.get(name)
         if module is not None:
             names = vars(module)  # its own `__getattr__` may return anything
-            return Place(names.get("__file__") or "", tuple(names.get("__path__", ())))
+            return ModuleFiles(names.get("__file__") or "", tuple(names.get("__path__", ())))
         parent = name.rpartition(".")[0]
         above = self._place(parent) if parent else None
         if parent and above is None:
@@ -220,7 +220,7 @@ class Modules:
         if spec is None:
             return None
         file = spec.origin if spec.has_location else ""
-        return Place(file or "", tuple(spec.submodule_search_locations or ()))
+        return ModuleFiles(file or "", tuple(spec.submodule_search_locations or ()))
 
     def _counted(self, module: str) -> Mapping[str, str] | None:
         """Return the versions that stand for a module's code, or None if the code counts."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from nodegraph.cache_key.files import Files
+from nodegraph.cache_key.files import FileDigests
 from nodegraph.cache_key.functions import Code, Reached
 from nodegraph.plan import Gathered, Step, StepInput
 from nodegraph.state import State
@@ -113,7 +113,7 @@ class StepDigests:
         against it.
     """
 
-    def __init__(self, code: Code, files: Files, distrust: Callable[[str], str]) -> None:
+    def __init__(self, code: Code, files: FileDigests, distrust: Callable[[str], str]) -> None:
         self._code = code
         self._files = files
         self._distrust = distrust

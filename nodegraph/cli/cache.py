@@ -14,7 +14,7 @@ from nodegraph.formatting import SIZES, number_of, size_text
 
 if TYPE_CHECKING:
     from nodegraph.cli.answers import CacheAnswer
-    from nodegraph.store import Amount, Kept, Upkeep
+    from nodegraph.store import Amount, EntryOnDisk, Upkeep
 
 HELP = "List, prune or clear stored results."
 
@@ -77,7 +77,7 @@ def cache(arguments: Namespace) -> int:
 
 
 def _answer(
-    upkeep: Upkeep, amount: Amount, removed: Amount | None, listed: list[Kept]
+    upkeep: Upkeep, amount: Amount, removed: Amount | None, listed: list[EntryOnDisk]
 ) -> CacheAnswer:
     from nodegraph.cli.answers import CacheAnswer, StoredResult
 
@@ -96,7 +96,7 @@ def _answer(
     )
 
 
-def _list(listed: list[Kept], count: int) -> None:
+def _list(listed: list[EntryOnDisk], count: int) -> None:
     """Print the results that were used last, of so many."""
     now = time.time()
     rows = [_row(result, now) for result in listed]
@@ -106,7 +106,7 @@ def _list(listed: list[Kept], count: int) -> None:
         print(f"and {count - len(rows)} more")
 
 
-def _row(result: Kept, now: float) -> tuple[str, ...]:
+def _row(result: EntryOnDisk, now: float) -> tuple[str, ...]:
     entry = result.entry
     took = _duration(entry.seconds)
     used = f"{_duration(max(0.0, now - result.used), whole=True)} ago"

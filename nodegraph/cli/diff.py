@@ -13,7 +13,7 @@ from nodegraph.cli.output import counted, say
 
 if TYPE_CHECKING:
     from nodegraph.cli.answers import DiffAnswer, FirstDifference
-    from nodegraph.runs.compare import Spread
+    from nodegraph.runs.compare import Agreements
 
 HELP = "Show where two runs differ first, and why; exit with status 1 if they differ."
 
@@ -61,7 +61,7 @@ def diff(arguments: Namespace) -> int:
 
 
 def _answer(
-    arguments: Namespace, spread: Spread, found: list[FirstDifference], choices: list[str]
+    arguments: Namespace, spread: Agreements, found: list[FirstDifference], choices: list[str]
 ) -> DiffAnswer:
     from nodegraph.cli.answers import DiffAnswer
 
@@ -84,7 +84,7 @@ def _answer(
 _UNEXPLAINED = "settings, code and inputs are the same: the method gives different results"
 
 
-def _summary(spread: Spread, names: str) -> str:
+def _summary(spread: Agreements, names: str) -> str:
     if spread.is_equal:
         return f"{names}: all {spread.same} combinations have the same results"
     unknown = spread.unknown.total()

@@ -11,13 +11,13 @@ from nodegraph.formatting import first_and_more
 if TYPE_CHECKING:
     from nodegraph.cli.answers import FirstDifference
     from nodegraph.plugin.registry import Registry
-    from nodegraph.runs.compare import Judged, Pair, Spread
+    from nodegraph.runs.compare import Agreements, Judged, Pair
     from nodegraph.runs.record import RecordedStep
     from nodegraph.runs.recorded_value import StoredValues
 
 
 def origins(
-    spread: Spread, registry: Registry, stores: tuple[StoredValues, StoredValues]
+    spread: Agreements, registry: Registry, stores: tuple[StoredValues, StoredValues]
 ) -> list[FirstDifference]:
     """Return where differences begin, an entry for each change of a node, in the order of the plan.
 
@@ -48,7 +48,7 @@ def origins(
 
 
 def origin_lines(
-    spread: Spread, found: list[FirstDifference], unexplained: Callable[[RecordedStep], str]
+    spread: Agreements, found: list[FirstDifference], unexplained: Callable[[RecordedStep], str]
 ) -> Iterator[str]:
     """Yield what differs first, how much and why, a paragraph for each change.
 

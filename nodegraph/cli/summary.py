@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from nodegraph.cli.answers import Note, Result, RunAnswer
 from nodegraph.formatting import number_of
 from nodegraph.report.notes import NoteGroup, note_kinds
-from nodegraph.report.study import Kind, Section, Study
+from nodegraph.report.study import NoteSubject, Section, Study
 from nodegraph.runs.folder import RECORD, REPORT
 from nodegraph.state import State
 
@@ -88,10 +88,10 @@ def run_answer(study: Study, run: Run, folder: Path) -> RunAnswer:
         ],
         steps={state: count for state, count in run.counts().items() if count},
         seconds=round(run.seconds, 3),
-        failed=notes.get(Kind.FAILED, ()),
-        refused=notes.get(Kind.REFUSED, ()),
-        left_out=notes.get(Kind.LEFT_OUT, ()),
-        warnings=notes.get(Kind.WARNING, ()),
+        failed=notes.get(NoteSubject.FAILED, ()),
+        refused=notes.get(NoteSubject.REFUSED, ()),
+        left_out=notes.get(NoteSubject.LEFT_OUT, ()),
+        warnings=notes.get(NoteSubject.WARNING, ()),
         files=[link.path for section in study.sections for link in section.files],
     )
 
@@ -107,7 +107,7 @@ def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[
     for section in study.sections:
         yield from _section(section, console.width, full=full)
     for kind in note_kinds(study):
-        if kind.kind is Kind.WARNING:
+        if kind.kind is NoteSubject.WARNING:
             yield f"\n{kind}"
             for group in kind.groups if full else kind.groups[:_MOST_GROUPS]:
                 yield from _warnings(group, full=full)
@@ -117,7 +117,7 @@ def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[
     ]
     yield f"\n{number_of(len(run.plan.steps), 'step')}: {', '.join(counts)}"
     for kind in note_kinds(study):
-        if kind.kind is Kind.FAILED:
+        if kind.kind is NoteSubject.FAILED:
             yield from map(_failure, kind.groups if full else kind.groups[:_MOST_GROUPS])
             yield from _more(len(kind.groups), full=full)
     yield from run.not_stored()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from nodegraph.graph import Graph
     from nodegraph.lock.conclusions import Reported
     from nodegraph.lock.lockfile import Lock
-    from nodegraph.runs.compare import Spread
+    from nodegraph.runs.compare import Agreements
     from nodegraph.runs.record import RecordedStep
     from nodegraph.store import Store
 
@@ -163,7 +163,7 @@ def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -
     return 0 if outcome.holds else 1
 
 
-def _counts(spread: Spread, lock: Lock) -> str:
+def _counts(spread: Agreements, lock: Lock) -> str:
     parts = [f"{spread.same} of {spread.compared} results identical{_ended(spread)}"]
     if spread.near:
         pair, judged = max(spread.near, key=lambda item: item[1].distance)
@@ -173,7 +173,7 @@ def _counts(spread: Spread, lock: Lock) -> str:
     return ", ".join([*parts, f"{spread.beyond} beyond"] if spread.beyond else parts)
 
 
-def _ended(spread: Spread) -> str:
+def _ended(spread: Agreements) -> str:
     """Return how many of the identical results are failures or refusals."""
     counts = [
         f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
@@ -182,7 +182,7 @@ def _ended(spread: Spread) -> str:
     return f" (of these {' and '.join(counts)}, as before)" if counts else ""
 
 
-def _notes(spread: Spread) -> Iterator[str]:
+def _notes(spread: Agreements) -> Iterator[str]:
     if spread.redrawn:
         yield f"drawn otherwise from the same numbers: {counted(spread.redrawn)}"
     if spread.unknown:
@@ -199,7 +199,7 @@ def _unexplained(run: Run, recorded: RecordedStep) -> str:
     return f"code, settings, files and libraries are the same{reason}"
 
 
-def _table_changes(lock: Lock, spread: Spread, reported: list[Reported]) -> Iterator[str]:
+def _table_changes(lock: Lock, spread: Agreements, reported: list[Reported]) -> Iterator[str]:
     """Yield how the numbers of tables changed, if by more than rounding."""
     from nodegraph.lock.conclusions import table_changes
 

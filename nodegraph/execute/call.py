@@ -15,7 +15,7 @@ from nodegraph.errors import Refusal, message_of, one_line
 from nodegraph.execute.call_notes import Notes, notes_of_call
 from nodegraph.execute.interruption import is_interruption
 from nodegraph.execute.outcome import Outcome, failure
-from nodegraph.execute.shared_state import Kept
+from nodegraph.execute.shared_state import StateBefore
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Port
@@ -184,7 +184,7 @@ def _is_for_all(filtered: Any, category: type[Warning]) -> bool:
 
 
 _calls = _Calls()
-_kept = Kept()
+_kept = StateBefore()
 
 
 def values_of(node: Node, returned: object) -> tuple[Any, ...]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cache_key import Files, StepDigest, StepDigests, code_of, followed, step_key
+from nodegraph.cache_key import FileDigests, StepDigest, StepDigests, code_of, followed, step_key
 from nodegraph.execute.outcome import Outcome, skipped
 from nodegraph.gc_pause import gc_paused
 from nodegraph.plan import Plan, Step
@@ -70,7 +70,7 @@ class StoredSteps:
         self._remembered = {name: store.recall(name) for name in (_CODE, _FILES)}
         registry = plan.graph.registry
         self._code = code_of(registry, self._remembered[_CODE])
-        self._files = Files(self._remembered[_FILES])
+        self._files = FileDigests(self._remembered[_FILES])
         self._findings: dict[str, str] = {}
         self._digests = StepDigests(self._code, self._files, self._finding)
         self._expected: dict[int, Outcome] = {}

@@ -38,7 +38,7 @@ class SharedState:
     restore: Callable[[Any], object]
 
 
-class Kept:
+class StateBefore:
     """The shared state as it was when none of the calls was being made that are being made now.
 
     What a node changes in the state of a library, beyond numpy, is not seen.

@@ -10,7 +10,7 @@ from typing import TypeVar
 from nodegraph.errors import Place, Problems, quoted
 from nodegraph.graph.methods import labelled
 from nodegraph.graph.pass_through import PassThrough, port_stand_in
-from nodegraph.graph.subgraph import StandIns, Subgraph, Use, check_use, field_of
+from nodegraph.graph.subgraph import GraphUse, StandIns, Subgraph, check_use, field_of
 from nodegraph.graphfile.spec import (
     AxisSpec,
     Gathering,
@@ -122,7 +122,7 @@ class _Flattening:
         self._inputs: list[GraphInput] = []
         self._settings: list[Written] = []
         self._uses = {
-            (node.name, method.label): Use(node, method, subgraph(path))
+            (node.name, method.label): GraphUse(node, method, subgraph(path))
             for node, method in _methods(spec)
             if method.is_graph and (path := spec.uses.get(method.use)) is not None
         }
@@ -177,7 +177,7 @@ class _Flattening:
         self._stand_ins[node.name] = {**self._stand_ins.get(node.name, {}), method.label: stand_in}
         return replace(method, wiring=outputs, settings={})
 
-    def _first_alone(self, use: Use, outputs: Wiring) -> Wiring:
+    def _first_alone(self, use: GraphUse, outputs: Wiring) -> Wiring:
         """Return the first output; add nodes for the others, except those that are nodes."""
         first, *rest = outputs
         for name in rest:
@@ -191,13 +191,13 @@ class _Flattening:
         self._nodes[name] = NodeSpec(name, place, (method,), False, {}, {}, None)
         self._stand_ins[name] = {"": Registered(node, "nodegraph")}
 
-    def _add_inputs(self, use: Use) -> None:
+    def _add_inputs(self, use: GraphUse) -> None:
         self._settings.extend(use.settings.values())
         for name, feed in self._redirected_wiring(use.wiring).items():
             port = use.graph.inputs.get(name)
             self._inputs += [GraphInput(use.where, port, source) for _, source in labelled(feed)]
 
-    def _add_nodes(self, inlined: _Inlined, use: Use) -> None:
+    def _add_nodes(self, inlined: _Inlined, use: GraphUse) -> None:
         for node in inlined.nodes():
             if node.name in self._nodes:
                 message = f"two nodes would be called {quoted(node.name)}"

@@ -173,7 +173,7 @@ def _nodes_used(graph: Graph) -> set[str]:
 
 
 @dataclass(frozen=True)
-class Use:
+class GraphUse:
     """A node, or one of its alternatives, that uses a graph file."""
 
     node: NodeSpec
@@ -210,7 +210,7 @@ class Use:
         )
 
 
-def check_use(use: Use, problems: Problems) -> bool:
+def check_use(use: GraphUse, problems: Problems) -> bool:
     """Whether a node fits the graph that it uses; record why not."""
     check = _UseCheck(use)
     check.run()
@@ -219,7 +219,7 @@ def check_use(use: Use, problems: Problems) -> bool:
 
 
 class _UseCheck:
-    def __init__(self, use: Use) -> None:
+    def __init__(self, use: GraphUse) -> None:
         self.problems = Problems()
         self._use = use
         self._graph = use.graph

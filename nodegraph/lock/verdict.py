@@ -9,7 +9,7 @@ from enum import StrEnum
 
 from nodegraph.lock.lockfile import Lock
 from nodegraph.lock.results import Results
-from nodegraph.runs.compare import Agreement, Judged, Pair, Spread, same_syntax, version_changes
+from nodegraph.runs.compare import Agreement, Agreements, Judged, Pair, same_syntax, version_changes
 from nodegraph.runs.record import Record
 
 _DECIMALS = re.compile(r"[-+]?(?:(?<!\d)\d+)?\.\d+(?:e[-+]?\d+)?", re.I)
@@ -96,7 +96,7 @@ def changes_everywhere(was: Record, now: Record) -> Iterator[str]:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class VerifyOutcome:
     """The outcome of a comparison.
 
     Attributes
@@ -122,7 +122,7 @@ class Verdict:
         return self.grade
 
 
-def verdict(spread: Spread, conclusions: bool, changed: Sequence[str]) -> Verdict:
+def verdict(spread: Agreements, conclusions: bool, changed: Sequence[str]) -> VerifyOutcome:
     """Return the outcome of a comparison.
 
     Results beyond the tolerance may have the same conclusions only if the study itself did not
@@ -143,7 +143,7 @@ def verdict(spread: Spread, conclusions: bool, changed: Sequence[str]) -> Verdic
         grade = Grade.SAME_CONCLUSIONS if conclusions and not changed else Grade.DIVERGED
     else:
         grade = Grade.WITHIN_TOLERANCE if spread.near else Grade.IDENTICAL
-    return Verdict(grade, bool(changed))
+    return VerifyOutcome(grade, bool(changed))
 
 
 def _without_decimals(reason: str) -> str:

@@ -29,8 +29,8 @@ from nodegraph.report.notes import step_notes, with_relevance
 from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.report.study import (
     AxisRow,
-    Kind,
     Link,
+    NoteSubject,
     Section,
     SettingRow,
     StepNote,
@@ -256,7 +256,9 @@ class _Shown:
         lost = {path: reason for path, reason in reasons.items() if reason}
         for path, reason in lost.items():
             message = f"{path} cannot be written: {reason}"
-            self.notes.append(StepNote(result.name, result.combination, message, Kind.FAILED))
+            self.notes.append(
+                StepNote(result.name, result.combination, message, NoteSubject.FAILED)
+            )
         return lost
 
     def _refuse_answer(self, result: _Result, why: str) -> None:
@@ -269,7 +271,7 @@ class _Shown:
             return
         settings = self._run.settings
         is_other = bool(settings.set or settings.axis or settings.only)
-        kind = Kind.WARNING if is_other else Kind.FAILED
+        kind = NoteSubject.WARNING if is_other else NoteSubject.FAILED
         self.notes.append(StepNote(result.node, result.combination, message, kind))
         if not is_other:
             self.not_shown.append(NotShown(result.node, plain(result.labels), message, "", ""))
@@ -282,7 +284,7 @@ class _Shown:
         trace = "".join(traceback.format_exception(error))
         self._add(result, Rendered("", message), ())
         self.notes.append(
-            StepNote(result.name, result.combination, message, Kind.FAILED, trace=trace)
+            StepNote(result.name, result.combination, message, NoteSubject.FAILED, trace=trace)
         )
         self.not_shown.append(
             NotShown(result.node, plain(result.labels), reason, result.output, trace)

@@ -10,27 +10,27 @@ from nodegraph.errors import listed
 from nodegraph.execute import Run
 from nodegraph.formatting import labels_of, number_of
 from nodegraph.graph import Graph
-from nodegraph.report.study import Kind, StepNote, Study
+from nodegraph.report.study import NoteSubject, StepNote, Study
 from nodegraph.state import State
 
-_KIND_OF_STATE: dict[State, Kind] = {
-    State.FAILED: Kind.FAILED,
-    State.REFUSED: Kind.REFUSED,
-    State.SKIPPED: Kind.LEFT_OUT,
+_KIND_OF_STATE: dict[State, NoteSubject] = {
+    State.FAILED: NoteSubject.FAILED,
+    State.REFUSED: NoteSubject.REFUSED,
+    State.SKIPPED: NoteSubject.LEFT_OUT,
 }
-_TITLES: tuple[tuple[Kind, str, str], ...] = (
+_TITLES: tuple[tuple[NoteSubject, str, str], ...] = (
     (
-        Kind.FAILED,
+        NoteSubject.FAILED,
         "Failed",
         "An error stopped these; what depends on a step that failed was not run.",
     ),
-    (Kind.REFUSED, "Refused", "The method cannot process this data, and gives the reason."),
+    (NoteSubject.REFUSED, "Refused", "The method cannot process this data, and gives the reason."),
     (
-        Kind.LEFT_OUT,
+        NoteSubject.LEFT_OUT,
         "Left out",
         "These combinations were not wanted, or lack an input.",
     ),
-    (Kind.WARNING, "Warnings", "These steps ran, with warnings about their results."),
+    (NoteSubject.WARNING, "Warnings", "These steps ran, with warnings about their results."),
 )
 _QUOTE = re.compile(r"(?<!\w)(?:'[^']*'|\"[^\"]*\"|`[^`]*`)(?!\w)")
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?!\w)", re.IGNORECASE)
@@ -67,19 +67,21 @@ def _settled(run: Run) -> Iterator[StepNote]:
 
 def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
     for reason, counts in run.plan.skipped_together().items():
-        yield StepNote(", ".join(counts), "", reason, Kind.LEFT_OUT, count=sum(counts.values()))
+        yield StepNote(
+            ", ".join(counts), "", reason, NoteSubject.LEFT_OUT, count=sum(counts.values())
+        )
 
 
 def _left_out_by_command(run: Run) -> Iterable[StepNote]:
     return (
-        StepNote(", ".join(nodes), "", reason, Kind.LEFT_OUT, count=len(nodes))
+        StepNote(", ".join(nodes), "", reason, NoteSubject.LEFT_OUT, count=len(nodes))
         for reason, nodes in run.plan.graph.left_out_together().items()
     )
 
 
 def _noticed(run: Run) -> Iterable[StepNote]:
     return (
-        StepNote(str(notice.place), "", f"{notice.message}: {notice.instead}", Kind.WARNING)
+        StepNote(str(notice.place), "", f"{notice.message}: {notice.instead}", NoteSubject.WARNING)
         for notice in run.plan.graph.notices
     )
 
@@ -91,7 +93,7 @@ def _warned(run: Run) -> Iterator[StepNote]:
                 step.node,
                 labels_of(step.labels),
                 message,
-                Kind.WARNING,
+                NoteSubject.WARNING,
                 method=step.method.node.name,
             )
 
@@ -113,7 +115,7 @@ def with_relevance(
     ends = set(numbers) & set(graph.nodes)
     touching = ends.union(*(nx.ancestors(graph.network, end) for end in ends))
     for note in notes:
-        known = note.kind is Kind.WARNING and note.node in graph.nodes
+        known = note.kind is NoteSubject.WARNING and note.node in graph.nodes
         yield replace(note, matters=note.node in touching) if known else note
 
 
@@ -161,7 +163,7 @@ class NoteGroup:
 class NoteKind:
     """The notes of one kind."""
 
-    kind: Kind
+    kind: NoteSubject
     title: str
     meaning: str
     anchor: str
@@ -170,7 +172,7 @@ class NoteKind:
     groups: tuple[NoteGroup, ...]
 
     def __str__(self) -> str:
-        if self.kind is not Kind.WARNING:
+        if self.kind is not NoteSubject.WARNING:
             return f"{self.count} {self.kind}"
         if len(self.groups) == self.count:
             return number_of(self.count, "warning")
@@ -199,7 +201,7 @@ def _groups(notes: Iterable[StepNote]) -> tuple[NoteGroup, ...]:
     alike: dict[tuple[str, str], list[StepNote]] = {}
     for note in notes:
         # what was left out together is one thing, whatever nodes it has
-        node = "" if note.kind is Kind.LEFT_OUT else note.node
+        node = "" if note.kind is NoteSubject.LEFT_OUT else note.node
         alike.setdefault((node, _template(note)), []).append(note)
     groups = [_group(together, template) for (_, template), together in alike.items()]
     return tuple(sorted(groups, key=lambda group: (not group.matters, -group.count)))
@@ -210,7 +212,7 @@ def _template(note: StepNote) -> str:
 
     The names are those in quotes, with digits or underscores, or in a list after a colon.
     """
-    if note.kind is not Kind.WARNING:
+    if note.kind is not NoteSubject.WARNING:
         return note.reason
     text = _NAME.sub("…", _NUMBER.sub("…", _QUOTE.sub("…", note.reason)))
     return _SEVERAL.sub("…", _LIST.sub("…", text))

@@ -19,7 +19,7 @@ from nodegraph.report.descriptions import descriptions, shared_meanings
 from nodegraph.report.facts import fold_facts, head_facts
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.paper_texts import printed
-from nodegraph.report.study import Kind, Section, Study
+from nodegraph.report.study import NoteSubject, Section, Study
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -109,7 +109,7 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
             shared_texts={(setting.name, setting.meaning) for setting in shared},
             kinds=kinds,
             printed=printed(study),
-            failed=any(kind.kind is Kind.FAILED for kind in kinds),
+            failed=any(kind.kind is NoteSubject.FAILED for kind in kinds),
             policy=policy(trusted, *scripts, connect=server != _NO_SERVER),
             stored=sum(row.stored for row in study.timings),
             shown=_SHOWN,

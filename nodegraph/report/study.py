@@ -29,7 +29,7 @@ _MOST_BYTES = 256_000_000
 """Largest study file that is read, in bytes; the file may be another person's."""
 
 
-class Kind(StrEnum):
+class NoteSubject(StrEnum):
     """The subject of a note."""
 
     FAILED = "failed"
@@ -230,7 +230,7 @@ class StepNote:
     node, labels : str
         The node and the combination: ``fill=muscle, trial=3``.
     reason : str
-    kind : Kind
+    kind : NoteSubject
     count : int
         For how many combinations the note stands.
     repeat : str
@@ -246,7 +246,7 @@ class StepNote:
     node: str
     labels: str
     reason: str
-    kind: Kind
+    kind: NoteSubject
     count: int = 1
     repeat: str = ""
     trace: str = ""
@@ -350,7 +350,7 @@ class Study:
     @property
     def ok(self) -> bool:
         """Whether no step failed, and all that the report lists is shown."""
-        return not any(note.kind is Kind.FAILED for note in self.notes)
+        return not any(note.kind is NoteSubject.FAILED for note in self.notes)
 
 
 def study_bytes(study: Study) -> bytes:

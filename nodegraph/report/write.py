@@ -17,7 +17,7 @@ from nodegraph.runs.record_files import record_bytes, steps_bytes
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenRun:
     """A run in its folder.
 
     Attributes
@@ -32,7 +32,7 @@ class Written:
     lost: dict[str, str]
 
 
-def write_run(run: Run, folder: RunFolder) -> Written:
+def write_run(run: Run, folder: RunFolder) -> WrittenRun:
     """Write the record of a run, then its tables and figures, then its report.
 
     A file that cannot be composed or written costs no other one. The record is then written again,
@@ -52,7 +52,7 @@ class _Writer:
         self._folder = folder
         self._lost: dict[str, NotWritten] = {}
 
-    def write(self, run: Run) -> Written:
+    def write(self, run: Run) -> WrittenRun:
         what_ran = record(run)
         self._write(STEPS, lambda: steps_bytes(what_ran.steps))
         self._write(RECORD, lambda: record_bytes(what_ran))
@@ -66,7 +66,7 @@ class _Writer:
                 again = self._lost[RECORD]
                 reason = f"{again.reason}; the existing one does not list what is lost"
                 self._lost[RECORD] = replace(again, reason=reason)
-        return Written(composed.study, {name: file.reason for name, file in self._lost.items()})
+        return WrittenRun(composed.study, {name: file.reason for name, file in self._lost.items()})
 
     def _compose(self, run: Run) -> Composed:
         try:

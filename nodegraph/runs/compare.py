@@ -33,7 +33,7 @@ class Agreement(StrEnum):
 
 
 @dataclass(frozen=True)
-class Change:
+class StepChange:
     """How a step changed between two runs.
 
     Attributes
@@ -73,7 +73,7 @@ class Pair:
         return Agreement.OTHER in self.feeds
 
     @cached_property
-    def change(self) -> Change:
+    def change(self) -> StepChange:
         """How its step changed."""
         return changes(*self.records, self.was, self.now)
 
@@ -101,7 +101,7 @@ Judge = Callable[[Pair], Judged]
 
 
 @dataclass
-class Spread:
+class Agreements:
     """The agreement of all combinations of two records.
 
     Attributes
@@ -161,14 +161,14 @@ class Spread:
 
     def by_change(self) -> list[list[tuple[Pair, Judged]]]:
         """Return the origins of a node that changed in the same way together, in their order."""
-        groups: dict[tuple[str, Change, str], list[tuple[Pair, Judged]]] = {}
+        groups: dict[tuple[str, StepChange, str], list[tuple[Pair, Judged]]] = {}
         for pair, judged in self.origins:
             same = (pair.cell.node, pair.change, judged.text)
             groups.setdefault(same, []).append((pair, judged))
         return list(groups.values())
 
 
-def compare(was: Record, now: Record, judge: Judge) -> Spread:
+def compare(was: Record, now: Record, judge: Judge) -> Agreements:
     """Compare the results of two runs of one graph, or of graphs whose nodes have the same names.
 
     Parameters
@@ -178,7 +178,7 @@ def compare(was: Record, now: Record, judge: Judge) -> Spread:
         Called for every combination that both have, after those that feed it.
     """
     before = {cell.key: (cell, step) for step in was.steps for cell in step.cells}
-    spread = Spread()
+    spread = Agreements()
     ended: dict[int, tuple[Agreement, frozenset[str]]] = {}
     for step in now.steps:
         needed = {source.step for _, sources in step.sources() for source in sources}
@@ -196,7 +196,7 @@ def compare(was: Record, now: Record, judge: Judge) -> Spread:
     return spread
 
 
-def _add(spread: Spread, pair: Pair, judged: Judged, known: frozenset[str]) -> frozenset[str]:
+def _add(spread: Agreements, pair: Pair, judged: Judged, known: frozenset[str]) -> frozenset[str]:
     """Add a combination; return the changes that explain it and what feeds it, if it differs."""
     node, agreement = pair.cell.node, judged.agreement
     spread.counts[agreement] += 1
@@ -273,12 +273,12 @@ def _bracketed(step: RecordedStep) -> str:
     return f"{step.state} ({step.reason})" if step.reason else step.state
 
 
-def changes(was: Record, now: Record, step_was: RecordedStep, step_now: RecordedStep) -> Change:
+def changes(was: Record, now: Record, step_was: RecordedStep, step_now: RecordedStep) -> StepChange:
     """Return how a step of one record changed in another."""
     methods = was.method(step_was), now.method(step_now)
     codes = (was.code.get(methods[0].full_name), now.code.get(methods[1].full_name))
     if methods[0].use != methods[1].use:
-        return Change((f"used {methods[0].use}, now {methods[1].use}",))
+        return StepChange((f"used {methods[0].use}, now {methods[1].use}",))
     own: list[str] = []
     if methods[0].plugin != methods[1].plugin:
         own.append(f"plugin was {methods[0].plugin}, now {methods[1].plugin}")
@@ -288,7 +288,7 @@ def changes(was: Record, now: Record, step_was: RecordedStep, step_now: Recorded
     own += _code_changes(was, now, *codes)
     names = dict.fromkeys(_AROUND_ALL)
     names |= dict.fromkeys(name for code in codes if code for name in code.distributions)
-    return Change(tuple(own), tuple(version_changes(was.versions, now.versions, names)))
+    return StepChange(tuple(own), tuple(version_changes(was.versions, now.versions, names)))
 
 
 def version_changes(

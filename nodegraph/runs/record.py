@@ -84,7 +84,7 @@ class RecordedCode:
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
+class EmptyNode:
     """A node without a combination, and why."""
 
     node: str
@@ -300,7 +300,7 @@ class Record:
     code: dict[str, RecordedCode]
     units: dict[str, str]
     known: list[str]
-    left_out: list[LeftOut]
+    left_out: list[EmptyNode]
     counts: dict[str, Int]
     seconds: Float
     not_kept: dict[str, Int]
@@ -369,7 +369,7 @@ def record(run: Run) -> Record:
             for name, digest in code.units.items()
         },
         known=[str(reference) for reference in graph.spec.known],
-        left_out=[LeftOut(node, reason) for node, reason in graph.reasons_left_out().items()],
+        left_out=[EmptyNode(node, reason) for node, reason in graph.reasons_left_out().items()],
         counts=run.counts(),
         seconds=round(run.seconds, 6),
         not_kept=dict(run.cache.not_stored) if run.cache else {},

@@ -24,7 +24,7 @@ from nodegraph.formatting import number_of
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.page import policy, source, templates_of
-from nodegraph.report.study import Kind, Study, read_study
+from nodegraph.report.study import NoteSubject, Study, read_study
 from nodegraph.runs.folder import REPORT, STUDY, is_run, moved_for, runs_in
 from nodegraph.site.history import changes_between, tables
 
@@ -32,7 +32,7 @@ INDEX = "index.html"
 _MARK = b'<meta name="generator" content="nodegraph site">'
 
 
-class Contents(NamedTuple):
+class GalleryFiles(NamedTuple):
     """The number of runs, and the files by their paths: those to write, and those to copy."""
 
     runs: int
@@ -82,7 +82,7 @@ class _RunReport:
     @property
     def failed(self) -> str:
         """How many combinations failed, as a report says it; empty if none did."""
-        kinds = (kind for kind in note_kinds(self.study) if kind.kind is Kind.FAILED)
+        kinds = (kind for kind in note_kinds(self.study) if kind.kind is NoteSubject.FAILED)
         return next(map(str, kinds), "")
 
     @property
@@ -110,7 +110,7 @@ def is_gallery(folder: Path) -> bool:
     return page.is_file() and _MARK in page.read_bytes()
 
 
-def gallery(folders: Iterable[Path]) -> Contents:
+def gallery(folders: Iterable[Path]) -> GalleryFiles:
     """Return the files of a gallery of runs, from their folders or from folders that hold them.
 
     A warning counts the runs in a folder that are not finished, and are left out. The links are
@@ -133,7 +133,7 @@ def gallery(folders: Iterable[Path]) -> Contents:
         mark=_MARK.decode(),
     )
     copied = {f"{run.name}/{path}": file for run in runs for path, file in run.files.items()}
-    return Contents(len(runs), generated, copied)
+    return GalleryFiles(len(runs), generated, copied)
 
 
 def _histories(runs: Sequence[_RunReport]) -> Iterator[tuple[str, bytes]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import number_of
 from nodegraph.report.study import Study
-from nodegraph.runs.compare import Spread, by_digest, choices, compare
+from nodegraph.runs.compare import Agreements, by_digest, choices, compare
 from nodegraph.runs.record_files import read_record
 from nodegraph.store import Store
 
@@ -108,7 +108,7 @@ def changes_between(was: Path, now: Path, store: Store) -> list[str]:
     return lines[:_MOST] + more
 
 
-def _changes(spread: Spread) -> Iterator[str]:
+def _changes(spread: Agreements) -> Iterator[str]:
     for cells, run in ((spread.only_was, "the earlier"), (spread.only_now, "the later")):
         if cells:
             counts = Counter(cell.node for cell in cells)

@@ -3,14 +3,14 @@
 from nodegraph.store.codec import Packed, Packer
 from nodegraph.store.errors import Unreadable, Unstorable
 from nodegraph.store.store import About, DamagedEntry, Entry, Store, store_folder
-from nodegraph.store.upkeep import Amount, Kept, Upkeep
+from nodegraph.store.upkeep import Amount, EntryOnDisk, Upkeep
 
 __all__ = [
     "About",
     "Amount",
     "DamagedEntry",
     "Entry",
-    "Kept",
+    "EntryOnDisk",
     "Packed",
     "Packer",
     "Store",

@@ -30,7 +30,7 @@ _SHARE = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class EntryOnDisk:
     """A stored result as it lies on disk.
 
     Attributes
@@ -72,7 +72,7 @@ class Upkeep:
         self.folder = folder.absolute()
         self._root = str(self.folder / FORMAT)
 
-    def entries(self, most: int | None = None) -> Iterator[Kept]:
+    def entries(self, most: int | None = None) -> Iterator[EntryOnDisk]:
         """Yield entries that are whole, the last used first.
 
         Parameters
@@ -84,7 +84,7 @@ class Upkeep:
         listed = sorted(dated, reverse=True) if most is None else heapq.nlargest(most, dated)
         for used, name in listed:
             if (entry := self._read(name)) is not None:
-                yield Kept(entry, used)
+                yield EntryOnDisk(entry, used)
 
     def size(self) -> Amount:
         """Return the size of the store."""
@@ -221,7 +221,7 @@ class Upkeep:
         return read_entry(content, name.removesuffix(".json"))
 
 
-def _listed(kept: Kept, now: float) -> _Listed:
+def _listed(kept: EntryOnDisk, now: float) -> _Listed:
     entry, used = kept.entry, _past(kept.used, now)
     return _Listed(f"{entry.key}.json", used, entry.length, tuple(entry.blobs()))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_align.poses import Poses, Scale, fit
+from nodegraph_align.poses import Scale, Transforms, fit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,16 +46,16 @@ class Fitting:
         """Return those of some frames."""
         return Fitting(self.points[frames], self.shape, self.scale)
 
-    def fit(self, weights: NDArray[np.float64] | None = None) -> Poses:
+    def fit(self, weights: NDArray[np.float64] | None = None) -> Transforms:
         """Return the poses that fit best, with these weights, (T, L), or equal ones."""
         each = np.ones((1, len(self.shape))) if weights is None else weights
         return fit(self.points, np.arange(len(self.shape)), self.shape, each, self.scale)
 
-    def placed(self, poses: Poses) -> NDArray[np.float64]:
+    def placed(self, poses: Transforms) -> NDArray[np.float64]:
         """Return the landmarks, (T, L, 3), as the poses move them."""
         return poses.moved(self.points, None).positions
 
-    def distances(self, poses: Poses) -> NDArray[np.float64]:
+    def distances(self, poses: Transforms) -> NDArray[np.float64]:
         """Return how far, (T, L) mm, each landmark is from its place; infinite where missing."""
         apart = np.sqrt(((self.placed(poses) - self.shape) ** 2).sum(axis=2))
         return np.where(self.there, apart, np.inf)

@@ -10,7 +10,7 @@ from pydantic import Field
 from nodegraph import Unit, node
 from nodegraph_align.faces import Faces
 from nodegraph_align.fitting import Fitting
-from nodegraph_align.poses import Aligned, Poses, warn
+from nodegraph_align.poses import Aligned, Transforms, warn
 from nodegraph_align.reference import reference_of
 
 _ROUNDS = 200
@@ -72,7 +72,7 @@ def huber(
     return Aligned(*poses.move(recording), target.frame)
 
 
-def _settled(fitting: Fitting, width: float) -> tuple[Poses, int]:
+def _settled(fitting: Fitting, width: float) -> tuple[Transforms, int]:
     """Return the poses, and how many of them still change."""
     weights = fitting.there.astype(np.float64)
     poses = fitting.fit()

@@ -43,7 +43,7 @@ class Moved(NamedTuple):
     scales: NDArray[np.float64]
 
 
-class Poses(NamedTuple):
+class Transforms(NamedTuple):
     """The transform of each frame's points x: ``s R (x - centre) + goal``.
 
     All arrays are contiguous, for which the kernel is compiled.
@@ -69,11 +69,11 @@ class Poses(NamedTuple):
         """(T,), True where the frame is fitted."""
         return np.asarray(self.states <= MIRRORED)
 
-    def some(self, frames: NDArray[np.generic]) -> Poses:
+    def some(self, frames: NDArray[np.generic]) -> Transforms:
         """Return those of some frames."""
-        return Poses(*(part[frames] for part in self))
+        return Transforms(*(part[frames] for part in self))
 
-    def put(self, frames: NDArray[np.generic], others: Poses) -> None:
+    def put(self, frames: NDArray[np.generic], others: Transforms) -> None:
         """Replace those of some frames."""
         parts: tuple[Any, ...] = self
         for part, other in zip(parts, others, strict=True):
@@ -105,7 +105,7 @@ class Poses(NamedTuple):
 
 def fitted(
     recording: Trajectories, reference: Reference, scale: Scale, *, reflection: bool = False
-) -> Poses:
+) -> Transforms:
     """Return the poses that minimize each frame's squared distances from the reference.
 
     Parameters
@@ -130,7 +130,7 @@ def fit(
     scale: Scale,
     *,
     reflection: bool = False,
-) -> Poses:
+) -> Transforms:
     """Return the poses that minimize ``sum(w |s R (x - centre) + goal - y|^2)`` in each frame.
 
     Parameters
@@ -158,7 +158,7 @@ def fit(
 
     if scale not in _CODES:
         raise ValueError(f"no scale {scale!r}; {nearest(scale, _CODES)}")
-    return Poses(
+    return Transforms(
         *rigid_kernel.fit(
             for_kernel(positions),
             for_kernel(columns),
@@ -192,7 +192,7 @@ def for_kernel(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
 
 
 def warn(
-    poses: Poses,
+    poses: Transforms,
     recording: Trajectories,
     reference: Reference,
     notes: list[str],
@@ -216,7 +216,7 @@ def warn(
         warnings.warn("; ".join(every), stacklevel=stacklevel)
 
 
-def _doubts(poses: Poses, recording: Trajectories, reference: Reference) -> Iterator[str]:
+def _doubts(poses: Transforms, recording: Trajectories, reference: Reference) -> Iterator[str]:
     columns = reference.columns(recording)
     counts = np.count_nonzero(recording.present[:, columns], axis=1)
     fewer = poses.known & (counts < len(reference.landmarks))

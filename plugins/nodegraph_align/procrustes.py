@@ -17,8 +17,8 @@ from nodegraph_align.landmarks import FEWEST, Landmarks
 from nodegraph_align.poses import (
     MIRRORED,
     Aligned,
-    Poses,
     Scale,
+    Transforms,
     fit,
     fitted,
     for_kernel,
@@ -180,8 +180,8 @@ def procrustes(
 
 
 def _wanted(
-    poses: Poses, onto: Reference, steps: Steps, scale: Scale, *, restore: bool
-) -> tuple[Poses, Trajectories]:
+    poses: Transforms, onto: Reference, steps: Steps, scale: Scale, *, restore: bool
+) -> tuple[Transforms, Trajectories]:
     """Return the poses with the steps that are carried out, and the reference after these."""
     poses = _carried_out(poses, steps, scale)
     if restore or not steps:
@@ -190,7 +190,7 @@ def _wanted(
     return _about_the_origin(poses, onto, unit)
 
 
-def _carried_out(poses: Poses, steps: Sequence[Step], scale: Scale) -> Poses:
+def _carried_out(poses: Transforms, steps: Sequence[Step], scale: Scale) -> Transforms:
     """Return the poses without the steps that are left out."""
     if not steps:
         still = np.zeros_like(poses.goals)
@@ -203,8 +203,8 @@ def _carried_out(poses: Poses, steps: Sequence[Step], scale: Scale) -> Poses:
 
 
 def _about_the_origin(
-    poses: Poses, reference: Reference, unit: float
-) -> tuple[Poses, Trajectories]:
+    poses: Transforms, reference: Reference, unit: float
+) -> tuple[Transforms, Trajectories]:
     """Return poses and reference with the landmarks' mean at the origin, in another unit."""
     moved = poses._replace(
         scales=poses.scales / unit, goals=(poses.goals - reference.centre) / unit

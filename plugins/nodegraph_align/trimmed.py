@@ -12,7 +12,7 @@ from nodegraph import node
 from nodegraph_align.faces import Faces
 from nodegraph_align.fitting import Fitting
 from nodegraph_align.landmarks import FEWEST
-from nodegraph_align.poses import Aligned, Poses, warn
+from nodegraph_align.poses import Aligned, Transforms, warn
 from nodegraph_align.reference import reference_of
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def trimmed(
     return Aligned(*poses.move(recording), target.frame)
 
 
-def _nearest(fitting: Fitting, share: float) -> Poses:
+def _nearest(fitting: Fitting, share: float) -> Transforms:
     """Return the poses by the landmarks that fit best."""
     count = np.maximum(np.ceil(share * fitting.there.sum(axis=1) - 1e-9), FEWEST)
     best = _concentrated(fitting, fitting.fit(), count, _FIRST)
@@ -98,7 +98,9 @@ def _nearest(fitting: Fitting, share: float) -> Poses:
     return _concentrated(fitting, best, count, _ROUNDS)
 
 
-def _concentrated(fitting: Fitting, poses: Poses, count: NDArray[np.float64], rounds: int) -> Poses:
+def _concentrated(
+    fitting: Fitting, poses: Transforms, count: NDArray[np.float64], rounds: int
+) -> Transforms:
     """Return poses fitted again and again to the landmarks that are nearest in the last."""
     weights = np.zeros_like(fitting.there, dtype=np.float64)
     active = np.flatnonzero(poses.known)
@@ -118,7 +120,7 @@ def _concentrated(fitting: Fitting, poses: Poses, count: NDArray[np.float64], ro
     return poses
 
 
-def _sums(fitting: Fitting, poses: Poses, count: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sums(fitting: Fitting, poses: Transforms, count: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the sum of the smallest squared distances, (T,) mm^2; infinite without a pose."""
     squared = np.sort(fitting.distances(poses), axis=1) ** 2
     nearest = np.arange(squared.shape[1]) < count[:, None]

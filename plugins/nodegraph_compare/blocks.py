@@ -112,7 +112,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Columns:
+class BlockColumns:
     """Columns of all rows as whole numbers: places in their lists of labels."""
 
     names: tuple[str, ...]
@@ -213,7 +213,7 @@ def groups(
     return tuple(result)
 
 
-def columns_of(scores: Across[Table], names: tuple[str, ...]) -> Columns:
+def columns_of(scores: Across[Table], names: tuple[str, ...]) -> BlockColumns:
     """Return gathered axes, their fields, or columns, of all rows of all tables."""
     lengths = [len(table) for table in scores.values()]
     columns = [
@@ -225,7 +225,7 @@ def columns_of(scores: Across[Table], names: tuple[str, ...]) -> Columns:
         for name in names
     ]
     labels, codes = tuple(labels for labels, _ in columns), tuple(codes for _, codes in columns)
-    return Columns(names, labels, codes, sum(lengths))
+    return BlockColumns(names, labels, codes, sum(lengths))
 
 
 def _field(
@@ -315,7 +315,7 @@ def block_means(
 
 
 def _without_rows(
-    scores: Across[Table], question: Question, within: Columns, compare: Columns
+    scores: Across[Table], question: Question, within: BlockColumns, compare: BlockColumns
 ) -> dict[int, set[int]]:
     """Return the methods that were refused or failed, by group, if only axes distinguish them."""
     if not set(question.within + question.compared).issubset(scores.axes):

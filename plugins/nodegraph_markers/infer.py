@@ -12,7 +12,7 @@ from pydantic import Field
 from nodegraph import Refusal, Unit, listed, node
 from nodegraph_markers.mirror import (
     ALONE,
-    Axes,
+    FaceAxes,
     Mirror,
     face_axes,
     find_mirror,
@@ -205,7 +205,7 @@ def _sided(
     couples: list[tuple[int, int]],
     mirror: Mirror,
     shape: NDArray[np.float64],
-    axes: Axes,
+    axes: FaceAxes,
     names: list[str],
 ) -> tuple[list[tuple[int, int]], list[str]]:
     """Return the couples with the left marker first, and messages to the user."""

@@ -153,7 +153,7 @@ def _suited(
     return Mirror(normal, float(normal @ centre))
 
 
-class Axes(NamedTuple):
+class FaceAxes(NamedTuple):
     """Directions of a face as unit vectors: across it, up and to the front.
 
     Attributes
@@ -194,7 +194,7 @@ def face_axes(
     shape: NDArray[np.float64],
     across: NDArray[np.float64],
     motion: NDArray[np.float64] | None,
-) -> Axes:
+) -> FaceAxes:
     """Return the directions up and to the front of a face whose mirror plane is known.
 
     Up lies along the greatest extent within the plane, the front along the other. The front is
@@ -217,7 +217,7 @@ def face_axes(
     front = depth * (-1.0 if _rises(within @ depth, aside**2) else 1.0)
     lower = -np.abs(aside) if motion is None else motion
     up = longest * (-1.0 if _rises(within @ longest, lower) else 1.0)
-    return Axes(across, up, front)
+    return FaceAxes(across, up, front)
 
 
 def _becomes(left: str, right: str) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_markers.rigid import Poses, far_apart, fit, fit_robustly
+from nodegraph_markers.rigid import RigidMotions, far_apart, fit, fit_robustly
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -125,18 +125,18 @@ def _assigned(
     return point[near], place[near]
 
 
-def _pose(points: NDArray[np.float64], places: NDArray[np.float64], width: float) -> Poses:
+def _pose(points: NDArray[np.float64], places: NDArray[np.float64], width: float) -> RigidMotions:
     used = np.ones((1, len(points)), dtype=np.bool_)
     return fit_robustly(points[np.newaxis], places, used, width=width)
 
 
-def _poses(points: NDArray[np.float64], shape: NDArray[np.float64], width: float) -> Poses:
+def _poses(points: NDArray[np.float64], shape: NDArray[np.float64], width: float) -> RigidMotions:
     """Return the poses in which triangles lie on triangles like them, from either side."""
     there, back = _laid(points, shape, width), _inverse(_laid(shape, points, width))
-    return Poses(*(np.concatenate(part) for part in zip(there, back, strict=True)))
+    return RigidMotions(*(np.concatenate(part) for part in zip(there, back, strict=True)))
 
 
-def _laid(source: NDArray[np.float64], target: NDArray[np.float64], width: float) -> Poses:
+def _laid(source: NDArray[np.float64], target: NDArray[np.float64], width: float) -> RigidMotions:
     """Return the poses that lay far triangles of the source on those of the target."""
     from itertools import combinations
 
@@ -150,13 +150,13 @@ def _laid(source: NDArray[np.float64], target: NDArray[np.float64], width: float
     return fit(first, second, np.ones((len(first), 3)))
 
 
-def _inverse(poses: Poses) -> Poses:
+def _inverse(poses: RigidMotions) -> RigidMotions:
     back = poses.rotations.transpose(0, 2, 1)
-    return Poses(back, -(back @ poses.translations[..., np.newaxis])[..., 0], poses.known)
+    return RigidMotions(back, -(back @ poses.translations[..., np.newaxis])[..., 0], poses.known)
 
 
 def _rates(
-    poses: Poses, points: NDArray[np.float64], shape: NDArray[np.float64], width: float
+    poses: RigidMotions, points: NDArray[np.float64], shape: NDArray[np.float64], width: float
 ) -> NDArray[np.float64]:
     from scipy.spatial import KDTree
 
@@ -165,7 +165,7 @@ def _rates(
     tree, rates = KDTree(shape), [np.empty(0)]
     for start in range(0, len(poses.known), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        some = Poses(poses.rotations[part], poses.translations[part], poses.known[part])
+        some = RigidMotions(poses.rotations[part], poses.translations[part], poses.known[part])
         nearest, _ = tree.query(some.apply(points), distance_upper_bound=width)
         rates.append((np.minimum(nearest, width) ** 2).mean(axis=1))
     return np.concatenate(rates)

@@ -13,7 +13,7 @@ _ON_A_LINE = 1e-3
 """Second singular value to the first, below which points tell no rotation."""
 
 
-class Poses(NamedTuple):
+class RigidMotions(NamedTuple):
     """Rigid motions of each frame's points onto the shape: ``R p + t``.
 
     Attributes
@@ -39,7 +39,7 @@ def fit(
     weights: NDArray[np.float64],
     *,
     fewest: int = 3,
-) -> Poses:
+) -> RigidMotions:
     """Return the proper rigid motion of each frame that minimizes ``sum(w |R p + t - q|^2)``.
 
     The rotation follows from the singular value decomposition of the weighted covariance, with
@@ -73,7 +73,7 @@ def fit(
     translations = np.where(
         known[:, np.newaxis], goal - (rotations @ middle[..., np.newaxis])[..., 0], 0.0
     )
-    return Poses(rotations, translations, known)
+    return RigidMotions(rotations, translations, known)
 
 
 def fit_robustly(
@@ -83,7 +83,7 @@ def fit_robustly(
     *,
     width: float,
     fewest: int = 3,
-) -> Poses:
+) -> RigidMotions:
     """Return the poses of a robust fit, in which far points count less.
 
     Parameters

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_markers.rigid import Poses, fit_robustly, spacing
+from nodegraph_markers.rigid import RigidMotions, fit_robustly, spacing
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,13 +25,13 @@ class Expectation(NamedTuple):
 
     Attributes
     ----------
-    poses : Poses
+    poses : RigidMotions
         From the recording onto the shape.
     places : (T, M, 3) array of float64
         Where each marker is expected, on the shape.
     """
 
-    poses: Poses
+    poses: RigidMotions
     places: NDArray[np.float64]
 
 
@@ -92,7 +92,7 @@ class Tracks:
                 marked[frames, named[column]] = self.positions[frames, column]
         return marked
 
-    def poses(self, named: NDArray[np.intp]) -> Poses:
+    def poses(self, named: NDArray[np.intp]) -> RigidMotions:
         """Return the pose of each frame, by the named tracks."""
         return self._poses(self.marked(named))
 
@@ -123,6 +123,6 @@ class Tracks:
         onto = (turned + translations[frame])[:, np.newaxis]
         return np.asarray(np.linalg.norm(onto - expectation.places[frame], axis=2))
 
-    def _poses(self, marked: NDArray[np.float64]) -> Poses:
+    def _poses(self, marked: NDArray[np.float64]) -> RigidMotions:
         there = ~np.isnan(marked[..., 0])
         return fit_robustly(marked, self.shape, there, width=self.gate, fewest=self.fewest)

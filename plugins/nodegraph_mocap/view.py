@@ -22,7 +22,7 @@ _CLEARLY = 1.8  # times as high as deep are the markers of a face, from 2.4 on
 
 
 @dataclass(frozen=True)
-class View:
+class Projection:
     """A parallel projection.
 
     Attributes
@@ -40,7 +40,7 @@ class View:
         return np.asarray((points - self.centre) @ np.stack([self.right, self.up], axis=1))
 
 
-def frontal(recording: Trajectories, view: str) -> View:
+def frontal(recording: Trajectories, view: str) -> Projection:
     """Return the view of a recording's face from the front, or the requested one.
 
     The face is the mean of its measured samples. With a marker set that has pairs, the face's
@@ -66,13 +66,13 @@ def frontal(recording: Trajectories, view: str) -> View:
     face, known = _mean_face(recording)
     centre = face[known].mean(axis=0) if known.any() else np.zeros(3)
     if view != AUTO:
-        return View(centre, *_signed_axes(view))
+        return Projection(centre, *_signed_axes(view))
     if np.count_nonzero(known) < _FEWEST:
-        return View(centre, *_signed_axes("+x+y"))
+        return Projection(centre, *_signed_axes("+x+y"))
     sideways = _left(face, known, recording.markers, recording.marker_set)
     points = face[known] - centre
     axes = _from_extents(points) if sideways is None else _from_pairs(points, sideways)
-    return View(centre, *_snapped(*axes))
+    return Projection(centre, *_snapped(*axes))
 
 
 def _signed_axes(view: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -11,10 +11,10 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_mocap import Trajectories
 from nodegraph_track.follow import (
+    LinkMethod,
     Links,
-    Method,
     OpenTracks,
-    Points,
+    TrackingInput,
     follow,
     live_form,
     lookahead,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def _method(fade: float) -> Method:
+def _method(fade: float) -> LinkMethod:
     return partial(_link, fade=fade)
 
 
@@ -36,10 +36,10 @@ def _method(fade: float) -> Method:
     ),
     lookahead=lookahead,
     live=live_form(_method),
-    shares=Points,
+    shares=TrackingInput,
 )
 def assignment(
-    given: Points,
+    given: TrackingInput,
     *,
     fade: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8,
 ) -> Trajectories:

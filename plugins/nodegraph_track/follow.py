@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Points:
+class TrackingInput:
     """Points to follow, and the settings of every tracker.
 
     Attributes
@@ -138,7 +138,7 @@ class Links(NamedTuple):
     point: NDArray[np.intp]
 
 
-class Method(Protocol):
+class LinkMethod(Protocol):
     """Links the open tracks to a frame's points, (P, 3) in the order of x, within a gate in mm."""
 
     def __call__(
@@ -147,7 +147,7 @@ class Method(Protocol):
         """Return the links."""
 
 
-def follow(given: Points, method: Method) -> Trajectories:
+def follow(given: TrackingInput, method: LinkMethod) -> Trajectories:
     """Follow points through time by a method, and warn of what is dropped; called by a node.
 
     Parameters
@@ -228,14 +228,14 @@ class _Tracker:
     Parameters
     ----------
     method, gate, patience, shortest
-        As for `follow` and `Points`.
+        As for `follow` and `TrackingInput`.
     tracks
         Tracks that are open before the first frame: if there are any, there will be no others.
     """
 
     def __init__(
         self,
-        method: Method,
+        method: LinkMethod,
         gate: float,
         patience: int,
         shortest: int,
@@ -248,7 +248,7 @@ class _Tracker:
         self._frame = 0
 
     @staticmethod
-    def of(reference: Trajectories, method: Method, gate: float) -> _Tracker:
+    def of(reference: Trajectories, method: LinkMethod, gate: float) -> _Tracker:
         """Return one that follows the markers of a reference, however long they are not seen."""
         return _Tracker(method, gate, np.iinfo(np.int64).max, 0, _tracks_of(reference))
 
@@ -352,7 +352,7 @@ def _trajectories(
     return Trajectories(positions=positions, markers=names, rate=detections.rate)
 
 
-def live_form(method: Callable[..., Method]) -> StateForm:
+def live_form(method: Callable[..., LinkMethod]) -> StateForm:
     """Return how a tracker follows the markers of a reference frame by frame.
 
     Parameters

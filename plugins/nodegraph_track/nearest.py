@@ -9,7 +9,7 @@ from nodegraph_mocap import Trajectories
 from nodegraph_track.follow import (
     Links,
     OpenTracks,
-    Points,
+    TrackingInput,
     follow,
     live_form,
     lookahead,
@@ -26,8 +26,8 @@ def _link(tracks: OpenTracks, points: NDArray[np.float64], frame: int, gate: flo
     return Links(tracks.place, linking_kernel.nearest_first(tracks.place, points, gate))
 
 
-@node("track.nearest", lookahead=lookahead, live=live_form(lambda: _link), shares=Points)
-def nearest(given: Points) -> Trajectories:
+@node("track.nearest", lookahead=lookahead, live=live_form(lambda: _link), shares=TrackingInput)
+def nearest(given: TrackingInput) -> Trajectories:
     """Follow points by giving each track the nearest one to its last position.
 
     In each frame the pair of track and point that is nearest is linked first, then the nearest

@@ -12,7 +12,7 @@ from nodegraph_mocap import Trajectories
 from nodegraph_track.follow import (
     Links,
     OpenTracks,
-    Points,
+    TrackingInput,
     follow,
     live_form,
     lookahead,
@@ -55,10 +55,10 @@ class _Method:
     ),
     lookahead=lookahead,
     live=live_form(_Method),
-    shares=Points,
+    shares=TrackingInput,
 )
 def neighbours(
-    given: Points,
+    given: TrackingInput,
     *,
     neighbours: Annotated[int, Field(ge=1)] = 8,
 ) -> Trajectories:

@@ -34,7 +34,7 @@ _PLAIN = 1e-9
 _ROUNDS, _APPROACHES = 10_000, 20
 
 
-class Answer(NamedTuple):
+class BoundedSolution(NamedTuple):
     """Weights of N targets.
 
     Attributes
@@ -49,7 +49,7 @@ class Answer(NamedTuple):
     unsolved: Flags
 
 
-def least_squares(columns: Matrix, targets: Matrix, low: float, high: float) -> Answer:
+def least_squares(columns: Matrix, targets: Matrix, low: float, high: float) -> BoundedSolution:
     """Return the weights w of least ``|sum(w[k] columns[k]) - target|^2`` within the bounds.
 
     Of several, those of the least norm, but for `RIDGE`.
@@ -94,14 +94,14 @@ class System:
                 return np.asarray(weights[0])
         return np.asarray(self.solve(target[None]).weights[0])
 
-    def solve(self, targets: Matrix) -> Answer:
+    def solve(self, targets: Matrix) -> BoundedSolution:
         """Return the weights of (N, R) targets."""
         columns = self._columns
         none = np.zeros(len(targets), dtype=np.bool_)
         if not len(columns):
-            return Answer(np.zeros((len(targets), 0)), none)
+            return BoundedSolution(np.zeros((len(targets), 0)), none)
         if np.isinf(self._low):
-            return Answer(targets @ np.linalg.pinv(columns, rcond=RANK), none)
+            return BoundedSolution(targets @ np.linalg.pinv(columns, rcond=RANK), none)
         from nodegraph_blendshapes.solve import pivoting_kernel
 
         squares, share = self._squares, KKT
@@ -125,7 +125,7 @@ class System:
             weights[again], solved[again] = found, least
         for frame in np.flatnonzero(~solved):
             weights[frame] = _by_scipy(squares, targets[frame])
-        return Answer(weights, np.asarray(np.isnan(weights).any(axis=1)))
+        return BoundedSolution(weights, np.asarray(np.isnan(weights).any(axis=1)))
 
     @cached_property
     def _squares(self) -> Any:

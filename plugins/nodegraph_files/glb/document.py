@@ -103,7 +103,7 @@ class Mesh(_Part):
     extras: object = None
 
 
-class Node(_Part):
+class SceneNode(_Part):
     """A place in the scene, which may show a mesh."""
 
     name: str = ""
@@ -136,7 +136,7 @@ class Document(_Part):
     asset: Asset
     scene: Index = 0
     scenes: list[Scene] = []
-    nodes: list[Node] = []
+    nodes: list[SceneNode] = []
     meshes: list[Mesh] = []
     skins: list[Skin] = []
     accessors: list[Accessor] = []

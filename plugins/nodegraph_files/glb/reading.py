@@ -22,7 +22,14 @@ from nodegraph_files.glb.buffers import (
     Accessors,
     split_glb,
 )
-from nodegraph_files.glb.document import Document, Mesh, Node, Primitive, entry_at, read_document
+from nodegraph_files.glb.document import (
+    Document,
+    Mesh,
+    Primitive,
+    SceneNode,
+    entry_at,
+    read_document,
+)
 from nodegraph_files.head import RawHead
 from nodegraph_mocap.checks import distinct
 
@@ -205,7 +212,7 @@ def _roots(document: Document) -> list[int]:
     return [index for index in range(len(document.nodes)) if index not in below]
 
 
-def _own_place(node: Node, index: int) -> NDArray[np.float64]:
+def _own_place(node: SceneNode, index: int) -> NDArray[np.float64]:
     if node.matrix is not None:
         return np.array(node.matrix).reshape(4, 4).T
     place = np.eye(4)

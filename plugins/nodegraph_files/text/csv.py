@@ -62,7 +62,7 @@ _LEADING = 2  # columns of an index at most
 
 
 @dataclass
-class Columns:
+class CsvColumns:
     """The columns of a table by what they hold, counted from 0.
 
     Attributes
@@ -130,7 +130,7 @@ class Columns:
 
 
 def read_columns(
-    columns: Columns, *, zeros_missing: bool, unit: str, rate: float | None
+    columns: CsvColumns, *, zeros_missing: bool, unit: str, rate: float | None
 ) -> Trajectories:
     """Read the recording whose columns are known.
 
@@ -167,7 +167,7 @@ def _taken(cells: NDArray[np.float64], places: list[int]) -> NDArray[np.float64]
     return cells[:, neighbours if places == [*range(*neighbours.indices(2**62))] else places]
 
 
-def check_axes(columns: Columns) -> None:
+def check_axes(columns: CsvColumns) -> None:
     """Refuse markers that lack a coordinate."""
     path = columns.table.path
     lacking = {
@@ -187,7 +187,7 @@ def check_axes(columns: Columns) -> None:
             )
 
 
-def warn_left_out(columns: Columns) -> None:
+def warn_left_out(columns: CsvColumns) -> None:
     """Warn of columns that are neither coordinates nor frame numbers nor times."""
     if columns.left_out:
         shown = [columns.names[column] or f"column {column + 1}" for column in columns.left_out]
@@ -199,7 +199,7 @@ def warn_left_out(columns: Columns) -> None:
 
 
 def _rate(
-    columns: Columns, counters: dict[int, NDArray[np.float64]], setting: float | None
+    columns: CsvColumns, counters: dict[int, NDArray[np.float64]], setting: float | None
 ) -> float:
     times = None
     for column, values in counters.items():
@@ -223,7 +223,7 @@ def read_wide(table: Table, *, zeros_missing: bool, unit: str, rate: float | Non
         If there are neither such columns, or a marker lacks one of its three.
     """
     header = table.opening[0]
-    columns = Columns(table, header, header.cells)
+    columns = CsvColumns(table, header, header.cells)
     is_named = any(map(_COLUMN.fullmatch, header.cells))
     for place, name in enumerate(header.cells):
         match, numbered = _COLUMN.fullmatch(name), _NUMBERED.fullmatch(name)
@@ -302,11 +302,11 @@ def read_long(table: Table, *, zeros_missing: bool, unit: str, rate: float | Non
     )
 
 
-def _columns(table: Table) -> tuple[Columns, int]:
+def _columns(table: Table) -> tuple[CsvColumns, int]:
     """Return which column holds what, and which the names of markers."""
     header = table.opening[0]
     marker = next(place for place, name in enumerate(header.cells) if name.lower() in _MARKER)
-    columns = Columns(table, header, header.cells)
+    columns = CsvColumns(table, header, header.cells)
     columns.markers[_EACH] = {}
     for place, name in enumerate(header.cells):
         if match := _AXIS.fullmatch(name):
@@ -324,7 +324,7 @@ def _columns(table: Table) -> tuple[Columns, int]:
 
 
 def _frames(
-    rows: Rows, columns: Columns, read: dict[int, NDArray[np.float64]], labels: Sequence[str]
+    rows: Rows, columns: CsvColumns, read: dict[int, NDArray[np.float64]], labels: Sequence[str]
 ) -> NDArray[np.int64]:
     """Return the frame of each row, counted from 0."""
     numbers = [column for column in columns.counters if is_frame(columns.names[column])]
@@ -383,7 +383,7 @@ def _check_samples(
         )
 
 
-def _times(columns: Columns, read: dict[int, NDArray[np.float64]]) -> NDArray[np.float64] | None:
+def _times(columns: CsvColumns, read: dict[int, NDArray[np.float64]]) -> NDArray[np.float64] | None:
     for column in columns.counters:
         if is_time(columns.names[column]):
             return in_seconds(columns.names[column], np.unique(read[column]))
@@ -420,7 +420,7 @@ def read_levels(
     header, index = _index(table, axes, leading)
     labels = _labels(table, levels, leading, width)
     names = [f"{label} {axis}" for label, axis in zip(labels, axes.cells[leading:], strict=False)]
-    columns = Columns(table, header, [*index, *names])
+    columns = CsvColumns(table, header, [*index, *names])
     for column in range(leading):
         columns.add_other(column)
     for column, label in enumerate(labels, leading):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import DTypeLike, NDArray
 
-    from nodegraph_mocap.view import View
+    from nodegraph_mocap.view import Projection
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
@@ -282,14 +282,14 @@ def _runs(flags: NDArray[np.bool_]) -> list[list[int]]:
     return [[int(first), int(last) - 1] for first, last in zip(start, stop, strict=True)]
 
 
-def _view(base: Trajectories) -> View:
+def _view(base: Trajectories) -> Projection:
     """Return from where the face of a take is seen."""
     step = max(1, base.frames // _VIEW_FRAMES)
     part = replace(base, positions=base.positions[::step], origin=base.origin[::step], sigma=None)
     return frontal(part, AUTO)
 
 
-def _axes(view: View) -> list[str]:
+def _axes(view: Projection) -> list[str]:
     """Return where x, y and z lead, empty for an axis that is askew."""
     directions = np.stack([view.right, view.up, np.cross(view.right, view.up)])
     words = []
@@ -300,7 +300,7 @@ def _axes(view: View) -> list[str]:
     return words
 
 
-def _face(place: _Place, base: Trajectories, view: View) -> dict[str, object]:
+def _face(place: _Place, base: Trajectories, view: Projection) -> dict[str, object]:
     """Return the positions of all markers in the picture from the front, in some frames."""
     every = -(-len(place.frames) // MOST_POSES)
     points = view.project(place.of(base.positions)[::every])

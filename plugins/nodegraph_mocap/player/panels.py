@@ -14,7 +14,7 @@ from nodegraph_mocap.view import frontal
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_mocap.view import View
+    from nodegraph_mocap.view import Projection
 
 _OUTER = 0.1
 """Percent of the samples on each side that may lie outside: impulses must not shrink a face."""
@@ -62,7 +62,7 @@ def _markers_of(animation: Animation) -> Trajectories:
     )
 
 
-def _fit(points: NDArray[np.float64], seen: View) -> tuple[NDArray[np.float64], float]:
+def _fit(points: NDArray[np.float64], seen: Projection) -> tuple[NDArray[np.float64], float]:
     """Return the middle of all points, and the distance from it to the picture's edge."""
     if not len(points):
         return seen.centre, 1.0

@@ -6,7 +6,7 @@ import hashlib
 from pathlib import Path
 
 from nodegraph.archive.inputs import files_read
-from nodegraph.cache_key import Files
+from nodegraph.cache_key import FileDigests
 from nodegraph.runs.record import RecordedStep
 from nodegraph.state import State
 
@@ -43,7 +43,7 @@ def test_a_folder_has_all_its_files(tmp_path: Path) -> None:
     (tmp_path / "takes" / "deep").mkdir(parents=True)
     (tmp_path / "takes" / "deep" / "a.txt").write_text("a")
     (tmp_path / "takes" / "b.txt").write_text("bb")
-    digest = Files().digest(tmp_path / "takes")
+    digest = FileDigests().digest(tmp_path / "takes")
     [file] = files_read([step("takes", digest)], [tmp_path], (), lambda _: False)
     assert [name for name, _ in file.contents()] == ["takes/b.txt", "takes/deep/a.txt"]
     assert file.size == 3

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.archive.contents import Contents, readme
-from nodegraph.archive.inputs import ReadFile
+from nodegraph.archive.inputs import ArchivedInput
 from nodegraph.report import Study
 
 from .records import record_with
@@ -40,8 +40,8 @@ def test_only_the_lock_of_the_graph_is_verified() -> None:
 
 def test_inputs_are_listed_with_their_digests() -> None:
     inputs = (
-        ReadFile("/far/a.c3d", "12ab.c3d", "inputs/a.c3d", Path("/far/a.c3d")),
-        ReadFile("sample:x", "34cd", "sample:x", is_shipped=True),
+        ArchivedInput("/far/a.c3d", "12ab.c3d", "inputs/a.c3d", Path("/far/a.c3d")),
+        ArchivedInput("sample:x", "34cd", "sample:x", is_shipped=True),
     )
     text = readme(contents(inputs=inputs))
     assert "- `inputs/a.c3d`: 12ab.c3d\n" in text

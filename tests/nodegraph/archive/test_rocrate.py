@@ -10,7 +10,7 @@ import pytest
 
 from nodegraph import NodegraphError, Rendered
 from nodegraph.archive.contents import Contents
-from nodegraph.archive.inputs import ReadFile
+from nodegraph.archive.inputs import ArchivedInput
 from nodegraph.archive.rocrate import crate_metadata
 from nodegraph.report import Link, MethodRow, Section, Study
 from nodegraph.report.study import WithoutResult
@@ -36,8 +36,8 @@ def contents(**more: Any) -> Contents:
         **more,
     )
     inputs = (
-        ReadFile("a b.txt", "12.txt", "inputs/a b.txt", Path("a b.txt")),
-        ReadFile("c.txt", "34" * 32 + ".txt", "c.txt"),
+        ArchivedInput("a b.txt", "12.txt", "inputs/a b.txt", Path("a b.txt")),
+        ArchivedInput("c.txt", "34" * 32 + ".txt", "c.txt"),
     )
     files = {"g.yaml": b"", "run/t.csv": b"1", "inputs/a b.txt": b"2"}
     return Contents("g.yaml", study, RECORD, files=files, inputs=inputs)

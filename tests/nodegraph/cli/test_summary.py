@@ -13,7 +13,7 @@ from nodegraph import Grid, Rendered, load, run
 from nodegraph.cli.summary import print_summary
 from nodegraph.execute import Run
 from nodegraph.report import Section, StepNote, Study
-from nodegraph.report.study import Kind, Link
+from nodegraph.report.study import Link, NoteSubject
 
 GRAPH = """\
 nodegraph: 1
@@ -83,8 +83,8 @@ def test_equal_warnings_and_failures_are_counted(finished: Run) -> None:
     notes = [
         StepNote(node, f"k={k}", reason, kind, repeat=f"again {k}")
         for node, reason, kind in [
-            ("b", "two frames are missing", Kind.WARNING),
-            ("c", "no frame", Kind.FAILED),
+            ("b", "two frames are missing", NoteSubject.WARNING),
+            ("c", "no frame", NoteSubject.FAILED),
         ]
         for k in range(63)
     ]

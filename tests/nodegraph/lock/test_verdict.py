@@ -14,7 +14,7 @@ from nodegraph.execute import Run
 from nodegraph.lock.portable import FileNames, portable
 from nodegraph.lock.results import Results
 from nodegraph.lock.verdict import BySketch, changes_everywhere, verdict
-from nodegraph.runs.compare import Agreement, Change, Judged, Pair, Spread, compare
+from nodegraph.runs.compare import Agreement, Agreements, Judged, Pair, StepChange, compare
 from nodegraph.runs.record import Cell, Record, RecordedStep
 from nodegraph.state import State
 from tests.nodegraph.lock.conftest import Frozen
@@ -26,7 +26,7 @@ def now_of(run: Run) -> Record:
     return portable(run, FileNames(run.plan.graph), Results(run))
 
 
-def compared(frozen: Frozen, *steps: RecordedStep) -> Spread:
+def compared(frozen: Frozen, *steps: RecordedStep) -> Agreements:
     """Compare a run with its lock after changes of steps in the lock."""
     run, lock, _ = frozen
     other = {step.step: step for step in steps}
@@ -114,35 +114,37 @@ def test_a_result_in_place_of_a_refusal_is_another(frozen: Frozen) -> None:
     assert judged.text == "was refused: too small, now done"
 
 
-def pair_with(change: Change) -> tuple[Pair, Judged]:
+def pair_with(change: StepChange) -> tuple[Pair, Judged]:
     step = RecordedStep(0, "fill", "fill.hold", {}, {}, {}, State.DONE, 0.0)
     pair = Pair(Cell("fill", {}), step, step, ())  # type: ignore[arg-type]  # records are not read
     vars(pair)["change"] = change
     return pair, Judged(Agreement.OTHER, 1e-6)
 
 
-EDITED = pair_with(Change(own=("code: a was edited",)))
-DRIFTED = pair_with(Change(around=("numpy was 1, now 2",)))
+EDITED = pair_with(StepChange(own=("code: a was edited",)))
+DRIFTED = pair_with(StepChange(around=("numpy was 1, now 2",)))
 
 
 @pytest.mark.parametrize(
     ("result", "conclusions", "changed", "expected"),
     [
-        (Spread(), True, [], "identical"),
-        (Spread(), True, ["a tie"], "identical, but conclusions changed"),
-        (Spread(near=[DRIFTED]), True, [], "within tolerance"),
-        (Spread(near=[DRIFTED]), False, [], "within tolerance"),
-        (Spread(near=[DRIFTED]), True, ["a tie"], "within tolerance, but conclusions changed"),
-        (Spread(origins=[DRIFTED]), True, [], "same conclusions"),
-        (Spread(origins=[DRIFTED]), True, ["b < a"], "diverged"),
-        (Spread(origins=[DRIFTED]), False, [], "diverged"),
-        (Spread(origins=[EDITED]), True, [], "diverged"),
-        (Spread(origins=[DRIFTED, EDITED]), True, [], "diverged"),
-        (Spread(only_now=[Cell("fill", {})]), True, [], "diverged"),
-        (Spread(only_was=[Cell("fill", {})]), True, [], "diverged"),
+        (Agreements(), True, [], "identical"),
+        (Agreements(), True, ["a tie"], "identical, but conclusions changed"),
+        (Agreements(near=[DRIFTED]), True, [], "within tolerance"),
+        (Agreements(near=[DRIFTED]), False, [], "within tolerance"),
+        (Agreements(near=[DRIFTED]), True, ["a tie"], "within tolerance, but conclusions changed"),
+        (Agreements(origins=[DRIFTED]), True, [], "same conclusions"),
+        (Agreements(origins=[DRIFTED]), True, ["b < a"], "diverged"),
+        (Agreements(origins=[DRIFTED]), False, [], "diverged"),
+        (Agreements(origins=[EDITED]), True, [], "diverged"),
+        (Agreements(origins=[DRIFTED, EDITED]), True, [], "diverged"),
+        (Agreements(only_now=[Cell("fill", {})]), True, [], "diverged"),
+        (Agreements(only_was=[Cell("fill", {})]), True, [], "diverged"),
     ],
 )
-def test_the_verdict(result: Spread, conclusions: bool, changed: list[str], expected: str) -> None:
+def test_the_verdict(
+    result: Agreements, conclusions: bool, changed: list[str], expected: str
+) -> None:
     result.counts[Agreement.OTHER] = len(result.origins)
     outcome = verdict(result, conclusions, changed)
     assert outcome.text == expected

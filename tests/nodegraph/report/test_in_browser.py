@@ -12,7 +12,7 @@ from playwright.sync_api import Page
 from nodegraph.draw import Box, Picture, svg
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, StepNote, Study, TimingRow, page
-from nodegraph.report.study import Kind
+from nodegraph.report.study import NoteSubject
 from tests.browser import load, until
 
 TABLE = (
@@ -47,7 +47,7 @@ def test_the_console_stays_empty(tab: Page, tmp_path: Path) -> None:
         Rendered(TABLE),
         notes_markdown="*why*",
         graph_svg=svg(Picture("drawn", (Box("capture"),))),
-        notes=(StepNote("fill", "trial=0", "needs a neutral pose", Kind.REFUSED),),
+        notes=(StepNote("fill", "trial=0", "needs a neutral pose", NoteSubject.REFUSED),),
         timings=(TimingRow("fill", 1, 1.0),),
     )
     assert "needs a neutral pose" in tab.content()

@@ -23,7 +23,7 @@ from nodegraph.report import (
     page,
 )
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.study import Kind, numbered
+from nodegraph.report.study import NoteSubject, numbered
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "rect", "line", "path"}
 
@@ -37,7 +37,9 @@ def study(**fields: Any) -> Study:
 def refusals(count: int) -> tuple[StepNote, ...]:
     reason = "needs one complete frame"
     return tuple(
-        StepNote("fill (fill.guenter)", f"fill=guenter, trial={number}", reason, Kind.REFUSED)
+        StepNote(
+            "fill (fill.guenter)", f"fill=guenter, trial={number}", reason, NoteSubject.REFUSED
+        )
         for number in range(count)
     )
 
@@ -79,8 +81,8 @@ class Hostile:
             return True
         if kind is bool:
             return False
-        if kind is Kind:
-            return Kind.FAILED
+        if kind is NoteSubject:
+            return NoteSubject.FAILED
         if get_origin(kind) is tuple:
             return tuple(
                 self.make(argument) for argument in get_args(kind) if argument is not Ellipsis
@@ -202,8 +204,10 @@ def test_what_happened_to_thousands_is_folded_but_whole() -> None:
 
 
 def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
-    gaps = [StepNote("fill", f"k={k}", f"{k} gaps of m1 open", Kind.WARNING) for k in range(60)]
-    slow = [StepNote("fill", f"k={k}", "slow", Kind.WARNING) for k in range(60)]
+    gaps = [
+        StepNote("fill", f"k={k}", f"{k} gaps of m1 open", NoteSubject.WARNING) for k in range(60)
+    ]
+    slow = [StepNote("fill", f"k={k}", "slow", NoteSubject.WARNING) for k in range(60)]
     read = Page(page(study(notes=(*gaps, *slow))))
     assert "2 kinds of warnings in 60 steps" in read.text
     assert "… gaps of … open" in read.text
@@ -215,7 +219,9 @@ def test_warnings_that_differ_in_numbers_are_of_one_kind() -> None:
 
 def warned(method: str, reason: str, matters: bool | None = None) -> StepNote:
     labels = f"fill={method}"
-    return StepNote("fill", labels, reason, Kind.WARNING, method=f"fill.{method}", matters=matters)
+    return StepNote(
+        "fill", labels, reason, NoteSubject.WARNING, method=f"fill.{method}", matters=matters
+    )
 
 
 def test_warnings_of_methods_with_one_template_are_one_kind() -> None:
@@ -255,7 +261,7 @@ def test_a_method_is_described_once_and_equal_settings_too() -> None:
 
 def test_a_failure_says_how_to_repeat_it_and_where_it_happened() -> None:
     note = StepNote(
-        "fill", "k=3", "ValueError: no", Kind.FAILED, repeat="run --only k=3", trace="L 1"
+        "fill", "k=3", "ValueError: no", NoteSubject.FAILED, repeat="run --only k=3", trace="L 1"
     )
     read = Page(page(study(notes=(note,))))
     for text in ("1 failed", "ValueError: no", "k=3", "run --only k=3", "L 1"):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from nodegraph.execute import Run
-from nodegraph.runs.compare import Agreement, Change, Judged, Pair, changes, compare
+from nodegraph.runs.compare import Agreement, Judged, Pair, StepChange, changes, compare
 from nodegraph.runs.record import Record, RecordedCode, RecordedStep, record
 
 RunOf = Callable[..., Run]
@@ -40,7 +40,7 @@ def test_a_difference_begins_where_nothing_upstream_differs_and_where_a_step_cha
     assert [pair.cell.node for pair, _ in spread.origins] == ["a", "c"]
     assert spread.followers == {"b": 1, "e": 1}
     assert (spread.beyond, spread.same, spread.compared) == (4, 1, 5)
-    assert spread.origins[1][0].change == Change(("max_gap was None, now 7",))
+    assert spread.origins[1][0].change == StepChange(("max_gap was None, now 7",))
 
 
 def test_a_step_that_stands_for_two_combinations_does_not_feed_itself(run_of: RunOf) -> None:

@@ -26,7 +26,7 @@ from nodegraph.plugin.hook_types import Grid, Rendered, expect
 from nodegraph.plugin.hooks import HOOKS, Shape
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import Study
-from nodegraph.report.study import Kind, MethodRow, Section, StepNote, study_bytes
+from nodegraph.report.study import MethodRow, NoteSubject, Section, StepNote, study_bytes
 from nodegraph.runs.folder import EVENTS, REPORT, STUDY
 from tests import readmes
 from tests.browser import AXE, load, resize, violations
@@ -69,7 +69,7 @@ def scores(*rows: tuple[str, ...]) -> Section:
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    failed = StepNote("repair", "repair=median", "no samples", Kind.FAILED)
+    failed = StepNote("repair", "repair=median", "no samples", NoteSubject.FAILED)
     linear, spline = (MethodRow("fill", f"fill.{name}") for name in ("linear", "spline"))
     runs = {
         "runs/fill": Study(
