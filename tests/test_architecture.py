@@ -48,6 +48,7 @@ FLOORS = (  # from the top
         "state",
         "supervisor",
         "validation_errors",
+        "whole_files",
     },
 )
 FLOOR = {unit: number for number, floor in enumerate(FLOORS) for unit in floor}
