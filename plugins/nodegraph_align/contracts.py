@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Tried
-from nodegraph_mocap import HeadMotion, Trajectories, promises
+from nodegraph_mocap import HeadMotion, Trajectories, contracts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,11 +32,11 @@ def gives_the_face_its_motion_and_the_reference(tried: Tried) -> Iterator[str]:
 
 def keeps_gaps_and_origin(tried: Tried) -> Iterator[str]:
     """Leave missing samples missing, present ones present, and every sample's origin."""
-    for before, after in promises.before_and_after(tried):
+    for before, after in contracts.before_and_after(tried):
         changed = before.origin != after.origin
         if changed.any():
             yield (
-                f"{promises.places(before, changed)} with another origin: return "
+                f"{contracts.places(before, changed)} with another origin: return "
                 "dataclasses.replace(recording, positions=aligned)"
             )
 
@@ -44,13 +44,13 @@ def keeps_gaps_and_origin(tried: Tried) -> Iterator[str]:
 def head_motion_leads_back(tried: Tried) -> Iterator[str]:
     """Move each frame as a whole, such that head_motion leads back: captured = s R aligned + t."""
     motion = tried.outputs.get("head_motion")
-    for before, after in promises.before_and_after(tried):
+    for before, after in contracts.before_and_after(tried):
         if not isinstance(motion, HeadMotion) or motion.frames != before.frames:
             continue
         scales = motion.scales[:, None]
         turned = after.positions @ motion.rotations.transpose(0, 2, 1)
         back = scales[..., None] * turned + motion.translations[:, None]
-        yield from promises.differences(before, after, back)
+        yield from contracts.differences(before, after, back)
         sigma = np.nan if after.sigma is None else after.sigma * scales
         if before.sigma is not None and not np.allclose(sigma, before.sigma, equal_nan=True):
             yield "sigma is not that of the samples: scale it as the positions are"
@@ -58,22 +58,22 @@ def head_motion_leads_back(tried: Tried) -> Iterator[str]:
 
 def what_is_aligned_stays(tried: Tried) -> Iterator[str]:
     """Leave a recording as it is that is aligned already."""
-    for _, aligned in promises.before_and_after(tried):
-        again = promises.output_again(tried, aligned)
+    for _, aligned in contracts.before_and_after(tried):
+        again = contracts.output_again(tried, aligned)
         if again is None:
             yield "declines the recording that it has aligned"
         else:
-            yield from promises.differences(aligned, again, again.positions)
+            yield from contracts.differences(aligned, again, again.positions)
 
 
 def where_the_head_is_does_not_matter(tried: Tried) -> Iterator[str]:
     """Give the same face wherever the head is; without a reference, turned as the take is."""
-    for before, after in promises.before_and_after(tried):
+    for before, after in contracts.before_and_after(tried):
         alone = tried.inputs.get("reference") is None
-        turns = np.stack([promises.TURN, promises.TURN if alone else promises.SWAP])
+        turns = np.stack([contracts.TURN, contracts.TURN if alone else contracts.SWAP])
         turns = turns[np.arange(before.frames) % 2]
-        moved = replace(before, positions=before.positions @ turns + promises.SHIFT)
-        again = promises.output_again(tried, moved)
+        moved = replace(before, positions=before.positions @ turns + contracts.SHIFT)
+        again = contracts.output_again(tried, moved)
         if again is None:
             yield "declines the recording of a head elsewhere"
         else:
@@ -82,13 +82,13 @@ def where_the_head_is_does_not_matter(tried: Tried) -> Iterator[str]:
 
 
 CONTRACTS = (
-    promises.takes_and_gives_a_recording,
+    contracts.takes_and_gives_a_recording,
     gives_the_face_its_motion_and_the_reference,
     keeps_gaps_and_origin,
     head_motion_leads_back,
     what_is_aligned_stays,
     where_the_head_is_does_not_matter,
-    promises.does_not_depend_on_the_order_of_markers,
+    contracts.does_not_depend_on_the_order_of_markers,
 )
 
 
@@ -114,6 +114,6 @@ def _apart(
         return
     shift = differences[known].mean(axis=0) if alone else 0.0
     apart = np.where(known, np.linalg.norm(differences - shift, axis=2), 0.0)
-    if np.any(apart > promises.TOLERANCE):
-        samples = promises.places(recording, apart > promises.TOLERANCE)
+    if np.any(apart > contracts.TOLERANCE):
+        samples = contracts.places(recording, apart > contracts.TOLERANCE)
         yield f"{samples} differ, by up to {apart.max():.3g} mm"

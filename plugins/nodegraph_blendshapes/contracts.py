@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph import Tried
 from nodegraph_mocap import Animation, BlendshapeModel, Head, Trajectories, Weights
-from nodegraph_mocap.promises import SHIFT, TOLERANCE, TURN
+from nodegraph_mocap.contracts import SHIFT, TOLERANCE, TURN
 from nodegraph_mocap.shape_names import sides_as
 
 if TYPE_CHECKING:

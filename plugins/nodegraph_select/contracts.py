@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from nodegraph import Tried
-from nodegraph_mocap import Selection, Trajectories, promises
+from nodegraph_mocap import Selection, Trajectories, contracts
 
 
 def takes_a_recording_and_gives_a_selection(tried: Tried) -> Iterator[str]:
@@ -60,24 +60,24 @@ def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
 def does_not_depend_on_the_origin(tried: Tried) -> Iterator[str]:
     """Choose the same markers of a recording that is shifted as a whole."""
     for recording, selection in _before_and_after(tried):
-        shifted = replace(recording, positions=recording.positions + promises.SHIFT)
+        shifted = replace(recording, positions=recording.positions + contracts.SHIFT)
         yield from _differences(tried, shifted, selection, "shifted")
 
 
 def does_not_depend_on_the_size(tried: Tried) -> Iterator[str]:
     """Choose the same markers of a face that is twice as large."""
     for recording, selection in _before_and_after(tried):
-        sigma = None if recording.sigma is None else recording.sigma * promises.SCALE
-        larger = replace(recording, positions=recording.positions * promises.SCALE, sigma=sigma)
+        sigma = None if recording.sigma is None else recording.sigma * contracts.SCALE
+        larger = replace(recording, positions=recording.positions * contracts.SCALE, sigma=sigma)
         yield from _differences(tried, larger, selection, "enlarged")
 
 
 def does_not_depend_on_the_axes(tried: Tried) -> Iterator[str]:
     """Choose the same markers of a recording that is turned, or say "depends on the axes"."""
-    if promises.DEPENDS_ON_AXES in " ".join(tried.doc.lower().split()):
+    if contracts.DEPENDS_ON_AXES in " ".join(tried.doc.lower().split()):
         return
     for recording, selection in _before_and_after(tried):
-        turned = replace(recording, positions=recording.positions @ promises.TURN.T)
+        turned = replace(recording, positions=recording.positions @ contracts.TURN.T)
         yield from _differences(tried, turned, selection, "turned")
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from nodegraph import Tried
-from nodegraph_mocap import Origin, Trajectories, promises
+from nodegraph_mocap import Origin, Trajectories, contracts
 
 _LAG = 0.05
 """Frames: a shift that is smaller is taken for rounding."""
@@ -16,26 +16,26 @@ _LAG = 0.05
 
 def adds_no_gap_and_fills_none(tried: Tried) -> Iterator[str]:
     """Leave missing samples missing, present ones present, and every sample's origin."""
-    for before, after in promises.before_and_after(tried):
+    for before, after in contracts.before_and_after(tried):
         lost, filled = before.present & ~after.present, ~before.present & after.present
         renamed = before.present & after.present & (before.origin != after.origin)
         if lost.any():
-            samples = promises.places(before, lost)
+            samples = contracts.places(before, lost)
             yield f"{samples} lost: smooth each run of present samples by itself"
         if filled.any():
-            yield f"{promises.places(before, filled)} filled: leave that to a fill"
+            yield f"{contracts.places(before, filled)} filled: leave that to a fill"
         if renamed.any():
             yield (
-                f"{promises.places(before, renamed)} called otherwise: return "
+                f"{contracts.places(before, renamed)} called otherwise: return "
                 "dataclasses.replace(recording, positions=smoothed)"
             )
 
 
 def shifts_nothing_in_time(tried: Tried) -> Iterator[str]:
     """Shift nothing in time, unless it looks at no frame ahead: then it cannot but lag."""
-    for before, _ in promises.before_and_after(tried):
+    for before, _ in contracts.before_and_after(tried):
         nod = _nod(before)
-        after = promises.output_again(tried, nod)
+        after = contracts.output_again(tried, nod)
         lag = 0.0 if after is None else _lag(nod, after)
         if after is not None and abs(lag) > _LAG and not _is_causal(tried, nod, after):
             yield (
@@ -47,24 +47,24 @@ def shifts_nothing_in_time(tried: Tried) -> Iterator[str]:
 
 def sigma_belongs_to_its_sample(tried: Tried) -> Iterator[str]:
     """Keep no sigma of samples that are changed: it was that of what they were before."""
-    for before, after in promises.before_and_after(tried):
+    for before, after in contracts.before_and_after(tried):
         if before.sigma is None or after.sigma is None:
             continue
         kept = np.any(before.positions != after.positions, axis=2) & (before.sigma == after.sigma)
         if kept.any():
-            yield f"{promises.places(before, kept)} changed but with its old sigma: make it NaN"
+            yield f"{contracts.places(before, kept)} changed but with its old sigma: make it NaN"
 
 
 CONTRACTS = (
-    promises.takes_and_gives_a_recording,
+    contracts.takes_and_gives_a_recording,
     adds_no_gap_and_fills_none,
-    promises.gives_millimetres,
-    promises.looks_ahead_as_declared,
-    promises.moves_with_the_face,
-    promises.turns_with_the_face,
-    promises.scales_with_the_face,
-    promises.runs_with_the_clock,
-    promises.does_not_depend_on_the_order_of_markers,
+    contracts.gives_millimetres,
+    contracts.looks_ahead_as_declared,
+    contracts.moves_with_the_face,
+    contracts.turns_with_the_face,
+    contracts.scales_with_the_face,
+    contracts.runs_with_the_clock,
+    contracts.does_not_depend_on_the_order_of_markers,
     shifts_nothing_in_time,
     sigma_belongs_to_its_sample,
 )
@@ -97,9 +97,9 @@ def _is_causal(tried: Tried, nod: Trajectories, after: Trajectories) -> bool:
     """Return whether the first frames come out the same without those after them."""
     count = len(nod.positions) // 2
     start = replace(nod, positions=nod.positions[:count], origin=nod.origin[:count])
-    again = promises.output_again(tried, start)
+    again = contracts.output_again(tried, start)
     if again is None or again.frames != count:
         return False
     return bool(
-        np.allclose(again.positions, after.positions[:count], rtol=0.0, atol=promises.TOLERANCE)
+        np.allclose(again.positions, after.positions[:count], rtol=0.0, atol=contracts.TOLERANCE)
     )

@@ -13,16 +13,16 @@ from nodegraph import Contract, Kind, Unit, hookimpl, node
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
 from nodegraph.testing import check_node
-from nodegraph_mocap import Origin, Trajectories, promises
+from nodegraph_mocap import Origin, Trajectories, contracts
 from nodegraph_mocap.kinds import kinds
 
 COMMON = (
-    promises.takes_and_gives_a_recording,
-    promises.moves_with_the_face,
-    promises.turns_with_the_face,
-    promises.scales_with_the_face,
-    promises.looks_ahead_as_declared,
-    promises.does_not_depend_on_the_order_of_markers,
+    contracts.takes_and_gives_a_recording,
+    contracts.moves_with_the_face,
+    contracts.turns_with_the_face,
+    contracts.scales_with_the_face,
+    contracts.looks_ahead_as_declared,
+    contracts.does_not_depend_on_the_order_of_markers,
 )
 
 
