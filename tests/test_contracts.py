@@ -28,6 +28,7 @@ REQUIRED: Mapping[str, Callable[[], Mapping[str, object]]] = {
     "markers.rename": lambda: {"names": {"nose": "forehead", "forehead": "nose"}},
     "plot.scatter": lambda: {"x": "rmse"},
     "points.literal": lambda: {"points": {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}},
+    "read.animation": lambda: {"path": HERE / "plugins" / "nodegraph_files" / "animation.glb"},
     "read.head": lambda: {"path": HERE / "plugins" / "nodegraph_files" / "head.obj"},
     "read.model": lambda: {"path": sample_folder("face")},
     "read.recording": lambda: {"path": sample_folder("face")},

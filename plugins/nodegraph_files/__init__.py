@@ -52,6 +52,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         readers.read_marker_set,
         readers.read_weights,
         readers.read_head,
+        readers.read_animation,
         readers.read_model,
         readers.read_marks,
         readers.read_selection,
@@ -72,12 +73,13 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
 def nodegraph_formats() -> Iterable[Format]:
     """Return the formats that are read; of those that fit a file, the first."""
     from nodegraph_files import c3d, npz, obj
-    from nodegraph_files.glb import reading as glb
+    from nodegraph_files.glb import moving, reading
     from nodegraph_files.text import csv, live_link, marks, maya, mot, trc, weights
 
     recordings = (c3d.FORMAT, npz.FORMAT, trc.FORMAT, mot.FORMAT, maya.FORMAT, csv.FORMAT)
     of_weights = (live_link.FORMAT, weights.FORMAT)
-    return (*recordings, *of_weights, marks.FORMAT, npz.MODEL_FORMAT, glb.FORMAT, obj.FORMAT)
+    of_heads = (reading.FORMAT, moving.FORMAT, obj.FORMAT)
+    return (*recordings, *of_weights, marks.FORMAT, npz.MODEL_FORMAT, *of_heads)
 
 
 @hookimpl

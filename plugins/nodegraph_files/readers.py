@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from nodegraph import Format, InputFile, Truth, formats, listed, node
+from nodegraph_files.glb.moving import RawAnimation
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
 from nodegraph_files.paths import find_file, is_sample
@@ -18,6 +19,7 @@ from nodegraph_files.rates import RateSetting
 from nodegraph_files.selection import read_selection_yaml
 from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
+from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
@@ -220,6 +222,48 @@ def read_head(
         return raw.head(MILLIMETRES[_unit(file, raw, unit)])
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from None
+
+
+@node("read.animation")
+def read_animation(
+    *, path: InputFile, unit: UnitSetting = AUTO, rate: RateSetting = None
+) -> Animation:
+    """Read a head that moves: a GLB file with an animation, or a plugin's format.
+
+    Its first animation is taken: the weights of the morph targets, and where the head is. Times
+    begin at its first key.
+
+    Parameters
+    ----------
+    path
+        A file, or a folder that holds ``animation.glb``.
+    unit
+        Unit of length in the file, as of `read.head`.
+    rate
+        Frames per second, at which the animation is read. By default a frame per key.
+
+    Returns
+    -------
+    Animation
+        In millimetres, in the axes of the file.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, holds no animation that moves the head, or one that mirrors,
+        stretches or shears it.
+    """
+    known = formats(RawAnimation)
+    file = find_file(path, file_names("animation", known))
+    raw: RawAnimation = _value_of(file, known, rate=rate)
+    millimetres = MILLIMETRES[_unit(file, raw.head, unit)]
+    motion = raw.motion
+    values = np.array(list(raw.weights.values())).reshape(len(raw.weights), raw.frames).T
+    return Animation(
+        head=raw.head.head(millimetres),
+        weights=Weights(values=values, names=tuple(raw.weights), rate=raw.rate),
+        head_motion=motion and replace(motion, translations=motion.translations * millimetres),
+    )
 
 
 class Model(NamedTuple):

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from nodegraph import Format, formats
+from nodegraph_files.glb.moving import RawAnimation, is_animated
 from nodegraph_files.head import NEUTRAL, RawHead
 from nodegraph_files.npz import is_archive, is_model
 from nodegraph_files.readers import MARKER_SETS, SELECTIONS, file_names, matching_formats
@@ -20,6 +21,7 @@ from nodegraph_mocap.recording import Trajectories
 _READ_BY = {
     Trajectories: "read.recording",
     Weights: "read.weights",
+    RawAnimation: "read.animation",
     RawHead: "read.head",
     BlendshapeModel: "read.model",
     Marks: "read.marks",
@@ -75,6 +77,8 @@ def _matching(file: Path, known: Sequence[Format]) -> list[Format]:
     matches = matching_formats(file, known)
     if is_archive(start):
         return _preferring(BlendshapeModel if is_model(file) else Trajectories, matches)
+    if any(each.type is RawAnimation for each in matches):
+        return _preferring(RawAnimation if is_animated(file) else RawHead, matches)
     # tables of weights and of recordings may begin alike
     return _preferring(Trajectories, matches) if _has_axes(start) else matches
 

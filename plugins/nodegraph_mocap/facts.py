@@ -16,6 +16,7 @@ from nodegraph_mocap.suspect import impulses
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from nodegraph_mocap.animation import Animation
     from nodegraph_mocap.face_model import BlendshapeModel, Weights
     from nodegraph_mocap.head import Head
     from nodegraph_mocap.marker_set import MarkerSet
@@ -65,6 +66,18 @@ def facts_of_weights(weights: Weights) -> Iterator[Fact]:
     ).min(axis=0, initial=np.inf)
     still = [name for name, moves in zip(weights.names, changes, strict=True) if not moves]
     yield Fact("shapes that do not change", still)
+
+
+def facts_of_animation(animation: Animation) -> Iterator[Fact]:
+    """Yield what there is to know of the weights and the head, and how far the head moves."""
+    yield from facts_of_weights(animation.weights)
+    motion = animation.head_motion
+    if motion is not None:
+        turned = motion.rotations @ motion.rotations[:1].transpose(0, 2, 1)
+        cosines = np.clip((np.trace(turned, axis1=1, axis2=2) - 1) / 2, -1, 1)
+        farthest = float(np.degrees(np.arccos(cosines.min(initial=1.0))))
+        yield Fact("head turns by up to", round(farthest, 1), "degrees")
+    yield from facts_of_head(animation.head)
 
 
 def facts_of_head(head: Head) -> Iterator[Fact]:

@@ -54,6 +54,7 @@ def kinds() -> tuple[Kind, ...]:
         ),
         Kind(
             Animation,
+            facts=late(f"{_FACTS}:facts_of_animation"),
             stream=partial(STREAMS.__getitem__, Animation),
             live_view=late(f"{_LIVE}:view_of_animations"),
             specimens=late(f"{_SPECIMENS}:animations"),

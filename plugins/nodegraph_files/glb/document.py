@@ -1,6 +1,6 @@
-"""The parts of a glTF file's JSON that describe meshes and their places.
+"""The parts of a glTF file's JSON that describe meshes, their places and how they move.
 
-Source: glTF 2.0 Specification, sections 3.5 to 3.8 and 5, The Khronos Group.
+Source: glTF 2.0 Specification, sections 3.5 to 3.8, 3.11 and 5, The Khronos Group.
 """
 
 from __future__ import annotations
@@ -124,6 +124,35 @@ class Skin(_Part):
     inverse_bind_matrices: Index | None = None
 
 
+class Target(_Part):
+    """The part of a node that moves."""
+
+    node: Index | None = None
+    path: str
+
+
+class Channel(_Part):
+    """A part of a node that moves, and how."""
+
+    sampler: Index
+    target: Target
+
+
+class Sampler(_Part):
+    """Values at the times of keys."""
+
+    input: Index
+    output: Index
+    interpolation: Literal["LINEAR", "STEP", "CUBICSPLINE"] = "LINEAR"
+
+
+class Animation(_Part):
+    """Nodes that move together."""
+
+    channels: list[Channel] = []
+    samplers: list[Sampler] = []
+
+
 class Scene(_Part):
     """The nodes that are shown."""
 
@@ -139,6 +168,7 @@ class Document(_Part):
     nodes: list[SceneNode] = []
     meshes: list[Mesh] = []
     skins: list[Skin] = []
+    animations: list[Animation] = []
     accessors: list[Accessor] = []
     buffer_views: list[BufferView] = []
     buffers: list[Buffer] = []

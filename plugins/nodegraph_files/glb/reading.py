@@ -78,13 +78,20 @@ def read_glb(path: Path) -> RawHead:
     try:
         text, binary = split_glb(path.read_bytes())
         document = read_document(text)
-        return _head(document, Accessors(document, binary))
+        accessors = Accessors(document, binary)
+        return head_of(document, meshes_of_head(document, accessors), accessors)
     except ValueError as error:
         raise ValueError(f"{path}: not a readable GLB head: {error}") from None
 
 
-def _head(document: Document, accessors: Accessors) -> RawHead:
-    placed = _of_the_head(document, placed_meshes(document, accessors))
+def head_of(document: Document, placed: list[Placed], accessors: Accessors) -> RawHead:
+    """Return the head that meshes of a scene are, at rest.
+
+    Raises
+    ------
+    ValueError
+        As `read_glb` does.
+    """
     parts = [read_mesh(document.meshes[mesh.mesh], mesh, accessors) for mesh in placed]
     names = {name for part in parts for name in part.morphs}
     accessors.charge(len(names) * sum(part.vertices.size for part in parts), len(names))
@@ -104,7 +111,15 @@ def _head(document: Document, accessors: Accessors) -> RawHead:
     )
 
 
-def _of_the_head(document: Document, placed: list[Placed]) -> list[Placed]:
+def meshes_of_head(document: Document, accessors: Accessors) -> list[Placed]:
+    """Return the meshes with morph targets that the scene shows; all, if none has any.
+
+    Raises
+    ------
+    ValueError
+        If nodes form no tree, or name what is not there.
+    """
+    placed = placed_meshes(document, accessors)
     meshes = {
         part.mesh: entry_at(document.meshes, part.mesh, "mesh", f"node {part.node}")
         for part in placed
@@ -200,7 +215,7 @@ def _tree(document: Document) -> Iterator[tuple[int, NDArray[np.float64]]]:
         if index in seen:
             raise ValueError(f"node {index} is in the scene twice")
         seen.add(index)
-        place = parent @ _own_place(node, index)
+        place = parent @ place_of(node, index)
         yield index, place
         todo.extend((child, place) for child in reversed(node.children))
 
@@ -212,7 +227,8 @@ def _roots(document: Document) -> list[int]:
     return [index for index in range(len(document.nodes)) if index not in below]
 
 
-def _own_place(node: SceneNode, index: int) -> NDArray[np.float64]:
+def place_of(node: SceneNode, index: int) -> NDArray[np.float64]:
+    """Return the (4, 4) matrix from a node to the one above it."""
     if node.matrix is not None:
         return np.array(node.matrix).reshape(4, 4).T
     place = np.eye(4)
@@ -270,7 +286,7 @@ def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
     """
     where = f"mesh {placed.mesh}" + (f" ({mesh.name})" if mesh.name else "")
     accessors.charge(0, len(mesh.primitives[0].targets))
-    names = _target_names(mesh, where)
+    names = target_names(mesh, where)
     parts: dict[object, tuple[Part, list[NDArray[np.int64]]]] = {}
     for number, primitive in enumerate(mesh.primitives):
         at = f"{where}, primitive {number}"
@@ -363,7 +379,14 @@ def _faces(
     return order.reshape(-1, 3)
 
 
-def _target_names(mesh: Mesh, where: str) -> tuple[str, ...]:
+def target_names(mesh: Mesh, where: str) -> tuple[str, ...]:
+    """Return the names of a mesh's morph targets; those that have none are numbered.
+
+    Raises
+    ------
+    ValueError
+        If there are others in number, or one is listed twice.
+    """
     count = len(mesh.primitives[0].targets)
     names = mesh.extras.get(TARGET_NAMES) if isinstance(mesh.extras, dict) else None
     if names is None:

@@ -42,7 +42,7 @@ def written(folder: Path, node: str, value: object, **settings: object) -> Path:
         ("write.marker_set_yaml", FACE.marker_set, "read.marker_set"),
         ("write.mask_csv", masks()["complete"], "read.marks"),
         ("write.selection_yaml", selections()["complete"], "read.selection"),
-        ("write.glb", animations()["complete"], "read.head"),
+        ("write.glb", animations()["complete"], "read.animation"),
     ],
 )
 def test_what_is_written_is_read_by_its_reader(
