@@ -91,6 +91,8 @@ class Modules:
         self._places: dict[str, ModuleFiles | None] = {}
         self._versions: dict[str, Mapping[str, str] | None] = {}
         self._known: dict[At, tuple[ReferencedCode, list[At]]] = {}
+        self._wholes: dict[str, At | None] = {}
+        self._reached: dict[tuple[At, ...], ReferencedCode] = {}
         self._sources: dict[str, tuple[ModuleSource, ReferencedCode]] = {}
 
     def add(self, file: str, name: str) -> str:
@@ -108,8 +110,14 @@ class Modules:
         A name that a package imports leads to the module that it is imported from, and not to what
         else the package imports, unless an import of the package does more than to bind names.
         """
+        first = tuple(self._all_that_differ(_absolute("", references)))
+        if first not in self._reached:
+            self._reached[first] = self._reach(first)
+        return self._reached[first]
+
+    def _reach(self, first: Iterable[At]) -> ReferencedCode:
         result = ReferencedCode()
-        waiting = self._all_that_differ(_absolute("", references))
+        waiting = list(first)
         seen: set[At] = set()
         while waiting:
             at = waiting.pop()
@@ -133,9 +141,14 @@ class Modules:
         module, name = at
         if name == ANY:
             return at
+        if module not in self._wholes:
+            self._wholes[module] = self._whole(module)
+        return self._wholes[module] or at
+
+    def _whole(self, module: str) -> At | None:
         if self._counted(module) is not None:
             return module.partition(".")[0], ""
-        return at if self._folders(module) else (module, "")
+        return None if self._folders(module) else (module, "")
 
     def _follow(self, module: str, name: str | None, own: ReferencedCode) -> Iterator[At]:
         """Add a module, and yield all that it leads to."""
