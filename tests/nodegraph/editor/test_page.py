@@ -37,17 +37,25 @@ def page(tab: Page, address: str) -> Iterator[Page]:
     tab.goto("about:blank")  # before the server ends
 
 
+_END_OF_TEXT = """
+([line, column]) => {
+  const whole = document.querySelectorAll(".cm-line")[line];
+  const texts = document.createTreeWalker(whole, NodeFilter.SHOW_TEXT);
+  let text = texts.nextNode();
+  for (; column > text.length; text = texts.nextNode()) column -= text.length;
+  const range = document.createRange();
+  range.setStart(text, column - 1);
+  range.setEnd(text, column);
+  const { right, top, bottom } = range.getBoundingClientRect();
+  return [right, (top + bottom) / 2];
+}
+"""
+
+
 def put_cursor(page: Page, before: str) -> None:
     """Put the cursor behind a part of the text."""
-    lines = GRAPH[: GRAPH.index(before) + len(before)].split("\n")
-    page.click(EDITOR)
-    page.keyboard.press("Control+Home")
-    for _ in lines[1:]:
-        page.keyboard.press("ArrowDown")
-    page.keyboard.press("Home")
-    page.keyboard.press("Home")
-    for _ in lines[-1]:
-        page.keyboard.press("ArrowRight")
+    *above, line = GRAPH[: GRAPH.index(before) + len(before)].split("\n")
+    page.mouse.click(*page.evaluate(_END_OF_TEXT, [len(above), len(line)]))
 
 
 def test_what_is_typed_is_drawn_undone_and_saved(page: Page, path: Path) -> None:
