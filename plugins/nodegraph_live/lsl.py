@@ -35,6 +35,7 @@ from nodegraph_live.payloads import (
 from nodegraph_mocap import Trajectories, Weights
 
 _POLL = 0.2  # seconds
+_LOOK = 0.02
 _HEAD = struct.Struct("<Qd")
 _POSITION = re.compile(r"position([xyz])", re.IGNORECASE)
 _LABEL = re.compile(r"(.+?)[_.: -]?([xyzXYZ])")
@@ -109,11 +110,14 @@ class LslSource:
 
     def _resolve(self) -> pylsl.StreamInfo:
         deadline = monotonic() + self._settings["timeout"]
+        resolver = pylsl.ContinuousResolver()
+        seen: list[pylsl.StreamInfo] = []
         streams: list[pylsl.StreamInfo] = []
-        while not streams and monotonic() < deadline and not self._closed.is_set():
-            streams = pylsl.resolve_byprop("name", self._name, timeout=0.5)
+        while not streams and monotonic() < deadline and not self._closed.wait(_LOOK):
+            seen = resolver.results()
+            streams = [stream for stream in seen if stream.name() == self._name]
         if not streams:
-            others = ", ".join(sorted({stream.name() for stream in pylsl.resolve_streams(0.5)}))
+            others = ", ".join(sorted({stream.name() for stream in seen}))
             raise NodegraphError(
                 f"{self._settings.address}: no stream of this name in "
                 f"{self._settings['timeout']:g} s; there is {others or 'none'}"

@@ -137,7 +137,7 @@ def test_a_stream_that_is_no_recording_is_refused(
 def test_a_stream_that_is_not_there_is_named_with_those_that_are() -> None:
     stream = outlet("present", positions("XYZ", "mm"))
     with pytest.raises(
-        NodegraphError, match=r"no stream of this name in 0\.2 s; there is .*present"
+        NodegraphError, match=r"no stream of this name in 0\.5 s; there is .*present"
     ):
-        SOURCE("absent?timeout=0.2").open()
+        SOURCE("absent?timeout=0.5").open()
     del stream
