@@ -19,8 +19,13 @@ import pytest
 SCHEDULER, *WORKERS, PROGRAM = (f"10.77.0.{number}" for number in range(1, 5))
 ADDRESS = f"tcp://{SCHEDULER}:8786"
 COUNT = 40
-SOON_GONE = {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "3s"}
-"""How long programs try to reach a scheduler that was there, which is half a minute by default."""
+RUN = """
+from nodegraph.cli.main import program
+from nodegraph_dask import cluster
+cluster._SECONDS_TO_RECONNECT = 3.0
+program()
+"""
+"""A program that tries to reach a scheduler that was there for less long than others do."""
 NODES = """
 import os
 import time
@@ -83,15 +88,15 @@ class Machines:
                 ip("-n", name, "link", "set", device, "up")
 
     def start(self, address: str, *words: str) -> subprocess.Popen[str]:
-        """Start a program; only those of the last machine see the folder of the test."""
+        """Start Python; only programs of the last machine see the folder of the test."""
         command = ["ip", "netns", "exec", self._name(address)]
         if address != PROGRAM:
             hidden = f'mount -t tmpfs none "{self.folder}" && cd / && exec "$@"'
             command += ["unshare", "--mount", "sh", "-c", hidden, "sh"]
         started = subprocess.Popen(
-            [*command, sys.executable, "-P", "-m", *words],
+            [*command, sys.executable, "-P", *words],
             cwd=self.folder,
-            env={**os.environ, **SOON_GONE, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             stdout=subprocess.DEVNULL if address in WORKERS else subprocess.PIPE,
             stderr=subprocess.DEVNULL if address in WORKERS else subprocess.PIPE,
             text=True,
@@ -102,20 +107,20 @@ class Machines:
     def scheduler(self) -> subprocess.Popen[str]:
         """Start the scheduler, and return when it listens."""
         words = ["scheduler", "--host", SCHEDULER, "--port", "8786", "--no-dashboard"]
-        started = self.start(SCHEDULER, "dask", *words)
+        started = self.start(SCHEDULER, "-m", "dask", *words)
         assert started.stderr is not None
         assert any("Scheduler at:" in line for line in started.stderr)
         return started
 
     def worker(self, address: str) -> subprocess.Popen[str]:
         options = ["--host", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-        return self.start(address, "dask", "worker", ADDRESS, *options)
+        return self.start(address, "-m", "dask", "worker", ADDRESS, *options)
 
     def run(self) -> subprocess.Popen[str]:
         """Run the study."""
         words = ["run", "far.yaml", "--plugin", "far.py", "--set", f"file={self.folder}/far.yaml"]
         words += ["--executor", "dask", "--scheduler", ADDRESS, "--store", "kept", "--out", "out"]
-        return self.start(PROGRAM, "nodegraph.cli.main", *words)
+        return self.start(PROGRAM, "-c", RUN, *words)
 
     def wait_for(
         self, program: subprocess.Popen[str], is_so: Callable[[Counter[str]], bool]
