@@ -11,16 +11,17 @@ import pytest
 from tests.studies import DATA, Studies, needs_recordings, table
 
 DESPIKERS = {"impulse", "redetect", "hampel", "median", "acceleration", "wavelet", "without"}
-GROUPS = tuple(f"{size} mm, {hit}%" for size in (2, 5) for hit in (0.5, 2))
-TABLES = ("error-left", "impulses-missed", "good-samples-repaired")
+GROUPS = tuple(f"size {size}, impulses {share}" for size in (2.0, 5.0) for share in (0.005, 0.02))
+TABLES = ("wrong-samples", "error-left", "impulses-missed", "good-samples-repaired")
 
 
 def means_of(folder: Path, name: str) -> dict[tuple[str, str], float]:
-    """Return the means by method, size and share: ``5 mm, 2%``."""
+    """Return the means by method, size and share: ``size 5.0, impulses 0.02``."""
     rows = table(folder / f"{name}_table.csv")
-    if "hit" in rows[0]:
+    if "impulses" in rows[0]:
         return {
-            (row["despike"], f"{row['size']}, {row['hit']}"): float(row["mean"]) for row in rows
+            (row["despike"], f"size {row['size']}, impulses {row['impulses']}"): float(row["mean"])
+            for row in rows
         }
     return {(row["despike"], group): float(row[group]) for row in rows for group in GROUPS}
 
@@ -41,7 +42,7 @@ def test_everything_that_the_walk_promises_is_there(built_in: Path) -> None:
     names = {path.name for path in built_in.iterdir()}
     files = {"report.html", "run.json", "events.jsonl", "graph.yaml"}
     tables = {f"{name}_table.{form}" for name in TABLES for form in ("csv", "tex")}
-    drawn = [f"{TABLES[0]}_figure", "before-and-after", "every-method"]
+    drawn = [*(f"{name}_figure" for name in TABLES[:2]), "before-and-after", "every-method"]
     figures = {f"{name}.{form}" for name in drawn for form in ("svg", "pdf")}
     assert files | tables | figures <= names
     assert json.loads((built_in / "run.json").read_text())["counts"]["failed"] == 0
@@ -58,9 +59,14 @@ def test_the_report_answers_and_cites(built_in: Path) -> None:
 def test_the_rule_of_the_paper_misses_nothing_and_pays_for_it(built_in: Path) -> None:
     missed = means_of(built_in, "impulses-missed")
     wrong = means_of(built_in, "good-samples-repaired")
+    samples = means_of(built_in, "wrong-samples")
+    for method in DESPIKERS:
+        share = missed[method, "size 5.0, impulses 0.02"], wrong[method, "size 5.0, impulses 0.02"]
+        of_all = 0.02 * share[0] + 0.98 * share[1]
+        assert samples[method, "size 5.0, impulses 0.02"] == pytest.approx(1000 * of_all, rel=0.01)
     # what is left besides the noise of 0.1 mm that was added, mm^2
     error = {key: rmse**2 - 0.03 for key, rmse in means_of(built_in, "error-left").items()}
-    for share in ("5 mm, 0.5%", "5 mm, 2%"):
+    for share in ("size 5.0, impulses 0.005", "size 5.0, impulses 0.02"):
         assert missed["impulse", share] == 0.0
         assert missed["without", share] == 1.0
         assert wrong["without", share] == 0.0
@@ -72,14 +78,14 @@ def test_the_rule_of_the_paper_misses_nothing_and_pays_for_it(built_in: Path) ->
         assert error["impulse", share] < 0.3 * error["without", share]
         assert error["wavelet", share] < 0.2 * error["impulse", share]
     # a jump of 5 mm and back is too fast for a face in three frames, of which two are good
-    assert wrong["acceleration", "5 mm, 2%"] == pytest.approx(0.04, abs=0.002)
+    assert wrong["acceleration", "size 5.0, impulses 0.02"] == pytest.approx(0.04, abs=0.002)
 
 
 def test_no_threshold_is_blind_to_the_impulses_of_the_study(built_in: Path) -> None:
     missed = means_of(built_in, "impulses-missed")
     for method in DESPIKERS - {"without", "hampel"}:
-        assert missed[method, "2 mm, 0.5%"] < 0.05
-    assert missed["hampel", "2 mm, 0.5%"] < 0.4
+        assert missed[method, "size 2.0, impulses 0.005"] < 0.05
+    assert missed["hampel", "size 2.0, impulses 0.005"] < 0.4
 
 
 @needs_recordings

@@ -18,7 +18,7 @@ def means(folder: Path, name: str) -> dict[str, dict[str, float]]:
     """The mean of each method, by the share of impulses."""
     result: dict[str, dict[str, float]] = {}
     for row in table(folder / f"{name}_table.csv"):
-        result.setdefault(row["share"], {})[row["smooth"]] = float(row["mean"])
+        result.setdefault(row["impulses"], {})[row["smooth"]] = float(row["mean"])
     return result
 
 
@@ -30,7 +30,7 @@ def built_in(studies: Studies) -> Path:
 
 def test_roughness_falls_with_the_order(built_in: Path) -> None:
     errors = means(built_in, "table-1")
-    assert set(errors) == {"0.2%", "0.5%", "2%"}
+    assert set(errors) == {"0.002", "0.005", "0.02"}
     for row, (lower, higher) in itertools.product(errors.values(), itertools.pairwise(ORDERS)):
         assert row["captured"] > row[lower] > row[higher]
         assert row[REPAIRED] < row["order_3"]
@@ -38,8 +38,8 @@ def test_roughness_falls_with_the_order(built_in: Path) -> None:
 
 def test_the_share_of_impulses_decides_whether_repair_is_smoother(built_in: Path) -> None:
     errors = means(built_in, "table-1")
-    assert errors["0.2%"][REPAIRED] > errors["0.2%"]["order_7"]
-    assert errors["2%"][REPAIRED] < 0.6 * errors["2%"]["order_7"]
+    assert errors["0.002"][REPAIRED] > errors["0.002"]["order_7"]
+    assert errors["0.02"][REPAIRED] < 0.6 * errors["0.02"]["order_7"]
 
 
 def test_with_impulses_the_repair_brings_it_nearest_to_the_truth(built_in: Path) -> None:
@@ -49,7 +49,7 @@ def test_with_impulses_the_repair_brings_it_nearest_to_the_truth(built_in: Path)
 
 
 def test_without_noise_or_impulses_every_order_costs_more_movement(studies: Studies) -> None:
-    words = ("--axis", "share=0", "--set", "sigma=0", "--only", "recording=face_1")
+    words = ("--axis", "impulses=0", "--set", "sigma=0", "--only", "recording=face_1")
     folder = studies.run("spline_orders", *words, "--until", "error_to_truth")
     (result,) = means(folder, "error-to-truth").values()
     assert result["captured"] == 0.0
@@ -66,7 +66,7 @@ def test_the_figure_and_the_notes_are_in_the_report(built_in: Path) -> None:
 
 @needs_recordings
 def test_on_real_optics_roughness_falls_with_the_order(studies: Studies) -> None:
-    words = ("--axis", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--only", "share=2%")
+    words = ("--axis", f"recording={DATA / 'animface' / 'jaw.c3d'}", "--only", "impulses=0.02")
     folder = studies.run("spline_orders", *words)
     (errors,) = means(folder, "table-1").values()
     for lower, higher in itertools.pairwise(ORDERS):

@@ -71,12 +71,10 @@ def _sizes(study: Study) -> Iterator[str]:
 
 
 def _plural(name: str) -> str:
-    if len(name) < _SHORTEST:  # a symbol
-        return f"values of {name}"
     if name in _MASS:
         return f"kinds of {name}"
-    if name.endswith("s"):
-        return name
+    if len(name) < _SHORTEST or name.endswith("s"):  # a symbol, or a plural
+        return f"values of {name}"
     if name.endswith(("x", "ch", "sh")):
         return f"{name}es"
     return f"{name[:-1]}ies" if re.search(r"[^aeiou]y$", name) else f"{name}s"

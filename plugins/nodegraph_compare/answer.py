@@ -117,6 +117,8 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
         high=numbers(group.high),
         p={} if paired is None else numbers(paired.p),
         unit=verdicts.metric.unit,
+        beside={metric.name: numbers(group.beside[metric.name]) for metric in verdicts.beside},
+        units={metric.name: metric.unit for metric in verdicts.beside},
     )
 
 
@@ -590,7 +592,7 @@ def scope_words(verdicts: Verdicts) -> Text:
         if several > 1
         else ""
     )
-    end = "neither end is better" if metric.better == "none" else f"{metric.better} is better"
+    end = "" if metric.better == "none" else f", {metric.better} is better"
     unit = unit_text(metric.unit)
     held = _held(verdicts) if groups else ""
     return joined(
@@ -598,7 +600,7 @@ def scope_words(verdicts: Verdicts) -> Text:
         [
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
-            f"{number_name(verdicts, unit)}, {end}.",
+            f"{number_name(verdicts, unit)}{end}.",
             shared,
         ],
     )

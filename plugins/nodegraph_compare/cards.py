@@ -49,6 +49,8 @@ if TYPE_CHECKING:
 _MOST_NAMES = 3
 _MOST_SPOKEN = 20
 _ORDER = ("rest", "before", "tied", "worse", "best")
+_RADIUS = {"rest": 4.0, "tied": 7.0}
+"""Of dots in pixels, 5 for others; a ring is seen around the dot that lies in it."""
 
 Fact = tuple[str, Text]
 
@@ -82,7 +84,8 @@ def line_of(verdicts: Verdicts) -> Line | None:
 def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     title = group_title(verdicts, group)
     picture = _strip(verdicts, group, line) if len(group.known) > 1 else ""
-    facts = (*_rows(verdicts, group), *_beside(verdicts, group), *_grounds(verdicts, group))
+    rows = (*_rows(verdicts, group), *_baseline(verdicts, group))
+    facts = (*rows, *_beside(verdicts, group), *_grounds(verdicts, group))
     return replace(_winner(verdicts, group), title=title, picture=picture, facts=facts)
 
 
@@ -142,7 +145,7 @@ def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
         dot(
             line.at(mean := float(group.mean[place])), 10.0, kinds[place],
             f"{verdicts.methods[place]} {number_text(mean, metric.unit)}",
-            4.0 if kinds[place] == "rest" else 5.0, str(verdicts.methods[place]),
+            _RADIUS.get(kinds[place], 5.0), str(verdicts.methods[place]),
         )
         for place in order
     ]  # fmt: skip
@@ -159,7 +162,7 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, str]:
     if not group.stands:
         return {}
     if not verdicts.is_sequence:
-        return dict(group.marks)
+        return ({} if group.baseline is None else {group.baseline: "before"}) | dict(group.marks)
     better = "raises" if verdicts.metric.better == "higher" else "lowers"
     steps = changes(group)
     return {min(each for each, _ in steps.values()): "before"} | {
@@ -207,6 +210,18 @@ def _behind(verdicts: Verdicts, group: Verdict) -> Text:
         return say(f"all {count} others, the nearest {HERE} {HERE}", name, by)
     rest = f" and {count - 1} more" if count > 1 else ""
     return say(f"{HERE} {HERE}{rest}", name, by)
+
+
+def _baseline(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
+    """Yield the number of the baseline, and how far it is from the best."""
+    place = group.baseline
+    if place is None or not group.told or verdicts.is_sequence or place in group.best:
+        return
+    mean, best = float(group.mean[place]), float(group.mean[group.best[0]])
+    sign = "+" if mean > best else MINUS
+    share = f" ({sign}{percent(abs(mean / best - 1))})" if verdicts.ratio and best > 0 else ""
+    number = number_text(mean, verdicts.metric.unit)
+    yield str(verdicts.methods[place]), (Word(f"{number}{share}", "number"),)
 
 
 def _beside(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:

@@ -23,6 +23,7 @@ UNITS = {
     "false positives": "samples",
     "rmse": "mm",
     "error": "mm",
+    "wrong": "of 1000",
     "missed": "share",
     "false positive rate": "share",
     "change": "mm",
@@ -59,6 +60,7 @@ def impulses(
     false positives     how many clean samples are repaired
     rmse                mm, root of the mean of ``e^2`` over all samples
     error               mm, mean of e over the hits, found or not
+    wrong               hits not found and clean samples repaired, of 1000 samples
     missed              share of the hits that are not found
     false positive rate share of the clean samples that are repaired
     change              mm, mean of e over the false positives: by how much good samples
@@ -67,7 +69,7 @@ def impulses(
     precision           share of the repaired samples that are hits
     =================== ================================================================
 
-    Of rmse, error, missed, false positive rate and change less is better. A share or mean of
+    Of rmse, error, wrong, missed, false positive rate and change less is better. A share or mean of
     nothing is NaN: error, missed and recall without a hit, precision without a repaired sample,
     change without a false positive. A sample is judged where the truth and the estimate have
     it, unless it was called repaired in the truth already, where it is not known what repaired it.
@@ -132,7 +134,8 @@ def _columns(
     hits, clean = judged & hit, judged & ~hit
     detected, wrong = hits & repaired, clean & repaired
     error = np.where(judged, distance, 0.0)
-    missed = _share(_count(hits & ~repaired), _count(hits))
+    lost = hits & ~repaired
+    missed = _share(_count(lost), _count(hits))
     return {
         "samples": _count(judged),
         "hits": _count(hits),
@@ -140,6 +143,7 @@ def _columns(
         "false positives": _count(wrong),
         "rmse": np.sqrt(_share(_total(error**2), _count(judged))),
         "error": _share(_total(error * hits), _count(hits)),
+        "wrong": 1000.0 * _share(_count(lost | wrong), _count(judged)),
         "missed": missed,
         "false positive rate": _share(_count(wrong), _count(clean)),
         "change": _share(_total(error * wrong), _count(wrong)),

@@ -185,6 +185,10 @@ class Finding(Value):
         Of each method: the number that decides, its interval, and the p of its difference.
     unit : str
         Of the means.
+    beside : mapping of str to mapping of str to float
+        Of each method: the means of what else is asked, by its name.
+    units : mapping of str to str
+        Of these.
     """
 
     group: Mapping[str, Label]
@@ -201,6 +205,8 @@ class Finding(Value):
     high: Mapping[str, float] = field(default_factory=dict)
     p: Mapping[str, float] = field(default_factory=dict)
     unit: str = ""
+    beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -330,17 +336,22 @@ def _are(names: Sequence[str]) -> str:
 
 
 def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
-    """Return the mean of the best, or of a method, over some groups."""
-    if part.label and not all(part.label in finding.mean for finding in found):
-        raise NodegraphError(f"{part.text}: {part.label} has no number there")
-    means = [
-        dict(zip(finding.mean, without_rounding([*finding.mean.values()]), strict=True))[name]
-        for finding in found
-        for name in ([part.label] if part.label else finding.first[:1])
+    """Return the mean of the best, or of a method, over some groups; of another column by name."""
+    column, of, label = part.label.rpartition(" of ")
+    if of and column in found[0].beside:
+        unit, of_each = found[0].units[column], [finding.beside[column] for finding in found]
+    else:
+        label, unit, of_each = part.label, found[0].unit, [finding.mean for finding in found]
+    if label and not all(label in means for means in of_each):
+        raise NodegraphError(f"{part.text}: {label} has no number there")
+    numbers = [
+        dict(zip(means, without_rounding([*means.values()]), strict=True))[name]
+        for finding, means in zip(found, of_each, strict=True)
+        for name in ([label] if label else finding.first[:1])
     ]
-    if not means:
+    if not numbers:
         raise NodegraphError(f"{part.text}: no method comes first")
-    ends, unit = sorted({min(means), max(means)}), found[0].unit
+    ends = sorted({min(numbers), max(numbers)})
     text = shares_text(ends) if unit == SHARE else span_text(ends, unit)
     return (Word(text, "number"),)
 
@@ -434,17 +445,21 @@ class Line:
     def drawn(self, y: float, unit: str = "") -> str:
         """Return the line with its ticks, whose numbers stand below it."""
         ticks = self.ticks()
-        marks = []
-        for tick in ticks:
+        marks: list[str] = []
+        free = _WIDE
+        # the last has the unit, and others a number as far as there is room before it
+        for tick in reversed(ticks):
             x = self.at(tick)
             text = _tick_text(tick, unit, with_unit=tick == ticks[-1])
-            half = _LETTER * len(text) / 2
-            anchor = "start" if x < half else "end" if x > _WIDE - half else "middle"
-            marks.append(
-                f'<line x1="{x:g}" x2="{x:g}" y1="{y:g}" y2="{y + 4:g}"/>'
-                f'<text class="{anchor}" x="{x:g}" y="{y + 16:g}">{escape(text)}</text>'
-            )
-        return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(marks)}'
+            width = _LETTER * len(text)
+            anchor = "start" if x < width / 2 else "end" if x > _WIDE - width / 2 else "middle"
+            left = x - width * {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor]
+            mark = f'<line x1="{x:g}" x2="{x:g}" y1="{y:g}" y2="{y + 4:g}"/>'
+            if left + width <= free:
+                mark += f'<text class="{anchor}" x="{x:g}" y="{y + 16:g}">{escape(text)}</text>'
+                free = left - _LETTER
+            marks.append(mark)
+        return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(reversed(marks))}'
 
     def ticks(self) -> list[float]:
         """Return at most a handful of round values on the line, far enough from each other."""

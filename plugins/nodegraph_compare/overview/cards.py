@@ -200,5 +200,6 @@ def _dots(verdicts: Verdicts) -> str:
         )
     others = "; ringed: not certain to be worse" * any(group.tied for group in told)
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
+    baseline = "" if verdicts.baseline is None else f"; hollow: {verdicts.baseline}"
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
-    return f"Dots: a method each{scale}; filled: the best{others}{behind}."
+    return f"Dots: a method each{scale}; filled: the best{others}{behind}{baseline}."

@@ -97,6 +97,10 @@ TO_BASELINE = (
     replace(NONE[0], better=("pca",), worse=("linear",)),
     replace(NONE[1], better=("pca",)),
 )
+BESIDE = tuple(
+    replace(each, beside={"missed": {"ridge": 0.0, "linear": share}}, units={"missed": "share"})
+    for each, share in zip(SAME, (0.02, 0.2), strict=True)
+)
 
 
 def holes(text: str) -> tuple[str | Placeholder, ...]:
@@ -113,6 +117,7 @@ def holes(text: str) -> tuple[str | Placeholder, ...]:
         (OTHER, "{best at length=5}, {best at length=15}, ridge", "ridge, pca, ridge"),
         (NONE, "{number linear at length=15}", "1.50 mm"),
         (TO_BASELINE, "{better pca}; {worse at length=5}", "pca; linear"),
+        (BESIDE, "{number missed of linear}, {number missed of ridge}", "2 to 20 %, 0 %"),
         ((), "Our words.", "Our words."),
     ],
 )  # fmt: skip
@@ -135,6 +140,8 @@ def test_an_answer_in_the_authors_words(
         (OTHER, "{best}", "differs: ridge for length 5; pca for length 15; write {best at"),
         (NONE, "{best}", "says what there is no verdict on for length 15"),
         (NONE, "{number cubic}", "cubic has no number there"),
+        (BESIDE, "{number missed of pca}", "pca has no number there"),
+        (SAME, "{number missed of ridge}", "missed of ridge has no number there"),
         (TO_BASELINE, "{worse linear}", "{worse linear} for length 15: worse is none"),
         ((), "{best}", "is about no group; there are: none"),
     ],
