@@ -61,9 +61,9 @@ def test_the_rule_of_the_paper_misses_nothing_and_pays_for_it(built_in: Path) ->
     wrong = means_of(built_in, "good-samples-repaired")
     samples = means_of(built_in, "wrong-samples")
     for method in DESPIKERS:
-        share = missed[method, "size 5.0, impulses 0.02"], wrong[method, "size 5.0, impulses 0.02"]
-        of_all = 0.02 * share[0] + 0.98 * share[1]
-        assert samples[method, "size 5.0, impulses 0.02"] == pytest.approx(1000 * of_all, rel=0.01)
+        key = method, "size 5.0, impulses 0.02"
+        of_all = 0.02 * missed[key] + 0.98 * wrong[key]
+        assert samples[key] == pytest.approx(1000 * of_all, rel=0.01)
     # what is left besides the noise of 0.1 mm that was added, mm^2
     error = {key: rmse**2 - 0.03 for key, rmse in means_of(built_in, "error-left").items()}
     for share in ("size 5.0, impulses 0.005", "size 5.0, impulses 0.02"):
