@@ -257,7 +257,7 @@ def _packed(
             {"method": method, **integers(positions[apart] - centre)}
             for method, positions in estimates.items()
         ],
-        "face": _face(place, base, view),
+        "face": _face(place, base, centre),
     }
 
 
@@ -300,10 +300,10 @@ def _axes(view: Projection) -> list[str]:
     return words
 
 
-def _face(place: _Place, base: Trajectories, view: Projection) -> dict[str, object]:
-    """Return the positions of all markers in the picture from the front, in some frames."""
+def _face(place: _Place, base: Trajectories, centre: NDArray[np.float64]) -> dict[str, object]:
+    """Return the positions of all markers in some frames."""
     every = -(-len(place.frames) // MOST_POSES)
-    points = view.project(place.of(base.positions)[::every])
+    points = place.of(base.positions)[::every] - centre
     count = np.count_nonzero(np.isfinite(points), axis=0)
     total = np.where(np.isnan(points), 0.0, points).sum(axis=0)
     rest = np.where(count > 0, total / np.maximum(count, 1), np.nan)

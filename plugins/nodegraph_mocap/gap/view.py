@@ -7,8 +7,10 @@ from importlib.resources import files
 from nodegraph import Detail
 from nodegraph_mocap.face_layout import layout
 from nodegraph_mocap.gap.data import pack
+from nodegraph_mocap.player.page import script_or_style
 
-_SCRIPTS = ("packed", "curves", "closeup", "gap")
+_SCRIPTS = ("packed", "curves", "closeup", "face", "gap")
+_OF_PLAYER = ("camera", "markers", "gestures")
 
 
 def detail() -> Detail:
@@ -17,7 +19,10 @@ def detail() -> Detail:
         pack,
         layout,
         module="mocap/gap",
-        scripts=tuple(_source(f"{name}.js") for name in _SCRIPTS),
+        scripts=(
+            *(script_or_style(f"{name}.js") for name in _OF_PLAYER),
+            *(_source(f"{name}.js") for name in _SCRIPTS),
+        ),
         styles=(_source("gap.css"),),
     )
 

@@ -1,41 +1,9 @@
-// The face at one frame, and its marker close up with what every method made of it.
+// A marker close up, with what every method made of it.
 nodegraph.define("mocap/gap/closeup", ["page", "mocap/gap/packed", "mocap/gap/curves"], (page, packed, { pathOf, rangeOf }) => {
   const { svg } = page;
   const SIZE = 200;
   const RIM = 7; // what is farther out than the picture reaches is marked as far as this from its edge
   const DEEPER = 1.3; // times as deep as wide is a movement that is seen from the side
-
-  const drawFace = (block) => {
-    const markers = block.face.markers;
-    const own = markers.indexOf(block.marker);
-    const across = [0, 1].map((k) => rangeOf(block.face.points.filter((_, at) => at % 2 === k)));
-    const size = 1.12 * Math.max(1, ...across.map(([low, high]) => high - low));
-    const middle = across.map(([low, high]) => (low + high) / 2);
-    const place = ([right, up]) => [SIZE / 2 + ((right - middle[0]) / size) * SIZE, SIZE / 2 - ((up - middle[1]) / size) * SIZE];
-    const edges = svg("path", { class: "edge" });
-    const dots = markers.map((name, at) => svg("circle", { class: at === own ? "own" : "", r: at === own ? 4 : 2.2 }, svg("title", {}, name)));
-    const frame = svg("rect", { class: "frame", width: 20, height: 20, rx: 3 });
-    const element = svg("svg", { class: "face", viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", "aria-label": `The face from the front, with ${block.marker}` },
-      edges, ...dots, frame);
-    const move = (at) => {
-      const points = packed.faceAt(block, at).map(place);
-      const known = ([x, y]) => Number.isFinite(x + y);
-      edges.setAttribute("d", block.face.edges.filter(([a, b]) => known(points[a]) && known(points[b]))
-        .map(([a, b]) => `M${points[a].map((value) => value.toFixed(1))}L${points[b].map((value) => value.toFixed(1))}`).join(""));
-      points.forEach(([x, y], marker) => {
-        dots[marker].toggleAttribute("hidden", !known([x, y]));
-        if (!known([x, y])) return;
-        dots[marker].setAttribute("cx", x);
-        dots[marker].setAttribute("cy", y);
-      });
-      frame.toggleAttribute("hidden", own < 0 || !known(points[own]));
-      if (own >= 0 && known(points[own])) {
-        frame.setAttribute("x", points[own][0] - 10);
-        frame.setAttribute("y", points[own][1] - 10);
-      }
-    };
-    return { element, move };
-  };
 
   // A round length, at most a third of the picture's width.
   const barOf = (size) => {
@@ -102,5 +70,5 @@ nodegraph.define("mocap/gap/closeup", ["page", "mocap/gap/packed", "mocap/gap/cu
     return { element, move, leaving };
   };
 
-  return { drawFace, drawClose };
+  return { drawClose };
 });

@@ -1,5 +1,5 @@
 // The view of one block: a marker as every method has it, over time, on the face and close up.
-nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/gap/curves", "mocap/gap/closeup"], (page, selection, packed, curves, closeup) => {
+nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/gap/curves", "mocap/gap/closeup", "mocap/gap/face"], (page, selection, packed, curves, closeup, { Face }) => {
   const { element } = page;
   const PATIENCE = [40, 160]; // ms between frames at least and at most
   const REST = 200; // ms after which the address has the frame that the reader went to
@@ -33,6 +33,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
       this.best = bestOf(context);
       this.at = this.placeOf(selection.state.frame) ?? this.block.suspects[0] ?? this.block.at;
       this.root = element("div", { class: "gap-view" });
+      this.face = new Face(this.block);
       this.build();
       place.replaceChildren(this.root);
       this.draw();
@@ -114,16 +115,16 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
         else this.seek(this.chart.frameAt(x));
       });
       const close = closeup.drawClose(block, lines);
-      const faces = [closeup.drawFace(block), close];
-      this.pictures.replaceChildren(...faces.map((face) => face.element));
-      this.moved = [this.chart, ...faces];
+      this.pictures.replaceChildren(this.face.element, close.element);
+      this.face.show(lines);
+      this.moved = [this.chart, this.face, close];
       this.drawn = lines;
       const roles = ORDER.filter((role) => lines.some((line) => line.role === role)).reverse();
       const reason = this.block.reason ? `These frames, because ${this.block.reason}. ` : "";
       const every = this.block.every > 1 ? `One frame of ${this.block.every} is shown. ` : "";
       const leaving = close.leaving ? `Hollow dots at the edge of the close-up: farther out, as ${close.leaving} of ${lines.length} lines get. ` : "";
       this.caption.textContent = `${reason}${every}${leaving}${roles.map((role) => WORDS[role]).join(" ")} ` +
-        "Point at a line for its name, click to select its method. Space plays, \u2190 and \u2192 step through frames.";
+        "Point at a line or a dot for its name, click to select its method. Drag the face to turn it. Space plays, \u2190 and \u2192 step through frames.";
       this.move(this.at);
     }
 
@@ -209,7 +210,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
   document.addEventListener("keydown", (event) => {
     const view = here();
     const area = view && (view.root.closest("dialog") ?? view.root);
-    if (!area?.contains(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (!area?.contains(event.target) || event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target.matches("input, select, textarea, summary") || (event.key === " " && event.target.matches("button, a"))) return;
     const act = { " ": () => view.toggle(), ArrowLeft: () => view.seek(view.at - 1), ArrowRight: () => view.seek(view.at + 1) }[event.key];
     if (!act) return;

@@ -11,7 +11,7 @@ nodegraph.define("mocap/gap/packed", [], () => {
   const cross = ([a, b, c], [d, e, f]) => [b * f - c * e, c * d - a * f, a * e - b * d];
 
   // Positions are (frame, xyz) one after the other, from the centre of the view; so are `points`
-  // of the face, (pose, marker, right and up).
+  // of the face, (pose, marker, xyz).
   const unpacked = (data) => {
     const common = numbers(data.common);
     const apart = data.apart.flatMap(([first, last]) => Array.from({ length: last - first + 1 }, (_, at) => first + at));
@@ -36,14 +36,14 @@ nodegraph.define("mocap/gap/packed", [], () => {
   // Right, up and towards the viewer.
   const seen = (block, point) => block.axesOfView.map((axis) => axis.reduce((sum, part, k) => sum + part * point[k], 0));
 
-  // The face at a frame, evenly between the poses beside it; [NaN, NaN] for a missing marker.
+  // The face at a frame, evenly between the poses beside it; NaN for a missing marker.
   const faceAt = ({ face }, at) => {
     const { points, every, poses, markers } = face;
     const first = Math.min(Math.floor(at / every), poses - 1);
     const next = Math.min(first + 1, poses - 1);
     const share = at / every - first;
-    return markers.map((_, marker) => [0, 1].map((k) => {
-      const [before, after] = [first, next].map((pose) => points[2 * (pose * markers.length + marker) + k]);
+    return markers.map((_, marker) => [0, 1, 2].map((k) => {
+      const [before, after] = [first, next].map((pose) => points[3 * (pose * markers.length + marker) + k]);
       if (Number.isNaN(before)) return share >= 0.5 ? after : NaN;
       return Number.isNaN(after) ? before : before + Math.min(share, 1) * (after - before);
     }));

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from nodegraph import Rendered, json_script
@@ -193,6 +194,45 @@ def test_a_suspect_sample_is_circled_and_opened(tab: Page, tmp_path: Path) -> No
     show(tab, tmp_path, {method: {**ports, "truth": truth} for method, ports in given.items()})
     assert frame(tab) == "frame 16"
     assert tab.evaluate("document.querySelectorAll('.curves .suspect').length") == 3
+
+
+def test_the_face_plays_in_space_with_all_methods_on_it(tab: Page, tmp_path: Path) -> None:
+    given = methods()
+    show(tab, tmp_path, given)
+    truth = made_face.truth()
+    tab.evaluate("view.move(13)")
+    names = tab.evaluate("view.face.lines.map((line) => line.name)")
+    assert set(names) == {*given, "truth"}
+
+    def dots() -> dict[str, NDArray[np.float64]]:
+        return dict(zip(names, np.array(tab.evaluate("view.face.dots")), strict=True))
+
+    seen = dots()
+    apart = {
+        name: given[name]["estimate"].positions[18, made_face.GAP_MARKER]  # type: ignore[attr-defined]
+        - truth.positions[18, made_face.GAP_MARKER]
+        for name in (BEST, OTHER)
+    }
+    millimetre = np.linalg.norm(seen[OTHER] - seen["truth"]) / np.linalg.norm(apart[OTHER])
+    for name, offset in apart.items():
+        pixels = (seen[name] - seen["truth"])[:3] * [1, -1, 1] / millimetre
+        assert pixels == pytest.approx(offset, abs=0.05)
+    tab.focus(".gap-view .face")
+    tab.keyboard.press("Shift+ArrowRight")
+    turned = dots()
+    assert frame(tab) == "frame 18"
+    assert np.abs(turned["truth"] - seen["truth"]).max() > 1
+    tab.keyboard.press("0")
+    tab.keyboard.press("ArrowRight")
+    assert frame(tab) == "frame 19"
+    x, y = tab.evaluate(
+        f"view.face.dots[{names.index(OTHER)}].map((value) => value * view.face.canvas.clientWidth "
+        "/ view.face.canvas.width)"
+    )[:2]
+    tab.hover(".face canvas", position={"x": x, "y": y})
+    assert tab.locator(".face .tip").inner_text() in given
+    tab.click(".face canvas", position={"x": x, "y": y})
+    assert tab.evaluate("selection.state.method") in given
 
 
 def test_what_leaves_the_close_up_is_marked_at_its_edge(tab: Page, tmp_path: Path) -> None:

@@ -35,7 +35,8 @@ def truth(packed: dict[str, Any]) -> NDArray[np.float64]:
 
 
 def faces(packed: dict[str, Any]) -> NDArray[np.float64]:
-    """Return (P, M, 2) mm, right and up."""
+    """Return (P, M, 3) mm."""
     face = packed["face"]
     count = len(face["markers"])
-    return numbers(face["rest"], count, 2) + numbers(face["moved"], -1, count, 2, kind="i1")
+    moved = numbers(face["moved"], -1, count, 3, kind="i1")
+    return np.asarray(numbers(face["rest"], count, 3) + moved + np.array(packed["centre"]))
