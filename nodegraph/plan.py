@@ -442,10 +442,11 @@ def _file_names(step: Step) -> Iterator[str]:
 def _declared(method: Method) -> Declared:
     """Return the declarations of a method; where settings vary, those that hold for all."""
     node = method.node
-    declared: Declared = {"adapted": node.declaration.adapted} if node.declaration.adapted else {}
+    settings = list(method.settings.values.values())
+    adapted = dict.fromkeys(node.adapted_from(values) for values in settings)
+    declared: Declared = {"adapted": text} if (text := "; ".join(filter(None, adapted))) else {}
     if method.settings.axes:
         declared["axes"] = method.settings.axes
-    settings = list(method.settings.values.values())
     frames = [node.lookahead(values) for values in settings]
     known = [count for count in frames if isinstance(count, int)]
     if None in frames:

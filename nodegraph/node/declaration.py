@@ -20,6 +20,9 @@ UNDECLARED: Final = Undeclared.UNDECLARED
 LookAhead = int | None | Literal[Undeclared.UNDECLARED] | Callable[[Mapping[str, Any]], int | None]
 """Frames, None for the whole take, or what returns one of these for settings."""
 
+Adapted = str | Callable[[Mapping[str, Any]], str]
+"""What the method is taken from and what differs, or what returns it for settings."""
+
 Ends = bool | None | Callable[[Mapping[str, Any]], bool]
 """True if both ends of a gap are met, or a function of the settings; None: not declared."""
 
@@ -49,7 +52,7 @@ class Declaration:
 
     Attributes
     ----------
-    adapted : str
+    adapted : Adapted
         Empty for a method that is as published.
     lookahead : LookAhead
     ends : Ends
@@ -57,7 +60,7 @@ class Declaration:
         Whether the data of a node without inputs are made, not recorded.
     """
 
-    adapted: str = ""
+    adapted: Adapted = ""
     lookahead: LookAhead = UNDECLARED
     ends: Ends = None
     synthetic: Synthetic = False

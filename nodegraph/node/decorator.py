@@ -28,6 +28,7 @@ from typing import (
 from nodegraph.errors import NodeError, nearest
 from nodegraph.node.declaration import (
     UNDECLARED,
+    Adapted,
     Declaration,
     Ends,
     LookAhead,
@@ -63,7 +64,7 @@ _NO_DEFAULT = inspect.Parameter.empty
 
 class _Declarations(TypedDict, total=False):
     cite: str | tuple[str, ...]
-    adapted: str
+    adapted: Adapted
     lookahead: LookAhead
     ends: Ends
     synthetic: Synthetic
@@ -87,7 +88,7 @@ def node(
     name: str,
     *,
     cite: str | tuple[str, ...] = "none",
-    adapted: str = "",
+    adapted: Adapted = "",
     lookahead: LookAhead = UNDECLARED,
     ends: Ends = None,
     synthetic: Synthetic = False,
@@ -109,8 +110,9 @@ def node(
     cite
         Keys of BibTeX entries that the plugin ships, or ``"none"``.
     adapted
-        What the method is taken from and what differs: ``"from Burke and Lasenby 2016: ..."``.
-        Without it, a method that declares its look-ahead is as published.
+        What the method is taken from and what differs: ``"from Burke and Lasenby 2016: ..."``;
+        or a function of the settings that returns it. Without it, or with an empty text, a method
+        that declares its look-ahead is as published.
     lookahead
         How many frames after a frame its result depends on: a number, None for the whole take or
         any number that the settings do not bound, or a function of the settings that returns one
@@ -358,6 +360,7 @@ class Node:
             self.lookahead(defaults)
             self.live_lookahead(defaults)
             self.meets_ends(defaults)
+            self.adapted_from(defaults)
         return self
 
     def _check_requires(self) -> None:
@@ -462,6 +465,24 @@ class Node:
         if declared is None or isinstance(declared, bool):
             return declared
         raise NodeError(f"{self.name}: ends is {declared!r}; it must be True or False")
+
+    def adapted_from(self, settings: Mapping[str, object]) -> str:
+        """Return what the method is taken from and what differs; empty if it is as published.
+
+        Parameters
+        ----------
+        settings
+            All of them, defaults included.
+
+        Raises
+        ------
+        NodeError
+            If the declared function fails, or what is declared is not a text.
+        """
+        declared = self._declared("adapted", self.declaration.adapted, settings)
+        if isinstance(declared, str):
+            return declared
+        raise NodeError(f"{self.name}: adapted is {declared!r}; it must be a text")
 
     def is_synthetic(self, settings: Mapping[str, object]) -> bool:
         """Return whether the data that the node gives are made, not recorded.

@@ -79,13 +79,15 @@ def describe_declaration(
         The settings at which it was used, each with defaults included. By default the node's
         own defaults.
     """
+    used = [node.defaults] if settings is None else list(settings)
     phrases = []
-    if node.declaration.adapted:
-        phrases.append(f"adapted {node.declaration.adapted}")
+    if adapted := "; ".join(
+        filter(None, dict.fromkeys(_adapted_text(node, each) for each in used))
+    ):
+        phrases.append(f"adapted {adapted}")
     elif node.cite and node.declaration.lookahead is not UNDECLARED:
         phrases.append("as published")
     by_default = settings is None and len(node.settings) > 0
-    used = [node.defaults] if settings is None else list(settings)
     if used and all(len(each) == len(node.settings) for each in used):
         frames = dict.fromkeys(_frames_text(node, each) for each in used)
         ends = dict.fromkeys(_ends_text(node, each) for each in used)
@@ -129,6 +131,13 @@ def _live_text(node: Node) -> str:
 def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:
     joined = " or ".join(filter(None, texts))
     return [f"{what} {joined}{' by default' if varies else ''}"] if joined else []
+
+
+def _adapted_text(node: Node, settings: Mapping[str, object]) -> str:
+    try:
+        return node.adapted_from(settings)
+    except NodeError:
+        return "unknown"
 
 
 def _frames_text(node: Node, settings: Mapping[str, object]) -> str:

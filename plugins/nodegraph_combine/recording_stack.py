@@ -49,7 +49,7 @@ class RecordingStack:
         combined = np.where(shared[..., None], self.positions[0], positions)
         origin = self.origin.max(axis=0)
         origin[np.isnan(combined[..., 0])] = Origin.MISSING
-        return replace(self.first, positions=combined, origin=origin, sigma=None)
+        return replace(self.first, positions=combined, origin=origin, sigma=None, tuning=None)
 
 
 def stack_recordings(recordings: Across[Trajectories]) -> RecordingStack:

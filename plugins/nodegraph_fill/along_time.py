@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import node
-from nodegraph_fill.family import LEFT, Filling, fill_gaps, make_fill
+from nodegraph_fill.family import LEFT, make_fill
+from nodegraph_fill.filling import Filling
 from nodegraph_fill.gaps import Gaps, to_gap_end
 from nodegraph_fill.streams import live_form
+from nodegraph_fill.tuning import unless_tuned
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -70,24 +72,25 @@ def along_time(
     """
 
     def decorate(method: Callable[..., NDArray[np.float64]]) -> Callable[..., Trajectories]:
-        def fill(filling: Bridging, **settings: Any) -> Trajectories:
-            def bridged(recording: Trajectories, gaps: Gaps) -> Trajectories:
-                positions = recording.positions.copy()
-                _, frame, marker, _ = gaps.samples
-                positions[frame, marker] = method(recording.positions, gaps, **settings)
-                return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED)
+        def fill(filling: Bridging, gaps: Gaps, **settings: Any) -> Trajectories:
+            recording = filling.recording
+            if not len(gaps.start):
+                return recording
+            positions = recording.positions.copy()
+            _, frame, marker, _ = gaps.samples
+            positions[frame, marker] = method(recording.positions, gaps, **settings)
+            return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED)
 
-            return fill_gaps(filling, bridged, both_ends=not one_end, otherwise=otherwise)
-
+        left = LEFT if one_end else _TWO_ENDS
         return node(
             name,
             cite=cite,
             adapted=adapted,
-            lookahead=None if whole_take else to_gap_end,
+            lookahead=None if whole_take else unless_tuned(to_gap_end),
             ends=True,
             live=None if whole_take else live_form(partial(partial, method), one_end=one_end),
             shares=Bridging,
-        )(make_fill(method, Bridging, fill, LEFT if one_end else _TWO_ENDS))
+        )(make_fill(method, Bridging, fill, left, both_ends=not one_end, otherwise=otherwise))
 
     return decorate
 

@@ -13,6 +13,7 @@ from pydantic import Field
 from nodegraph import Refusal, Unit
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.low_rank import Entries, LowRank
+from nodegraph_fill.tuning import Tune, is_trying
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
@@ -41,8 +42,8 @@ def bilinear(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    cutoff: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("Hz")] = 6.0,
-    variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
+    cutoff: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("Hz"), Tune(6.0, 12.0)] = 6.0,
+    variance: Annotated[float, Field(gt=0, le=1), Tune(0.995, 0.999)] = 0.995,
 ) -> Estimate:
     """Fill gaps by a bilinear spatiotemporal basis (Akhter, Simon, Khan, Matthews & Sheikh, 2012).
 
@@ -133,7 +134,8 @@ def _completed(
         before, square = square, rest @ rest
         ahead = rest + square / before * ahead
     else:
-        warnings.warn(f"not settled after {_MOST_ROUNDS} rounds", stacklevel=5)
+        if not is_trying():
+            warnings.warn(f"not settled after {_MOST_ROUNDS} rounds", stacklevel=5)
     completed = straight.copy()
     completed[missing] += moved
     return completed

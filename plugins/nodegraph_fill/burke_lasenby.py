@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -10,20 +11,34 @@ from pydantic import Field
 from nodegraph import Refusal, Unit
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.state_space import StateSpace
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
+_TOLERANCE, _NOISE = 0.0025, 0.001
+"""Those of the authors' code."""
 _UNKNOWN = 1e9
 """Times the noise: as good as no knowledge of the state before the first frame."""
 
 
-@whole_take("fill.burke_lasenby", cite="burke_lasenby2016")
+def _adapted(settings: Mapping[str, object]) -> str:
+    """Return what differs from the authors' code, which has the defaults."""
+    source = "from Burke and Lasenby 2016: tolerance and noise are"
+    if settings["settings"] == "tuned":
+        return f"{source} tuned on the take"
+    theirs = settings["tolerance"] == _TOLERANCE and settings["noise"] == _NOISE
+    return "" if theirs else f"{source} not theirs"
+
+
+@whole_take("fill.burke_lasenby", cite="burke_lasenby2016", adapted=_adapted)
 def burke_lasenby(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.0025,
-    noise: Annotated[float, Field(ge=1e-6, allow_inf_nan=False), Unit("mm")] = 0.001,
+    tolerance: Annotated[float, Field(gt=0, lt=1), Tune(0.0025, 0.01, 0.03, 0.1)] = _TOLERANCE,
+    noise: Annotated[
+        float, Field(ge=1e-6, allow_inf_nan=False), Unit("mm"), Tune(times=(10.0, 100.0))
+    ] = _NOISE,
 ) -> Estimate:
     """Fill gaps by a Kalman smoother in the subspace of complete frames (Burke & Lasenby, 2016).
 

@@ -10,24 +10,37 @@ from __future__ import annotations
 import inspect
 import re
 import warnings
-from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import fields, replace
 from functools import cache, wraps
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Literal,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import numpy as np
 
-from nodegraph_fill.gaps import Gaps, MaxGap
-from nodegraph_fill.meet_ends import Ends
+from nodegraph_fill.filling import Filling
+from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.tuning import Tune, marks_of, tuned
 from nodegraph_mocap import Origin, Trajectories
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 LEFT = """\
 A marker that is never measured stays missing, counted in a warning. Samples that are present
 come out as they went in; those that an earlier fill has made count like measured ones."""
 """The paragraph on what most fills leave as it is."""
 
-CALLER = 6
-"""The `stacklevel` by which a warning in what `fill_gaps` calls names the caller of the fill."""
+CALLER = 4
+"""The `stacklevel` by which a warning in what a fill calls names the caller of the fill."""
 
 _RETURNS = """\
 Returns
@@ -36,34 +49,17 @@ Trajectories
     The recording with filled samples, their origin `Origin.FILLED`."""
 
 
-@dataclass(frozen=True)
-class Filling:
-    """A recording with gaps, and the settings of every fill.
-
-    Attributes
-    ----------
-    recording
-        Trajectories with gaps.
-    ends
-        as_published: the estimate as it is. met: its mismatch at each end of a gap, sample minus
-        estimate, is spread linearly over the gap, all of it at that end and none at the other;
-        a gap that the take begins or ends with has one end.
-    max_gap
-        Gaps longer than this stay missing; none: gaps of any length are filled. A gap is a run
-        of missing samples of one marker.
-    """
-
-    recording: Trajectories
-    _: KW_ONLY
-    ends: Ends = "as_published"
-    max_gap: MaxGap = None
-
-
 F = TypeVar("F", bound=Filling)
 
 
 def make_fill(
-    method: Callable[..., object], kind: type[F], fill: Callable[..., Trajectories], left: str
+    method: Callable[..., object],
+    kind: type[F],
+    fill: Callable[..., Trajectories],
+    left: str,
+    *,
+    both_ends: bool = False,
+    otherwise: str = "",
 ) -> Callable[..., Trajectories]:
     """Return a method as a function of what its kind of fill takes and of its own settings.
 
@@ -74,18 +70,33 @@ def make_fill(
     kind
         The dataclass that the function takes besides.
     fill
-        ``fill(filling, **settings)`` fills by that method, with the settings that are given.
+        ``fill(filling, gaps, **settings)`` fills these gaps by that method.
     left
         The paragraph that says what stays missing, which is added to the docstring.
+    both_ends
+        Whether it only fills gaps between two samples of the marker.
+    otherwise
+        Why it may leave a sample missing.
     """
     keyword = inspect.Parameter.KEYWORD_ONLY
     own = [each for each in inspect.signature(method).parameters.values() if each.kind is keyword]
+    defaults = {each.name: each.default for each in own}
+
+    @cache
+    def hints() -> dict[str, Any]:
+        # read when a fill is called: annotations of the method may name what is defined below it
+        marked = get_type_hints(kind, include_extras=True)
+        return marked | get_type_hints(filled, include_extras=True)
 
     @cache
     def choices() -> dict[str, tuple[object, ...]]:
-        # read when a fill is called: annotations of the method may name what is defined below it
-        hints = get_type_hints(kind) | get_type_hints(filled)
-        return {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Literal}
+        plain = {name: _without_marks(hint) for name, hint in hints().items()}
+        return {name: get_args(hint) for name, hint in plain.items() if get_origin(hint) is Literal}
+
+    @cache
+    def marks() -> Mapping[str, Tune]:
+        shared = {each.name: each.default for each in fields(kind)}
+        return marks_of(hints(), shared | defaults)
 
     @wraps(method)
     def filled(*, filling: F, **settings: Any) -> Trajectories:
@@ -93,7 +104,17 @@ def make_fill(
             if given not in choices().get(name, [given]):
                 *others, last = map(str, choices()[name])
                 raise ValueError(f"{name} must be {', '.join(others)} or {last}, got {given!r}")
-        return fill(filling, **settings)
+        recording, gaps = filling.recording, Gaps.of(filling.recording)
+        reasons = _reasons(gaps, filling.max_gap, both_ends=both_ends)
+        wanted = gaps.subset(~np.any(list(reasons.values()), axis=0))
+        if filling.settings == "tuned" and len(wanted.start) and marks():
+            filling, settings, tuning = tuned(fill, filling, wanted, defaults | settings, marks())
+            recording = replace(fill(filling, wanted, **settings), tuning=tuning)
+        else:
+            recording = fill(filling, wanted, **settings)
+        counts = {reason: int(gaps.length[which].sum()) for reason, which in reasons.items()}
+        _warn_left(recording, counts, otherwise)
+        return recording
 
     filled.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [*own, inspect.Parameter("filling", keyword, annotation=kind)],
@@ -106,38 +127,18 @@ def make_fill(
     return filled
 
 
-def fill_gaps(
-    filling: Filling,
-    fill: Callable[[Trajectories, Gaps], Trajectories],
-    *,
-    both_ends: bool = False,
-    otherwise: str = "",
-) -> Trajectories:
-    """Fill the gaps that are not too long, and warn of what is left; called by a fill.
+def _without_marks(hint: Any) -> Any:
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
 
-    Parameters
-    ----------
-    filling
-        The recording and the settings of the fill.
-    fill
-        Takes the recording and the gaps to fill; not called when there are none.
-    both_ends
-        Whether it only fills gaps between two samples of the marker.
-    otherwise
-        Why it may leave a sample missing.
-    """
-    recording = filling.recording
-    gaps = Gaps.of(recording)
-    long = gaps.longer_than(filling.max_gap) & ~gaps.never
-    left = {"never measured": gaps.never, "longer than max_gap": long}
+
+def _reasons(gaps: Gaps, max_gap: int | None, *, both_ends: bool) -> dict[str, NDArray[np.bool_]]:
+    """Return for each reason to leave a gap missing which gaps it concerns."""
+    long = gaps.longer_than(max_gap) & ~gaps.never
+    reasons = {"never measured": gaps.never, "longer than max_gap": long}
     if both_ends:
-        left["at the take's start"] = gaps.at_start & ~long
-        left["at the take's end"] = gaps.at_end & ~long
-    wanted = gaps.subset(~np.any(list(left.values()), axis=0))
-    filled = fill(recording, wanted) if len(wanted.start) else recording
-    counts = {reason: int(gaps.length[which].sum()) for reason, which in left.items()}
-    _warn_left(filled, counts, otherwise)
-    return filled
+        reasons["at the take's start"] = gaps.at_start & ~long
+        reasons["at the take's end"] = gaps.at_end & ~long
+    return reasons
 
 
 def _warn_left(filled: Trajectories, counts: dict[str, int], otherwise: str) -> None:

@@ -104,6 +104,19 @@ class Gaps:
         """Return some of the gaps."""
         return Gaps(self.marker[which], self.start[which], self.stop[which], self.shape)
 
+    def joined(self, others: Gaps) -> Gaps:
+        """Return these gaps and others of the same recording, in their order."""
+        marker, start, stop = (
+            np.concatenate(pair)
+            for pair in (
+                (self.marker, others.marker),
+                (self.start, others.start),
+                (self.stop, others.stop),
+            )
+        )
+        order = np.lexsort((start, marker))
+        return Gaps(marker[order], start[order], stop[order], self.shape)
+
     @cached_property
     def mask(self) -> NDArray[np.bool_]:
         """(frames, markers), True where a sample lies in one of the gaps."""

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from nodegraph_fill.stepwise import Rule, stepwise
+from nodegraph_fill.tuning import Tune
 from nodegraph_mocap import Trajectories
 
 
@@ -17,7 +18,7 @@ from nodegraph_mocap import Trajectories
 def guenter(
     recording: Trajectories,
     *,
-    neighbours: Annotated[int, Field(ge=1)] = 3,
+    neighbours: Annotated[int, Field(ge=1), Tune(2, 3, 5, 8)] = 3,
     ring: Annotated[int, Field(ge=1)] = 8,
 ) -> Rule:
     """Fill gaps with the mean displacement of the nearest neighbours (Guenter et al. 1998).

@@ -1,4 +1,4 @@
-"""Standard deviations scaled by the errors in gaps whose content is known."""
+"""Gaps whose content is known, and standard deviations scaled by the errors in them."""
 
 from __future__ import annotations
 
@@ -61,23 +61,26 @@ def calibrated(
         The recording filled; sigma is NaN in the gaps if fewer than 10 could be held out.
     """
     assert filled.sigma is not None
-    held, sigma = _moved(recording, gaps), filled.sigma.copy()
+    held, sigma = moved(recording, gaps, recording.frames // 2), filled.sigma.copy()
     gap, frame, marker, _ = gaps.samples
     if len(held.start) < _LEAST:
         sigma[frame, marker] = np.nan
     else:
         noise = np.zeros(gaps.shape[1]) if noise is None else noise
-        scale = _scale(recording, held, fill(_without(recording, held), held), noise)
+        scale = _scale(recording, held, fill(without(recording, held), held), noise)
         square = scale(gaps.length)[gap] ** 2
         extra = np.maximum(square - 1.0, 0.0) * noise[marker]
         sigma[frame, marker] = np.sqrt(square * sigma[frame, marker] ** 2 + extra)
     return replace(filled, sigma=sigma)
 
 
-def _moved(recording: Trajectories, gaps: Gaps) -> Gaps:
-    """Return the gaps half a take later, as far as they hide present samples between others."""
+def moved(recording: Trajectories, gaps: Gaps, later: int) -> Gaps:
+    """Return the gaps so many frames later, from the take's end on to its beginning.
+
+    Those are left out that hide other samples than present ones with a present one on each side.
+    """
     frames = recording.frames
-    start = (gaps.start + frames // 2) % frames
+    start = (gaps.start + later) % frames
     stop = start + gaps.length
     before = np.pad(np.cumsum(~recording.present, axis=0), ((1, 0), (0, 0)))
     inner = (start > 0) & (stop < frames)
@@ -86,7 +89,8 @@ def _moved(recording: Trajectories, gaps: Gaps) -> Gaps:
     return Gaps(gaps.marker, start, stop, gaps.shape).subset(inner & free)
 
 
-def _without(recording: Trajectories, gaps: Gaps) -> Trajectories:
+def without(recording: Trajectories, gaps: Gaps) -> Trajectories:
+    """Return the recording without the samples in gaps."""
     positions = np.where(gaps.mask[..., None], np.nan, recording.positions)
     return recording.with_samples(positions, changed=gaps.mask, origin=Origin.MISSING)
 

@@ -14,6 +14,7 @@ from pydantic import Field
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.matern import Courses, Matern
 from nodegraph_fill.ridge import nearest_first
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.suspect import FACTOR, OPPOSITE, impulses, usual
@@ -47,7 +48,7 @@ def kriging(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    neighbours: Annotated[int, Field(ge=1)] = 20,
+    neighbours: Annotated[int, Field(ge=1), Tune(20, 40)] = 20,
 ) -> Estimate:
     """Fill gaps from other markers and from the course in time of what they leave (kriging).
 

@@ -9,11 +9,17 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph_fill.stepwise import Rule, lookahead, stepwise
+from nodegraph_fill.tuning import Tune
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+Neighbours = Annotated[
+    Annotated[int, Field(ge=1)] | Literal["one_ring"], Tune(4, 6, 8, 12, "one_ring")
+]
 
 
 def _lookahead(settings: Mapping[str, object]) -> int | None:
@@ -33,7 +39,7 @@ def _lookahead(settings: Mapping[str, object]) -> int | None:
 def lin_ouhyoung(
     recording: Trajectories,
     *,
-    neighbours: Annotated[int, Field(ge=1)] | Literal["one_ring"] = 8,
+    neighbours: Neighbours = 8,
 ) -> Rule:
     """Fill gaps with a cosine-weighted mean of many neighbours' displacements (Lin & Ouhyoung).
 

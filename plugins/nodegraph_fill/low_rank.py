@@ -13,7 +13,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_fill.whole_take import TakeMatrix
+from nodegraph_fill.tuning import is_trying
+from nodegraph_fill.whole_take import TakeMatrix
 
 _Real = TypeVar("_Real", np.float32, np.float64)
 _MOST_ROUNDS = 1000
@@ -165,11 +166,12 @@ class LowRank:
                 before = change
             else:
                 rows[missing.mask] = mixing.extrapolated(lower, -step)
-        warnings.warn(
-            f"completing the take has not settled after {_MOST_ROUNDS} rounds: the last one "
-            f"still changed a coordinate by {change:.1g} mm",
-            stacklevel=6,
-        )
+        if not is_trying():
+            warnings.warn(
+                f"completing the take has not settled after {_MOST_ROUNDS} rounds: the last one "
+                f"still changed a coordinate by {change:.1g} mm",
+                stacklevel=6,
+            )
 
 
 class Mixing:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from nodegraph_fill.stepwise import Rule, stepwise
+from nodegraph_fill.tuning import Tune
 from nodegraph_mocap import Trajectories
 
 
@@ -13,7 +16,7 @@ from nodegraph_mocap import Trajectories
 def muscle(
     recording: Trajectories,
     *,
-    normalize: bool = False,
+    normalize: Annotated[bool, Tune(False, True)] = False,
 ) -> Rule:
     """Fill gaps with the weighted motion of the three nearest neighbours (Zhang et al.).
 

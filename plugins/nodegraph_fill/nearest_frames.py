@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Origin, Trajectories
 
@@ -31,7 +32,7 @@ def nearest_frames(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    frames: Annotated[int, Field(ge=1)] = 5,
+    frames: Annotated[int, Field(ge=1), Tune(5, 20, 40)] = 5,
 ) -> Estimate:
     """Fill a sample with the marker's mean position in the most similar frames (Troyanskaya).
 

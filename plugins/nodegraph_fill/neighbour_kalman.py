@@ -13,6 +13,7 @@ from nodegraph_fill.gaps import Gaps, to_gap_end, to_limit
 from nodegraph_fill.meet_ends import are_met
 from nodegraph_fill.rigid_motion import carried, moved
 from nodegraph_fill.streams import Limit
+from nodegraph_fill.tuning import Tune, unless_tuned
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
@@ -43,6 +44,7 @@ class _Stream:
         neighbour_noise: float,
         ends: object,
         max_gap: int | None,
+        settings: object,
     ) -> None:
         markers = len(recording.markers)
         self.header = recording
@@ -104,17 +106,24 @@ class _Stream:
         "three at least"
     ),
     lookahead=_lookahead,
-    live=StateForm(_Stream, lookahead=_live_lookahead, leaves="gaps at the start of the take"),
+    live=StateForm(
+        _Stream, lookahead=unless_tuned(_live_lookahead), leaves="gaps at the start of the take"
+    ),
     otherwise="no three neighbours that span a plane",
 )
 def neighbour_kalman(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    neighbours: Annotated[int, Field(ge=3)] = 6,
-    acceleration: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm/s^2")] = 1000.0,
+    neighbours: Annotated[int, Field(ge=3), Tune(4, 6, 10)] = 6,
+    acceleration: Annotated[
+        float,
+        Field(gt=0, allow_inf_nan=False),
+        Unit("mm/s^2"),
+        Tune(times=(0.3, 3.0)),
+    ] = 1000.0,
     noise: Noise = 0.1,
-    neighbour_noise: Noise = 1.0,
+    neighbour_noise: Annotated[Noise, Tune(times=(0.3, 3.0))] = 1.0,
 ) -> Estimate:
     """Predict missing markers by a Kalman filter that neighbours help (Aristidou et al., 2008).
 

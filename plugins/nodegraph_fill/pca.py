@@ -10,6 +10,7 @@ from pydantic import Field
 
 from nodegraph import Refusal, Unit
 from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
@@ -40,8 +41,8 @@ def pca(
     *,
     strategy: Strategy = "each",
     weight_scale: Annotated[float | None, Field(gt=0, allow_inf_nan=False), Unit("mm")] = None,
-    weight_missing: Annotated[float, Field(gt=0, le=1)] = 0.02,
-    singular_values: Annotated[float, Field(gt=0, le=1)] = 0.99,
+    weight_missing: Annotated[float, Field(gt=0, le=1), Tune(0.02, 0.1)] = 0.02,
+    singular_values: Annotated[float, Field(gt=0, le=1), Tune(0.9, 0.95, 0.99, 0.999)] = 0.99,
 ) -> Estimate:
     """Fill gaps from the markers' principal components (Gloersen & Federolf, 2016).
 

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from nodegraph import Unit
 from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.reference_shape import reference_shape
@@ -31,8 +32,10 @@ def ridge(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    neighbours: Annotated[int, Field(ge=1)] = 12,
-    penalty: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm^2")] = 10.0,
+    neighbours: Annotated[int, Field(ge=1), Tune(12, 24, 40)] = 12,
+    penalty: Annotated[
+        float, Field(gt=0, allow_inf_nan=False), Unit("mm^2"), Tune(times=(0.1, 10.0))
+    ] = 10.0,
 ) -> Estimate:
     """Fill gaps by ridge regression on the nearest markers (Hoerl & Kennard, 1970).
 

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from nodegraph_fill.along_time import along_time
 from nodegraph_fill.rigid_motion import carried
+from nodegraph_fill.tuning import Tune
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +25,10 @@ if TYPE_CHECKING:
     otherwise="no three neighbours that span a plane",
 )
 def rigid(
-    positions: NDArray[np.float64], gaps: Gaps, *, neighbours: Annotated[int, Field(ge=3)] = 6
+    positions: NDArray[np.float64],
+    gaps: Gaps,
+    *,
+    neighbours: Annotated[int, Field(ge=3), Tune(4, 6, 10, 16)] = 6,
 ) -> NDArray[np.float64]:
     """Fill gaps as if the nearest markers and the missing one were one rigid body.
 

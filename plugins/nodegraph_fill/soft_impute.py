@@ -8,6 +8,7 @@ from pydantic import Field
 
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
@@ -21,7 +22,7 @@ def soft_impute(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    shrinkage: Annotated[float, Field(gt=0, lt=1)] = 0.001,
+    shrinkage: Annotated[float, Field(gt=0, lt=1), Tune(0.001, 0.003, 0.01)] = 0.001,
 ) -> Estimate:
     """Fill gaps from the matrix of least nuclear norm near the samples (Mazumder et al., 2010).
 

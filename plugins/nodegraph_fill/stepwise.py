@@ -18,15 +18,17 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
 from nodegraph import StateForm, node
-from nodegraph_fill.family import CALLER, Filling, fill_gaps, make_fill
+from nodegraph_fill.family import CALLER, make_fill
+from nodegraph_fill.filling import Filling
 from nodegraph_fill.gaps import Gaps, to_limit
 from nodegraph_fill.meet_ends import Ends, are_met, meet_ends
 from nodegraph_fill.streams import Limit
+from nodegraph_fill.tuning import Tune, is_trying, unless_tuned
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -57,7 +59,7 @@ class Stepping(Filling):
     """  # a gap begins at its first end, so that its whole mismatch is at the other
 
     use_filled: bool = True
-    close_gap: CloseGap = "none"
+    close_gap: Annotated[CloseGap, Tune("none", "blend")] = "none"
 
     @property
     def ramps(self) -> bool:
@@ -198,35 +200,30 @@ def stepwise(
     """
 
     def decorate(method: Callable[..., Rule]) -> Callable[..., Trajectories]:
-        def fill(filling: Stepping, **settings: Any) -> Trajectories:
-            rule = replace(method(filling.recording, **settings), use_filled=filling.use_filled)
-
-            def predicted(recording: Trajectories, gaps: Gaps) -> Trajectories:
-                if filling.close_gap == "blend":
-                    chain = _blended(recording, gaps, rule)
-                else:
-                    chain = _chained(recording, gaps, rule, ramps=filling.ramps)
-                if chain.still:
-                    warnings.warn(
-                        f"{chain.still} predictions left a marker where it was: its nearest "
-                        "neighbour lies beyond falloff_radius, or where the marker itself does",
-                        stacklevel=CALLER,
-                    )
-                return recording.with_samples(
-                    chain.positions, changed=gaps.mask, origin=Origin.FILLED
+        def fill(filling: Stepping, gaps: Gaps, **settings: Any) -> Trajectories:
+            recording = filling.recording
+            rule = replace(method(recording, **settings), use_filled=filling.use_filled)
+            if filling.close_gap == "blend":
+                chain = _blended(recording, gaps, rule)
+            else:
+                chain = _chained(recording, gaps, rule, ramps=filling.ramps)
+            if chain.still and not is_trying():
+                warnings.warn(
+                    f"{chain.still} predictions left a marker where it was: its nearest "
+                    "neighbour lies beyond falloff_radius, or where the marker itself does",
+                    stacklevel=CALLER,
                 )
-
-            return fill_gaps(filling, predicted, otherwise="no usable neighbour")
+            return recording.with_samples(chain.positions, changed=gaps.mask, origin=Origin.FILLED)
 
         return node(
             name,
             cite=cite,
             adapted=adapted,
-            lookahead=lookahead,
+            lookahead=unless_tuned(lookahead),
             ends=meets_ends,
             live=_live_form(method, lookahead),
             shares=Stepping,
-        )(make_fill(method, Stepping, fill, _LEFT))
+        )(make_fill(method, Stepping, fill, _LEFT, otherwise="no usable neighbour"))
 
     return decorate
 
@@ -280,16 +277,18 @@ def _live_form(
         close_gap: CloseGap,
         ends: Ends,
         max_gap: int | None,
-        **settings: object,
+        settings: object,
+        **own: object,
     ) -> _Stream:
-        rule = replace(method(recording, **settings), use_filled=use_filled)
+        rule = replace(method(recording, **own), use_filled=use_filled)
         ramps = close_gap == "ramp" or ends == "met"
         return _Stream(recording, rule, max_gap, ramps=ramps)
 
     def live_lookahead(settings: Mapping[str, Any]) -> int | None:
         return None if settings["close_gap"] == "blend" else lookahead(settings)
 
-    return StateForm(state, lookahead=live_lookahead, leaves="gaps at the start of the take")
+    leaves = "gaps at the start of the take"
+    return StateForm(state, lookahead=unless_tuned(live_lookahead), leaves=leaves)
 
 
 class _Stream:

@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import StateForm
 from nodegraph_fill.gaps import Gaps, to_gap_end
+from nodegraph_fill.tuning import unless_tuned
 from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -67,11 +68,11 @@ def live_form(between: Callable[..., Between], *, one_end: bool = False) -> Stat
     """
 
     def state(
-        recording: Trajectories, *, ends: object, max_gap: int, **settings: object
+        recording: Trajectories, *, ends: object, max_gap: int, settings: object, **own: object
     ) -> _Stream:
-        return _Stream(recording, between(**settings), max_gap, one_end=one_end)
+        return _Stream(recording, between(**own), max_gap, one_end=one_end)
 
-    return StateForm(state, lookahead=to_gap_end)
+    return StateForm(state, lookahead=unless_tuned(to_gap_end))
 
 
 class _Stream:

@@ -11,6 +11,7 @@ from pydantic import Field
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.low_rank import LowRank
 from nodegraph_fill.state_space import StateSpace
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
@@ -34,7 +35,7 @@ def subspace_kalman(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
+    variance: Annotated[float, Field(gt=0, le=1), Tune(0.995, 0.999, 0.9999)] = 0.995,
 ) -> Estimate:
     """Fill gaps by a Kalman smoother in the subspace of a low-rank completion of the take.
 

@@ -8,7 +8,10 @@ from pydantic import Field
 
 from nodegraph import Unit
 from nodegraph_fill.stepwise import Rule, stepwise
+from nodegraph_fill.tuning import Tune
 from nodegraph_mocap import Trajectories
+
+Radius = Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")]
 
 
 @stepwise(
@@ -22,8 +25,8 @@ from nodegraph_mocap import Trajectories
 def waters(
     recording: Trajectories,
     *,
-    full_radius: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 15.0,
-    falloff_radius: Annotated[float, Field(gt=0, allow_inf_nan=False), Unit("mm")] = 45.0,
+    full_radius: Annotated[Radius, Tune(times=(1 / 3,))] = 15.0,
+    falloff_radius: Annotated[Radius, Tune(times=(2 / 3, 2.0))] = 45.0,
 ) -> Rule:
     """Fill gaps with the nearest neighbour's displacement, scaled by Waters' muscle (1987).
 

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import StateForm, node
-from nodegraph_fill.family import LEFT, Filling, fill_gaps, make_fill
+from nodegraph_fill.family import LEFT, make_fill
+from nodegraph_fill.filling import Filling
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.held_out import calibrated
 from nodegraph_fill.meet_ends import are_met, meet_ends
+from nodegraph_fill.tuning import is_trying, unless_tuned
 from nodegraph_mocap import Origin, Trajectories
 
 if TYPE_CHECKING:
@@ -55,7 +57,7 @@ def whole_take(
     name: str,
     *,
     cite: str | tuple[str, ...],
-    adapted: str = "",
+    adapted: str | Callable[[Mapping[str, Any]], str] = "",
     lookahead: Callable[[Mapping[str, Any]], int | None] | None = None,
     live: StateForm | None = None,
     otherwise: str = "",
@@ -74,22 +76,21 @@ def whole_take(
     """
 
     def decorate(method: Callable[..., Estimate]) -> Callable[..., Trajectories]:
-        def fill(filling: Filling, **settings: Any) -> Trajectories:
-            def written(recording: Trajectories, gaps: Gaps) -> Trajectories:
-                model = partial(method, **settings)
-                return _filled(recording, gaps, model, meets=filling.ends == "met")
-
-            return fill_gaps(filling, written, otherwise=otherwise)
+        def fill(filling: Filling, gaps: Gaps, **settings: Any) -> Trajectories:
+            if not len(gaps.start):
+                return filling.recording
+            model = partial(method, **settings)
+            return _filled(filling.recording, gaps, model, meets=filling.ends == "met")
 
         return node(
             name,
             cite=cite,
             adapted=adapted,
-            lookahead=lookahead,
+            lookahead=lookahead and unless_tuned(lookahead),
             ends=are_met,
             live=live,
             shares=Filling,
-        )(make_fill(method, Filling, fill, LEFT))
+        )(make_fill(method, Filling, fill, LEFT, otherwise=otherwise))
 
     return decorate
 
@@ -103,7 +104,7 @@ def _filled(
 ) -> Trajectories:
     estimate = model(recording, gaps)
     filled = _written(recording, gaps, estimate, meets=meets)
-    if estimate.sigma is None:
+    if estimate.sigma is None or is_trying():
         return filled
     again = estimate.again or model
 

@@ -14,6 +14,7 @@ from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Mask, Origin, Trajectories, check_markers
 from nodegraph_mocap.selection import Selection
 from nodegraph_mocap.streaming import AnimationFrame, HeadPose, MarkerFrame
+from nodegraph_mocap.tuning import Tuning
 from nodegraph_tables import Figure, StoredFigure, Table, figure_text
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "StoredFigure",
     "Table",
     "Trajectories",
+    "Tuning",
     "Weights",
     "check_markers",
     "figure_text",

@@ -16,6 +16,7 @@ from nodegraph import Value, closest, listed
 from nodegraph_mocap.checks import distinct, possible_rate, set_fields, twice
 from nodegraph_mocap.frame_ranges import chunks, runs_of
 from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.tuning import Tuning
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
 if TYPE_CHECKING:
@@ -56,6 +57,8 @@ class Trajectories(Value):
         Standard deviation of each sample in millimetres, where a method knows it: 95 % of the
         errors of a coordinate lie within 1.96 of it, in general more than 50 % within 0.67.
         NaN for a missing sample, whatever is given.
+    tuning : Tuning or None
+        The settings that a fill has chosen by the recording, if its settings were tuned.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class Trajectories(Value):
     marker_set: MarkerSet | None = None
     origin: NDArray[np.uint8] = _FROM_POSITIONS
     sigma: NDArray[np.float64] | None = None
+    tuning: Tuning | None = None
 
     def __post_init__(self) -> None:
         positions = np.asarray(self.positions, dtype=np.float64)

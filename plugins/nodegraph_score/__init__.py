@@ -25,6 +25,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     from nodegraph_score.smoothness import smoothness
     from nodegraph_score.steps import steps
     from nodegraph_score.tracking import tracking
+    from nodegraph_score.tuning import tuning
     from nodegraph_score.unselected import unselected
     from nodegraph_score.weights_mse import weights_mse
 
@@ -40,6 +41,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
         smoothness,
         steps,
         tracking,
+        tuning,
         unselected,
         weights_mse,
     )
