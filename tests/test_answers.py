@@ -151,6 +151,10 @@ def check_places(shown: Shown, folder: Path) -> None:
     if not verdicts.groups:
         return
     named = [str(method) for method in verdicts.methods]
+    assert (answer.overall is None) == (verdicts.overall is None)
+    if verdicts.overall is not None and answer.overall is not None:
+        assert answer.overall.first == tuple(named[at] for at in verdicts.overall.best)
+        assert {*answer.overall.tied} == {named[at] for at in verdicts.overall.marked("tied")}
     # charts, heat table, map and face are drawn from this
     data = packed(overview, verdicts, excerpt_of(overview), "table", {})
     for group, found, (best, tied) in zip(data["groups"], answer.findings, marks, strict=True):

@@ -26,8 +26,9 @@ class Result:
         row, null for a number that is missing), ``units`` and ``better`` by column, ``best`` and
         ``tied`` (rows by column), ``cells``: the columns that hold the interval and the p of
         another, and ``answer``: its ``sentence`` and ``scope``, and of each of its ``groups``
-        whether there is a ``verdict``, which methods are ``best``, ``tied``, ``behind`` and
-        ``first`` by the mean, and their ``mean``, ``low``, ``high`` and ``p``.
+        whether there is a ``verdict``, which methods are ``best``, ``tied`` (not certain to be
+        worse), ``behind`` and ``first`` by the mean, and their ``mean``, ``low``, ``high`` and
+        ``p``; ``overall`` is the same of all groups taken together, or null.
     """
 
     node: str

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _FORM = re.compile(r"(\S+)(?: (?!at )(.+?))?(?: at (.+))?")
-_HINT = "write {best}, {best METHOD}, or {best at AXIS=LABEL}; or " + ", ".join(
+_ALL = "all"
+_HINT = "write {best}, {best METHOD}, {best at AXIS=LABEL} or {best at all}; or " + ", ".join(
     f"{{{name}}}" for name in PLACEHOLDERS[1:]
 )
 
@@ -49,6 +50,10 @@ def _placeholder(text: str) -> Placeholder | str:
     match = _FORM.fullmatch(text.strip())
     if match is None or match[1] not in PLACEHOLDERS:
         return match[1] if match else text
-    pairs = [pair.partition("=") for pair in (match[3] or "").split(",")]
-    at = {axis.strip(): label.strip() for axis, sign, label in pairs if sign}
-    return Placeholder(match[1], match[2] or "", at, f"{{{text}}}")
+    where = (match[3] or "").strip()
+    pairs = [pair.partition("=") for pair in where.split(",") if where not in ("", _ALL)]
+    if not all(sign for _, sign, _ in pairs):
+        return text
+    at = {axis.strip(): label.strip() for axis, _, label in pairs}
+    written = f"{{{text}}}"
+    return Placeholder(match[1], match[2] or "", None if where == _ALL else at, written)

@@ -234,15 +234,15 @@ class Placeholder:
         One of `PLACEHOLDERS`.
     label : str
         The method that the author names; empty for those that there are.
-    at : mapping of axis to text
-        Labels of the groups that it is about.
+    at : mapping of axis to text, optional
+        Labels of the groups that it is about; None for all groups taken together.
     text : str
         As written.
     """
 
     name: str
     label: str
-    at: Mapping[str, str]
+    at: Mapping[str, str] | None
     text: str
 
 

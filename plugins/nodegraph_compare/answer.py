@@ -85,13 +85,18 @@ def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
         answer = described(named, is_mean=is_mean)
         return Answer(answer.sentence, scope_words(named), answer.cards, findings=findings)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
+    sentence, scope = _sentence(named), scope_words(named)
     overall = verdicts.overall
-    more = () if overall is None else (line_on_all(named, overall),)
-    return Answer(_sentence(named), scope_words(named), cards, more, findings)
+    if overall is None:
+        return Answer(sentence, scope, cards, findings=findings)
+    more = (line_on_all(named, overall),)
+    return Answer(sentence, scope, cards, more, findings, _finding(verdicts, overall))
 
 
-def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
+def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -> Finding:
+    """Return what is found in a group, `shown` to readers with units; or over all of them."""
     marks = group.marks
+    axes = range(len(verdicts.within))
 
     def named(places: Sequence[int]) -> tuple[str, ...]:
         return tuple(plain_names(verdicts, places))
@@ -103,8 +108,8 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict) -> Finding:
     paired = group.paired
     better, worse = _sides(verdicts)
     return Finding(
-        group=dict(zip(verdicts.within, group.labels, strict=True)),
-        title=group_title(verdicts, shown, range(len(verdicts.within))),
+        group=dict(zip(verdicts.within, group.labels, strict=True)) if shown else {},
+        title=group_title(verdicts, shown, axes) if shown else "all groups together",
         verdict=group.told,
         best=named(group.best) if group.told else (),
         tied=named(group.tied) if marks else (),
@@ -492,7 +497,7 @@ def _beside_means(verdicts: Verdicts, of: Sequence[tuple[Verdict, int]]) -> list
     texts = []
     for metric in verdicts.beside:
         means = [float(group.beside[metric.name][place]) for group, place in of]
-        span = Word(beside_text([min(means), max(means)], metric), "number")
+        span = Word(beside_text(verdicts, [min(means), max(means)], metric), "number")
         texts.append(say(f"{metric.name} {HERE}", span))
     return texts
 

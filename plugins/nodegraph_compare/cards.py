@@ -207,7 +207,8 @@ def _behind(verdicts: Verdicts, group: Verdict) -> Text:
     by = Word(f"{signed(difference, verdicts.metric.unit, mean)}{share}", "number")
     count = len(group.behind)
     if count > 1 and not group.tied:
-        return say(f"all {count} others, the nearest {HERE} {HERE}", name, by)
+        every = "both" if count == 2 else f"all {count}"
+        return say(f"{every} others, the nearest {HERE} {HERE}", name, by)
     rest = f" and {count - 1} more" if count > 1 else ""
     return say(f"{HERE} {HERE}{rest}", name, by)
 
@@ -231,7 +232,7 @@ def _beside(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
         means = group.beside[metric.name]
 
         def number(*values: float, metric: Metric = metric) -> Word:
-            return Word(beside_text(values, metric), "number")
+            return Word(beside_text(verdicts, values, metric), "number")
 
         texts = [
             say(f"{HERE} {HERE}", name, number(means[place]))
@@ -306,7 +307,12 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
         return say(f"{HERE}; without them {HERE}{f'; {change}' if change else ''}", count, mean)
     names = listing(method_words(verdicts, other.best))
     if group.suspects_decide:
-        return say(f"{HERE}; without them the best: {HERE}, {HERE}", count, names, mean)
+        (before,) = plain_names(verdicts, group.best[:1])
+        unit, best = verdicts.metric.unit, float(other.mean[other.best[0]])
+        by = signed(abs(other.to_best_of(group.best[0])), unit, best).removeprefix("+")
+        ahead = Word(by, "number")
+        text = f"{HERE}; without them {HERE} {HERE}, {HERE} ahead of {before}"
+        return say(text, count, names, mean, ahead)
     end = EXTREME[verdicts.metric.better]
-    text = f"{HERE}; without them {end}: {HERE}, {HERE}, not certain either"
+    text = f"{HERE}; without them {end}: {HERE} {HERE}, not certain either"
     return say(text, count, names, mean)

@@ -11,7 +11,7 @@ from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
 from nodegraph_tables.answer import HERE, MOST_CARDS, Word, joined, say
-from nodegraph_tables.numbers import SMALLEST, SPACE, percent, shares_text, span_text
+from nodegraph_tables.numbers import MINUS, SMALLEST, SPACE, percent, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -205,9 +205,18 @@ def signed(value: float, unit: str, mean: float) -> str:
     return f"{'+' if shown >= 0 else ''}{span_text([shown], unit)}"
 
 
-def beside_text(values: Sequence[float], metric: Metric) -> str:
-    """Return means of the metrics shown next to the first, from first to last, in few digits."""
-    return shares_text(values) if metric.unit == "share" else span_text(values, metric.unit)
+def beside_text(verdicts: Verdicts, values: Sequence[float], metric: Metric) -> str:
+    """Return means of the metrics shown next to the first, from first to last, in few digits.
+
+    Frames are given in time where the rate is known.
+    """
+    if metric.unit == "share":
+        return shares_text(values)
+    rate = verdicts.recordings.rate
+    if metric.unit != "frames" or not rate:
+        return span_text(values, metric.unit)
+    times = dict.fromkeys(str(round(1000 * value / rate)) for value in values)
+    return f"{' to '.join(times)}{SPACE}ms".replace("-", MINUS)
 
 
 def method_words(verdicts: Verdicts, places: Iterable[int]) -> list[Word]:

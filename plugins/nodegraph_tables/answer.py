@@ -225,6 +225,8 @@ class Answer(Value):
         Further sentences.
     findings : tuple of Finding
         What it says, as data, where methods are compared.
+    overall : Finding, optional
+        The same over all groups taken together.
     """
 
     sentence: Text = ()
@@ -232,6 +234,7 @@ class Answer(Value):
     cards: tuple[Card, ...] = ()
     more: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
+    overall: Finding | None = None
 
     @property
     def held(self) -> str:
@@ -267,8 +270,9 @@ def in_authors_words(answer: Answer, parts: Sequence[str | Placeholder]) -> Answ
     """
     if not parts:
         return answer
-    behind = {name for found in answer.findings for name in found.mean}
-    behind -= {name for found in answer.findings for name in found.best}
+    every = (*answer.findings, *([answer.overall] if answer.overall else []))
+    behind = {name for found in every for name in found.mean}
+    behind -= {name for found in every for name in found.best}
     filled: list[Text] = []
     for part in parts:
         if isinstance(part, str):
@@ -293,14 +297,7 @@ def _filled(answer: Answer, part: Placeholder) -> Text:
     """Return what stands in place of a placeholder."""
     if part.name == "scope":
         return (answer.held.rstrip("."),)
-    found = [
-        finding
-        for finding in answer.findings
-        if all(str(finding.group.get(axis)) == label for axis, label in part.at.items())
-    ]
-    if not found:
-        groups = listed([finding.title or "all" for finding in answer.findings]) or "none"
-        raise NodegraphError(f"{part.text} is about no group; there are: {groups}")
+    found = _about(answer, part)
     if part.name == "number":
         return _number_in(found, part)
     for finding in found if part.name not in ("better", "worse") else ():
@@ -321,6 +318,24 @@ def _filled(answer: Answer, part: Placeholder) -> Text:
         )
         raise NodegraphError(f"{part.text} differs: {each}; write {{{part.name} at AXIS=LABEL}}")
     return listing([_method(part, name) for name in named[0]]) or ("none",)
+
+
+def _about(answer: Answer, part: Placeholder) -> list[Finding]:
+    """Return the findings that a placeholder is about."""
+    if part.at is None:
+        if answer.overall is None:
+            raise NodegraphError(f"{part.text}: the groups cannot be taken together")
+        return [answer.overall]
+    at = part.at.items()
+    found = [
+        finding
+        for finding in answer.findings
+        if all(str(finding.group.get(axis)) == label for axis, label in at)
+    ]
+    if not found:
+        groups = listed([finding.title or "all" for finding in answer.findings]) or "none"
+        raise NodegraphError(f"{part.text} is about no group; there are: {groups}")
+    return found
 
 
 def _method(part: Placeholder, name: str) -> Word:

@@ -76,6 +76,7 @@ def _answer_data(answer: Answer) -> dict[str, object]:
         "sentence": plain(answer.sentence),
         "scope": plain(answer.scope),
         "groups": [_finding_data(finding) for finding in answer.findings],
+        "overall": None if answer.overall is None else _finding_data(answer.overall),
     }
 
 

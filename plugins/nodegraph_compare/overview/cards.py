@@ -129,6 +129,13 @@ def _grid(verdicts: Verdicts) -> str:
         )
         for side in sides
     ]
+    if verdicts.overall is not None:
+        rows.append(
+            f'<th scope="row" data-head="all" colspan="{len(names)}">'
+            f"{len(verdicts.groups)} groups together</th>"
+            f'<td data-head="best" colspan="{len(titles)}">'
+            f"{_cell(verdicts, verdicts.overall)}</td>"
+        )
     return _table(heads, rows)
 
 
@@ -182,7 +189,8 @@ def _table(heads: str, rows: Sequence[str]) -> str:
 def legend(verdicts: Verdicts) -> str:
     """Return what the dots of the cards are, and what is suspect."""
     if len(verdicts.groups) > MOST_CARDS:
-        return ""
+        several = any(group.told and group.tied for group in verdicts.groups)
+        return "Not certain: how many others are not certain to be worse." * several
     suspect = any(group.without_suspects is not None for group in verdicts.groups)
     doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
     return " ".join(filter(None, [_dots(verdicts), doubt]))

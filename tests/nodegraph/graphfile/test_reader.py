@@ -61,7 +61,7 @@ def test_everything_that_a_file_says_is_read() -> None:
 
 
 def test_an_answer_is_words_with_places_for_a_verdict() -> None:
-    text = "A: {best}, {behind lin ear at ends=met, length=5}."
+    text = "A: {best}, {behind lin ear at ends=met, length=5}, {tied at all}."
     (entry,) = read(GOOD.replace("[fill]", f"[{{show: fill, answer: '{text}'}}]")).report
     assert entry.answer == (
         "A: ",
@@ -71,6 +71,8 @@ def test_an_answer_is_words_with_places_for_a_verdict() -> None:
             "behind", "lin ear", {"ends": "met", "length": "5"},
             "{behind lin ear at ends=met, length=5}",
         ),
+        ", ",
+        Placeholder("tied", "", None, "{tied at all}"),
         ".",
     )  # fmt: skip
     assert entry.answer_place == Place("t.yaml", 19, 31)
@@ -138,6 +140,7 @@ def test_alternatives_have_every_form() -> None:
         ("[fill]", "[{show: fill, titel: x}]", "19:23", "unknown key 'titel'"),
         ("[fill]", "[{show: fill, title: [x]}]", "19:30", "'title' must be text"),
         ("[fill]", "[{show: fill, answer: '{bset}'}]", "19:31", "an unknown '{bset}'"),
+        ("[fill]", "[{show: fill, answer: '{best at 5}'}]", "19:31", "an unknown '{best at 5}'"),
         ("[fill]", "[{show: fill, answer: 'a { b'}]", "19:31", "a brace without its other"),
         ("[fill]", "[{show: fill, answer: [x]}]", "19:31", "'answer' must be text"),
         ("[fill]", "[{show: {from: fill}}]", "19:17", "'show' is a node or one of its ports"),

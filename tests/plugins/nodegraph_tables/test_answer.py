@@ -101,6 +101,7 @@ BESIDE = tuple(
     replace(each, beside={"missed": {"ridge": 0.0, "linear": share}}, units={"missed": "share"})
     for each, share in zip(SAME, (0.02, 0.2), strict=True)
 )
+OVERALL = replace(found(5, ("pca",), ("ridge", "linear")), title="all groups together")
 
 
 def holes(text: str) -> tuple[str | Placeholder, ...]:
@@ -118,13 +119,15 @@ def holes(text: str) -> tuple[str | Placeholder, ...]:
         (NONE, "{number linear at length=15}", "1.50 mm"),
         (TO_BASELINE, "{better pca}; {worse at length=5}", "pca; linear"),
         (BESIDE, "{number missed of linear}, {number missed of ridge}", "2 to 20 %, 0 %"),
+        (SAME, "{best at all}, pca: {number at all}; {behind linear at all}",
+         "pca, pca: 0.500 mm; linear"),
         ((), "Our words.", "Our words."),
     ],
 )  # fmt: skip
 def test_an_answer_in_the_authors_words(
     findings: tuple[Finding, ...], text: str, said: str
 ) -> None:
-    answer = Answer(("computed",), (Word("8 faces: all."),), findings=findings)
+    answer = Answer(("computed",), (Word("8 faces: all."),), findings=findings, overall=OVERALL)
     told = in_authors_words(answer, holes(text))
     assert plain(told.sentence).replace("\N{NO-BREAK SPACE}", " ") == said
     assert (told.scope, told.findings) == (answer.scope, answer.findings)
@@ -144,6 +147,7 @@ def test_an_answer_in_the_authors_words(
         (SAME, "{number missed of ridge}", "missed of ridge has no number there"),
         (TO_BASELINE, "{worse linear}", "{worse linear} for length 15: worse is none"),
         ((), "{best}", "is about no group; there are: none"),
+        (SAME, "{best at all}", "{best at all}: the groups cannot be taken together"),
     ],
 )  # fmt: skip
 def test_what_contradicts_the_verdict_is_refused(
