@@ -9,7 +9,7 @@ import pytest
 from tests.records import read_record
 from tests.studies import Studies, table
 
-TOGETHER = ("1 marker", "4 markers", "12 markers")
+OCCLUSIONS = ("1 marker", "4 markers", "12 markers")
 
 
 @pytest.fixture(scope="module")
@@ -21,10 +21,10 @@ def built_in(studies: Studies) -> Path:
 @pytest.fixture(scope="module")
 def errors(built_in: Path) -> dict[str, dict[str, float]]:
     """The mean error of each method by the number of markers that are missing at once."""
-    rows = [row for row in table(built_in / "table.csv") if row["together"]]
+    rows = [row for row in table(built_in / "table.csv") if row["occlusion"]]
     return {
-        together: {row["fill"]: float(row["mean"]) for row in rows if row["together"] == together}
-        for together in TOGETHER
+        name: {row["fill"]: float(row["mean"]) for row in rows if row["occlusion"] == name}
+        for name in OCCLUSIONS
     }
 
 

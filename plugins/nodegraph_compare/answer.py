@@ -122,7 +122,7 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -
         high=numbers(group.high),
         p={} if paired is None else numbers(paired.p),
         unit=verdicts.metric.unit,
-        beside={metric.name: numbers(group.beside[metric.name]) for metric in verdicts.beside},
+        beside={name: numbers(values) for name, values in group.beside.items()},
         units={metric.name: metric.unit for metric in verdicts.beside},
     )
 
