@@ -59,8 +59,8 @@ _NARROWEST = 84.0
 _LONGEST_NOTE = 36
 _LONGEST = {"port": 24, "note": 26}
 _BETWEEN_SIDES = 18.0
-_SIZES = {"port": 11.0, "note": 10.0, "name": 15.0, "line": 11.5, "chip": 11.0}
-_LEADING = {"port": 15.0, "note": 12.5, "name": 19.0, "line": 16.0}
+_SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
+_LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,7 +41,7 @@ _BEFORE_HEAD = 20.0
 """Between the head of an arrow and the turn of a wire that comes from the band above."""
 _TURN = 0.05
 """Cost of a wire between two bands; that of a band of full width is 1."""
-_WIDEST = 1100.0
+_WIDEST = 1000.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
 _STRAIGHTENINGS = 3

@@ -70,12 +70,14 @@ def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
         shown.add(result)
     software, methods = versions(graph), Methods(run)
     sections = numbered(_with_titles(shown.sections))
+    folded, unfolded = drawing_for_page(graph), drawing_for_page(graph, fold=False)
     study = Study(
         title=graph.title,
         answer=_answer(sections),
         notes_markdown=graph.spec.notes,
         sections=sections,
-        graph_svg=drawing_for_page(graph),
+        graph_svg=folded,
+        graph_unfolded_svg=unfolded if unfolded != folded else "",
         axes=tuple(
             AxisRow(name, tuple(map(str, axis.labels)), *axis_text(graph, name))
             for name, axis in graph.axes.items()

@@ -33,6 +33,7 @@ def merged(studies: Mapping[str, Study]) -> Study:
         notes_markdown=_joined("\n\n", studies, "notes_markdown"),
         sections=numbered(_sections(studies)),
         graph_svg=first.graph_svg,
+        graph_unfolded_svg=first.graph_unfolded_svg,
         axes=first.axes if _equal(study.axes for study in studies.values()) else (),
         inputs=tuple(_inputs(studies)),
         known=tuple(dict.fromkeys(port for study in studies.values() for port in study.known)),

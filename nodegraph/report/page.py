@@ -87,11 +87,12 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
         The script that defines the module ``server``, through which other scripts get what is not
         on the page; in a file there is none.
     """
-    own = [source(f"{name}.js") for name in SCRIPTS]
+    own = [source(f"{name}.js") for name in (*SCRIPTS, "graph")]
     own.append(server)
     scripts = _once(own, (section.rendered.scripts for section in study.sections))
     styles = _once([source("page.css")], (section.rendered.styles for section in study.sections))
-    trusted = [*(section.rendered.html for section in study.sections), study.graph_svg]
+    trusted = [*(section.rendered.html for section in study.sections)]
+    trusted += [study.graph_svg, study.graph_unfolded_svg]
     trusted += [section.rendered.lead for section in study.sections]
     described, kinds = descriptions(study.methods), note_kinds(study)
     shared = shared_meanings(described)

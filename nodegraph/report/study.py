@@ -280,8 +280,9 @@ class Study:
     notes_markdown : str
         The author's notes: the question. Raw HTML and pictures in it are shown as text.
     sections : tuple of Section
-    graph_svg : str
-        Taken as it is; see `nodegraph.draw.svg`.
+    graph_svg, graph_unfolded_svg : str
+        Taken as they are; see `nodegraph.draw.svg`. The second shows all nodes, where the first
+        has one box for several.
     axes : tuple of AxisRow
     inputs : tuple of SettingRow
         The graph's inputs as they were set.
@@ -315,6 +316,7 @@ class Study:
     notes_markdown: str = ""
     sections: tuple[Section, ...] = ()
     graph_svg: str = ""
+    graph_unfolded_svg: str = ""
     axes: tuple[AxisRow, ...] = ()
     inputs: tuple[SettingRow, ...] = ()
     known: tuple[str, ...] = ()
@@ -391,8 +393,9 @@ def read_study(folder: Path) -> Study:
 
 def _without_foreign_code(path: Path, study: Study) -> Study:
     sections: list[Section] = []
-    drawing = passive(study.graph_svg)
-    count = int(drawing != study.graph_svg)
+    drawings = study.graph_svg, study.graph_unfolded_svg
+    folded, unfolded = map(passive, drawings)
+    count = int((folded, unfolded) != drawings)
     for section in study.sections:
         rendered = without_foreign_code(section.rendered)
         count += rendered is not section.rendered
@@ -403,7 +406,7 @@ def _without_foreign_code(path: Path, study: Study) -> Study:
             "act on the rest of the page and are of no installed package; shown without them",
             stacklevel=3,
         )
-    return replace(study, sections=tuple(sections), graph_svg=drawing)
+    return replace(study, sections=tuple(sections), graph_svg=folded, graph_unfolded_svg=unfolded)
 
 
 @cache

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Page
 
-from nodegraph.draw import Box, Picture, svg
+from nodegraph.draw import Arrow, Box, Picture, Socket, svg
+from nodegraph.draw.picture import folded
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report import Section, StepNote, Study, TimingRow, page
 from nodegraph.report.study import NoteSubject
-from tests.browser import load, until
+from tests.browser import load, needs_axe, until, violations
 
 TABLE = (
     '<figure class="table"><table class="sortable"><caption>Errors</caption><thead><tr>'
@@ -65,6 +67,57 @@ def test_boxes_of_the_graph_are_as_bright_as_the_page(
         theme,
     )
     assert face == paper
+
+
+@needs_axe
+def test_a_click_follows_the_path_of_a_node_and_unfolds(tab: Page, tmp_path: Path) -> None:
+    ports = (Socket("output"),)
+    names = ("capture", "fill", "fill.fine", "other")
+    boxes = tuple(Box(name, inputs=(Socket("recording"),), outputs=ports) for name in names)
+    reports = tuple(
+        Box(name, inputs=(Socket("recording"),), kind="report") for name in ("table", "plot")
+    )
+    links = (
+        ("capture", "fill"), ("fill", "fill.fine"), ("fill.fine", "table"), ("other", "plot"),
+    )  # fmt: skip
+    arrows = tuple(Arrow(source, "output", target, "recording") for source, target in links)
+    picture = Picture("drawn", (*boxes, *reports), arrows)
+    chart = '<svg viewBox="0 0 9 9" width="9" height="9"><rect width="9" height="9"/></svg>'
+    sections = (
+        Section("Errors", Rendered("<p>none</p>"), node="table"),
+        Section("Errors", Rendered(chart), node="table"),
+    )
+    file = tmp_path / "report.html"
+    study = Study("A title", sections=sections, graph_svg=svg(folded(picture)))
+    study = replace(study, graph_unfolded_svg=svg(picture))
+    file.write_text(page(study), encoding="utf-8")
+    load(tab, file)
+    tab.click("#graph > summary")
+
+    def on_path() -> set[str]:
+        every = "[...document.querySelectorAll('#graph .on-path[data-box]')]"
+        return set(tab.evaluate(f"{every}.map((box) => box.dataset.box)"))
+
+    tab.click("[data-box='fill'] .name")
+    assert on_path() == {"capture", "fill", "fill.fine", "report"}
+    followed = tab.locator(".followed-node")
+    assert "Depends on: capture" in followed.inner_text()
+    assert "Needed by: fill.fine, report" in followed.inner_text()
+    assert tab.locator(".arrow.on-path").count() == 3
+    assert violations(tab, "#graph") == []
+    tab.focus("[data-box='report']")
+    tab.keyboard.press("Enter")
+    assert "table" in followed.inner_text()
+    assert on_path() == {"capture", "fill", "fill.fine", "table"}
+    tab.focus("[data-box='table']")
+    tab.keyboard.press("Enter")
+    assert followed.locator(".thumbnail").all_inner_texts() == ["Errors"]
+    assert followed.locator(".thumbnail svg rect").count() == 1
+    tab.keyboard.press("Escape")
+    assert (on_path(), followed.inner_text()) == (set(), "")
+    tab.get_by_text("Fold what is only shown").click()
+    assert tab.locator("[data-box='report']").count() == 1
+    assert tab.locator("[data-box='table']").count() == 0
 
 
 @pytest.mark.parametrize(

@@ -65,7 +65,8 @@ class Hostile:
         if is_dataclass(kind) and isinstance(kind, type):
             hints = get_type_hints(kind)
             # what is trusted, and what a paper says where the page says more
-            trusted = {"graph_svg": "<svg></svg>", "in_print": "by name"}
+            drawings = dict.fromkeys(("graph_svg", "graph_unfolded_svg"), "<svg></svg>")
+            trusted = {**drawings, "in_print": "by name"}
             if kind is Section:  # by these the page arranges sections
                 trusted |= {"node": "table", "output": "figure", "question": ""}
                 trusted["labels"] = f"k={self.text()}"

@@ -79,7 +79,7 @@ nodegraph.define("mocap/gap/face", [
       const pen = canvas.getContext("2d");
       pen.clearRect(0, 0, size, size);
       const by = projectionOf(panel, this.camera, size, panel.radius);
-      const dot = within(3, size / 130, 6) * Math.min(1.6, Math.sqrt(this.camera.zoom));
+      const dot = within(4, size / 85, 8) * Math.min(1.6, Math.sqrt(this.camera.zoom));
       const ink = inksOf(theme.dark());
       drawMarkers(pen, panel, by, this.at, { ...LOOK, ink, dot, size, marker: block.marker });
       const colours = { ...COLOURS[theme.dark() ? "dark" : "light"], truth: ink.text, reference: ink.text };
