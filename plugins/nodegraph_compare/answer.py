@@ -187,7 +187,15 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     (leaders,) = by_leader
     number = _number(verdicts, groups, leaders[0])
     where = f" in all {len(groups)} groups" if len(groups) > 1 else ""
-    return say(f"{end} mean {metric}{where}: {HERE} ({HERE})", _names(verdicts, leaders), number)
+    first = say(f"{end} mean {metric}{where}: {HERE} ({HERE})", _names(verdicts, leaders), number)
+    rest = [place for place in groups[0].ranked if place in {*groups[0].known} - {*leaders}]
+    if len(groups) > 1 or not 0 < len(rest) <= _MOST_NAMES:
+        return first
+    then = [
+        say(f"{HERE} ({HERE})", name, _number(verdicts, groups, place))
+        for name, place in zip(method_words(verdicts, rest), rest, strict=True)
+    ]
+    return say(f"{HERE}, then {HERE}", first, listing(then))
 
 
 def _names(verdicts: Verdicts, places: Sequence[int]) -> Text:

@@ -42,7 +42,7 @@ from nodegraph_tables.answer import (
 from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     from nodegraph_compare.verdict import Metric, Verdict, Verdicts
 
@@ -51,6 +51,9 @@ _MOST_SPOKEN = 20
 _ORDER = ("rest", "before", "tied", "worse", "best")
 _RADIUS = {"rest": 4.0, "tied": 7.0}
 """Of dots in pixels, 5 for others; a ring is seen around the dot that lies in it."""
+
+_APART = 4.0
+"""Across in pixels: nearer dots hide each other."""
 
 Fact = tuple[str, Text]
 
@@ -141,10 +144,12 @@ def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
     kinds = dict.fromkeys(known, "rest") | _kinds(verdicts, group)
     # the best is drawn last, above what it covers
     order = sorted(known, key=lambda place: _ORDER.index(kinds[place]))
+    across = {place: line.at(float(group.mean[place])) for place in known}
+    down = _heights(across)
     dots = [
         dot(
-            line.at(mean := float(group.mean[place])), 10.0, kinds[place],
-            f"{verdicts.methods[place]} {number_text(mean, metric.unit)}",
+            across[place], down[place], kinds[place],
+            f"{verdicts.methods[place]} {number_text(float(group.mean[place]), metric.unit)}",
             _RADIUS.get(kinds[place], 5.0), str(verdicts.methods[place]),
         )
         for place in order
@@ -155,6 +160,16 @@ def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
     )
     name = f"mean {metric.name} of {len(known)} methods: {names}"
     return svg(name, 40.0, (line.drawn(22.0, metric.unit), *dots))
+
+
+def _heights(across: Mapping[int, float]) -> dict[int, float]:
+    """Return how far down dots are; of those in one place, every other one is higher."""
+    heights: dict[int, float] = {}
+    before, is_high = -np.inf, False
+    for place in sorted(across, key=across.__getitem__):
+        is_high = not is_high and across[place] - before < _APART
+        heights[place], before = 3.0 if is_high else 12.0, across[place]
+    return heights
 
 
 def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, str]:
