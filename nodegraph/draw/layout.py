@@ -44,6 +44,7 @@ _TURN = 0.05
 _WIDEST = 1000.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
+_STILL = 0.02
 _STRAIGHTENINGS = 3
 _NEARLY_LEVEL = 36.0
 _DIRECT = 4.0
@@ -353,13 +354,18 @@ def _settled(
         near[piece.right].append((weight, level, piece.left))
         near[piece.left].append((weight, -level, piece.right))
     for sweep in range(4 * _SWEEPS):
+        moved = 0.0
         for column in reversed(columns) if sweep % 2 else columns:
             wanted = []
             for cell in column:
                 weight = sum(weight for weight, _, _ in near[cell])
                 mean = sum(weight * (tops[other] + level) for weight, level, other in near[cell])
                 wanted.append((weight, mean / weight) if weight else (0.01, tops[cell]))
-            tops.update(zip(column, _apart(column, sizes, wanted), strict=True))
+            for cell, top in zip(column, _apart(column, sizes, wanted), strict=True):
+                moved = max(moved, abs(top - tops[cell]))
+                tops[cell] = top
+        if moved < _STILL:
+            break
     _straighten(columns, sizes, pieces, tops)
     least = min(tops.values(), default=0.0)
     return {cell: top - least for cell, top in tops.items()}

@@ -10,6 +10,7 @@ from nodegraph.draw.boxes import CHIP_HEIGHT, INSET, Chip, Shape, Text, escaped,
 from nodegraph.draw.frames import Frame
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Picture
+from nodegraph.gc_pause import gc_paused
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
@@ -174,6 +175,7 @@ _MARGIN = 16.0
 _SMALLEST_SCALE = 0.6
 
 
+@gc_paused()
 def svg(picture: Picture, *, sockets: bool = False) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 

@@ -21,7 +21,7 @@ from nodegraph.graphfile import GraphSpec, read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
 
-_MOST_BOXES = 500
+_MOST_BOXES = 1000
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 
 

@@ -5,6 +5,7 @@ nodegraph.define("picture", [], () => {
   const [LEAST, MOST] = [0.02, 4];
   const WHEEL = 0.006; // how much a pixel of the wheel changes the logarithm of the size
   const START = 4; // pixels by which a drag differs from a click
+  const MANY = 200; // cards, among which dashes of long links take most of the time of a frame
 
   // A reader hears of the name of a card that is chosen.
   const make = (holder, reader) => {
@@ -126,6 +127,7 @@ nodegraph.define("picture", [], () => {
           picture.setAttribute("role", "group");
           picture.setAttribute("aria-label", "Nodes");
           for (const box of boxes()) box.setAttribute("role", "button"); // its title names it
+          holder.classList.toggle("many", boxes().length > MANY);
           settle();
           show();
           if (focused) boxes().find((box) => box.dataset.box === focused)?.focus();

@@ -104,10 +104,10 @@ def test_files_that_a_graph_reads_are_looked_at(editor: Editor, path: Path) -> N
 
 
 def test_a_graph_too_large_to_draw_says_so(editor: Editor) -> None:
-    nodes = [f"  n{number}: {{use: fill.linear, in: capture}}\n" for number in range(600)]
+    nodes = [f"  n{number}: {{use: fill.linear, in: capture}}\n" for number in range(1000)]
     view = editor.edit(text=GRAPH.replace("report:", "".join(nodes) + "report:"))
     assert (view["problems"], view["svg"]) == ([], "")
-    assert view["reason"] == "too many nodes to draw: 604"
+    assert view["reason"] == "too many nodes to draw: 1,004"
 
 
 def test_what_the_disk_has_meanwhile_is_not_overwritten(editor: Editor, path: Path) -> None:

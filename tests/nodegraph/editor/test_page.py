@@ -160,6 +160,27 @@ def test_a_picture_is_as_large_as_one_likes(page: Page) -> None:
     before = page.evaluate(width)
     page.click("#smaller")
     assert page.evaluate(width) < before
+    before = page.evaluate(width)
+    page.mouse.move(*bottom(page))
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -100)
+    until(page, f"{width} > 1.2 * {before}")
+    page.mouse.wheel(0, -1000)
+    page.mouse.wheel(0, -1000)
+    page.mouse.wheel(0, -1000)
+    page.keyboard.up("Control")
+    until(page, f"{width} > {room}")
+    until(page, "document.querySelector('#picture svg').style.transform === ''")
+    assert page.evaluate(width) > page.evaluate(room)
+    left = "document.querySelector('#picture').scrollLeft"
+    page.mouse.move(*bottom(page))
+    until(page, f"{left} > 0")
+    before = page.evaluate(left)
+    page.mouse.down()
+    page.mouse.move(bottom(page)[0] - 100, bottom(page)[1])
+    page.mouse.up()
+    assert page.evaluate(left) == before + 100
+    page.click("#fit")
     page.evaluate("location.hash = '#%'")  # no name of a node
     page.dblclick("#picture", position={"x": 5, "y": 5})
     until(page, "document.getElementById('search').open")
