@@ -58,13 +58,15 @@ def fold_facts(study: Study) -> dict[str, str]:
 def _sizes(study: Study) -> Iterator[str]:
     """Yield the number of labels of each axis: ``18 methods``, ``8 recordings``."""
     of_methods = {row.node for row in study.methods if row.label}
-    nodes = of_methods & {axis.name for axis in study.axes if len(axis.labels) > 1}
-    for axis in study.axes:
-        count = len(axis.labels)
-        if count < 2:
+    several = [axis for axis in study.axes if len(axis.labels) > 1]
+    # of nodes with the same alternatives the first counts
+    nodes = {axis.labels: axis.name for axis in reversed(several) if axis.name in of_methods}
+    for axis in several:
+        if axis.name in of_methods and axis.name not in nodes.values():
             continue
+        count = len(axis.labels)
         name = axis.name.rpartition(".")[2].replace("_", " ")
-        if axis.name in nodes:
+        if axis.name in of_methods:
             yield f"{count:,} methods{f' of {name}' if len(nodes) > 1 else ''}"
         else:
             yield f"{count:,} {_plural(name)}"
