@@ -15,13 +15,13 @@ KINDS = ("take", "scans")
 
 def found_first(folder: Path, kind: str) -> dict[tuple[str, int], dict[str, str]]:
     """Return the rows of what PCA finds, by alignment and component."""
-    rows = table(folder / f"found-first_table_data-{kind}.csv")
+    rows = table(folder / f"found-first_data-{kind}.csv")
     return {(row["align"], int(row["component"])): row for row in rows}
 
 
 def found_in_recording(folder: Path) -> list[dict[str, str]]:
     """Return the rows of what PCA finds in the recording that was read."""
-    (path,) = folder.glob("found-in-recording_table*.csv")
+    (path,) = folder.glob("found-in-recording*.csv")
     return table(path)
 
 
@@ -71,7 +71,7 @@ def test_the_answer_says_which_data_it_is_about(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
     for kind in KINDS:
         assert f"data {kind}" in html
-        assert (built_in / f"found-first_figure_data-{kind}.svg").is_file()
+        assert (built_in / f"found-first-drawn_data-{kind}.svg").is_file()
     assert "D = " in (built_in / "shapes.svg").read_text()
 
 

@@ -54,6 +54,7 @@ TAKES_AND_GIVES_ANSWERS = {
     "gaps.dropout": (["truth"], ["truth"]),
     "impulses.add": (["truth"], ["truth", "impulses"]),
     "noise.add": (["truth"], ["truth"]),
+    "plot.alignment": (["head_motion"], []),
     "plot.error_map": (["truth"], []),
     "plot.faces": (["truth"], []),
     "plot.playback": (["truth"], []),

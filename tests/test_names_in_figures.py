@@ -71,7 +71,7 @@ def text_of(drawing: StoredFigure) -> str:
 
 
 def test_there_are_figures() -> None:
-    assert {"plot:plot.faces", "compare:compare.table", "score:score.alignment"} <= set(FIGURES)
+    assert {"plot:plot.faces", "compare:compare.table", "score:plot.alignment"} <= set(FIGURES)
 
 
 @pytest.mark.parametrize("name", FIGURES)

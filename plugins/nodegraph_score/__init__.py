@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the plugin's nodes."""
     from nodegraph_score.alignment import alignment
+    from nodegraph_score.alignment_plot import alignment_plot
     from nodegraph_score.calibration import calibration
     from nodegraph_score.distance import distance
     from nodegraph_score.gaps import gaps
@@ -31,6 +32,7 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
 
     return (
         alignment,
+        alignment_plot,
         calibration,
         distance,
         gaps,

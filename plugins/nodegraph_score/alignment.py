@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
 from nodegraph import Across, Refusal, Truth, node
-from nodegraph_mocap import Figure, HeadMotion, Table, Trajectories
+from nodegraph_mocap import HeadMotion, Table, Trajectories
 from nodegraph_score.alignment_answer import FACE, HEAD, answer_of, left_out
 from nodegraph_score.components import (
     Components,
@@ -43,13 +43,6 @@ COLUMNS = (
 )  # fmt: skip
 
 
-class AlignmentScore(NamedTuple):
-    """The outputs of the score: its numbers and its picture."""
-
-    table: Table
-    figure: Figure
-
-
 @node("score.alignment", cite="krzanowski2000")
 def alignment(
     recordings: Across[Trajectories],
@@ -57,7 +50,7 @@ def alignment(
     removed: Across[HeadMotion] | None = None,
     *,
     components: Annotated[int, Field(ge=1)] = 5,
-) -> AlignmentScore:
+) -> Table:
     """Say what PCA finds in recordings, head motion or the face: a row per principal component.
 
     PCA is that of the covariance of the 3 M coordinates, over the complete frames. A column for
@@ -105,10 +98,8 @@ def alignment(
 
     Returns
     -------
-    table
+    Table
         As above; its answer says what the components are.
-    figure
-        A bar per component, as high as its share; what head motion makes of it is filled.
 
     Raises
     ------
@@ -135,8 +126,7 @@ def alignment(
         raise Refusal("; ".join(notes) or "there is no recording")
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    table = _joined(parts, notes, recordings)
-    return AlignmentScore(table, _draw(table, recordings.axes))
+    return _joined(parts, notes, recordings)
 
 
 def _removed(
@@ -225,12 +215,6 @@ def _joined(parts: list[Table], notes: list[str], recordings: Across[Trajectorie
         poses=poses_of(first.markers, first.positions, first.rate),
     )
     return with_info(table, info)
-
-
-def _draw(table: Table, axes: tuple[str, ...]) -> Figure:
-    from nodegraph_score.alignment_figure import draw
-
-    return draw(table, axes)
 
 
 def _check(recordings: Across[Trajectories], head_motion: HeadMotion) -> None:

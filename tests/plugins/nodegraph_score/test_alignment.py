@@ -63,7 +63,7 @@ def of(**takes: object) -> Across[Any]:
 
 
 def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
-    table = alignment(single(captured(0.0 * speech(), motion())), motion(), components=2).table
+    table = alignment(single(captured(0.0 * speech(), motion())), motion(), components=2)
     assert tuple(table.columns) == COLUMNS
     np.testing.assert_allclose(table["head motion"], 1.0, atol=1e-6)
     np.testing.assert_allclose(table["in all"], 1.0, atol=1e-6)
@@ -78,7 +78,7 @@ def test_a_still_face_on_a_moving_head_is_all_head_motion() -> None:
 
 def test_a_moving_face_on_a_still_head_is_none() -> None:
     with pytest.warns(UserWarning, match="the head does not move"):
-        table = alignment(single(captured(speech(), still())), still()).table
+        table = alignment(single(captured(speech(), still())), still())
     assert (table["head motion"] == 0.0).all()
     assert set(table["finds"]) == {"face"}
     assert table[["R", "by chance", "correlation"]].isna().all(axis=None)
@@ -91,13 +91,13 @@ def test_what_the_head_makes_and_what_the_face_makes_are_reported_apart() -> Non
     along = np.sin(2 * np.pi * SECONDS * 2.1)[:, None] * [4.0, 0.0, 0.0]
     where = replace(where, translations=along)
     take = captured(speech(), where)
-    whole = alignment(single(take), where).table
+    whole = alignment(single(take), where)
     assert whole["finds"][0] == "head motion"
     # by hand: 12 points shift by 4 mm times a sine, 4 points by 3 mm times each their own
     assert whole["in all"][0] == pytest.approx(12 * 16 / (12 * 16 + 4 * 9), abs=0.02)
     nodding = speech()
     nodding[:, 9:] = 0.0
-    aligned = alignment(single(captured(nodding, still())), where, single(where)).table
+    aligned = alignment(single(captured(nodding, still())), where, single(where))
     assert (aligned["in all"] == 0.0).all()
     assert aligned["finds"].tolist() == ["face"]
     assert aligned["R"][0] == pytest.approx(1.0)
@@ -108,9 +108,9 @@ def test_what_an_alignment_has_left_is_found() -> None:
     where = motion()
     shift = replace(where, rotations=still().rotations)
     estimate = recording(captured(speech(), where).positions - where.translations[:, None])
-    table = alignment(single(estimate), where, single(shift)).table
+    table = alignment(single(estimate), where, single(shift))
     turned = captured(speech(), replace(where, translations=still().translations))
-    same = alignment(single(turned), replace(where, translations=still().translations)).table
+    same = alignment(single(turned), replace(where, translations=still().translations))
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
 
 
@@ -118,8 +118,8 @@ def test_the_order_of_what_was_removed_does_not_matter() -> None:
     where, take = motion(), captured(speech(), motion())
     aligned = recording(FACE + speech())
     takes = of(no=take, yes=aligned)
-    one_way = alignment(takes, where, of(no=still(), yes=where)).table
-    other = alignment(takes, where, of(yes=where, no=still())).table
+    one_way = alignment(takes, where, of(no=still(), yes=where))
+    other = alignment(takes, where, of(yes=where, no=still()))
     assert one_way.equals(other)
 
 
@@ -127,8 +127,8 @@ def test_scans_in_any_order_are_judged_alike() -> None:
     order = np.random.default_rng(0).permutation(FRAMES)
     take, where = captured(speech(), motion()), motion()
     mixed = replace(where, rotations=where.rotations[order], translations=where.translations[order])
-    table = alignment(single(take), where).table
-    other = alignment(single(recording(take.positions[order])), mixed).table
+    table = alignment(single(take), where)
+    other = alignment(single(recording(take.positions[order])), mixed)
     same = ["share", "head motion", "in all", "R", "correlation"]
     np.testing.assert_allclose(table[same].to_numpy(), other[same].to_numpy(), atol=1e-9)
     assert (other["by chance"] < table["by chance"]).all()
@@ -138,7 +138,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
     positions = captured(speech(), motion()).positions.copy()
     positions[30:50, 2] = np.nan
     with pytest.warns(UserWarning, match="20 of 400 frames lack samples: left out"):
-        table = alignment(single(recording(positions)), motion()).table
+        table = alignment(single(recording(positions)), motion())
     kept = np.r_[0:30, 50:400]
     whole = motion()
     part = HeadMotion(
@@ -146,7 +146,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
         translations=whole.translations[kept],
         scales=whole.scales[kept],
     )
-    same = alignment(single(recording(positions[kept])), part).table
+    same = alignment(single(recording(positions[kept])), part)
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
     assert list(info_of(table).notes) == ["20 of 400 frames lack samples: left out."]
 
@@ -155,9 +155,7 @@ def test_a_recording_that_cannot_be_judged_does_not_stop_the_others() -> None:
     positions = np.full((FRAMES, 12, 3), np.nan)
     positions[:, :11] = captured(speech(), motion()).positions[:, :11]
     with pytest.warns(UserWarning, match=r"bad: needs 2 complete frames; 0 of 400 are \(m11 alone"):
-        table = alignment(
-            of(bad=recording(positions), good=captured(speech(), motion())), motion()
-        ).table
+        table = alignment(of(bad=recording(positions), good=captured(speech(), motion())), motion())
     assert set(table["align"]) == {"good"}
 
 
@@ -185,7 +183,7 @@ def test_too_few_frames_say_nothing_of_correlation() -> None:
         translations=shifts,
     )
     with pytest.warns(UserWarning, match="7 frames are too few"):
-        table = alignment(single(captured(speech(7), where)), where).table
+        table = alignment(single(captured(speech(7), where)), where)
     assert table["R"].isna().all()
     assert table["head motion"].notna().all()
 
