@@ -22,20 +22,18 @@ def references(bibtex: Iterable[str], keys: Iterable[str]) -> Mapping[str, str]:
         that cannot be parsed is left out with a warning.
     keys
     """
-    from pybtex.backends.plaintext import Backend
-
-    entries = _entries(bibtex)
-    wanted = list(dict.fromkeys(keys))
-    known = [key for key in wanted if key in entries]
-    formatted = _style().format_entries([entries[key] for key in known]) if known else ()
-    texts = [each.text.render(Backend()) for each in formatted]
-    missing = {key: f"{key} (no BibTeX entry is installed)" for key in wanted}
-    return missing | dict(zip(known, texts, strict=True))
+    sources = _sources(bibtex)
+    return {
+        key: _formatted(sources[key], key)
+        if key in sources
+        else f"{key} (no BibTeX entry is installed)"
+        for key in keys
+    }
 
 
 def entry_keys(bibtex: Iterable[str]) -> tuple[str, ...]:
     """Return the keys of all entries; text that cannot be parsed is left out with a warning."""
-    return tuple(_entries(bibtex))
+    return tuple(_sources(bibtex))
 
 
 def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
@@ -49,23 +47,32 @@ def bibtex_of(bibtex: Iterable[str], keys: Iterable[str]) -> str:
     from pybtex.database import BibliographyData
     from pybtex.database.output.bibtex import Writer
 
-    entries = _entries(bibtex)
-    known = {key: entries[key] for key in sorted(set(keys)) if key in entries}
+    sources = _sources(bibtex)
+    known = {key: _parsed(sources[key])[key] for key in sorted(set(keys)) if key in sources}
     return str(Writer().to_string(BibliographyData(known))) if known else ""
 
 
-def _entries(bibtex: Iterable[str]) -> dict[str, Entry]:
+def _sources(bibtex: Iterable[str]) -> dict[str, str]:
+    """Return the text that has the entry of each key."""
     from pybtex.exceptions import PybtexError
 
-    entries: dict[str, Entry] = {}
+    sources: dict[str, str] = {}
     for text in bibtex:
         try:
             parsed = _parsed(text)
         except PybtexError as error:
             warnings.warn(f"BibTeX of a plugin cannot be read: {error}", stacklevel=3)
             continue
-        entries = {**parsed, **entries}
-    return entries
+        sources = {**dict.fromkeys(parsed, text), **sources}
+    return sources
+
+
+@cache
+def _formatted(bibtex: str, key: str) -> str:
+    from pybtex.backends.plaintext import Backend
+
+    (entry,) = _style().format_entries([_parsed(bibtex)[key]])
+    return str(entry.text.render(Backend()))
 
 
 # by their classes: for a name, pybtex looks through all installed packages each time
