@@ -27,7 +27,6 @@ from nodegraph_mocap import Trajectories
         ("despike.impulse", {"calibration": 5, "order": "in_place"}),
         ("track.neighbours", {"gate": 8.0}),
         ("smooth.bspline", {"order": 6, "ends": "clamped"}),
-        ("smooth.kalman_filter", {"motion": "acceleration"}),
         ("smooth.savgol", {"reach": 3}),
         ("align.procrustes", {"scale": "rms", "restore": False}),
         ("solve.weights", {"ridge": 0.5}),
