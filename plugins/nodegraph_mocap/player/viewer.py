@@ -76,6 +76,8 @@ class _Files:
         Refusal, ValueError
             If there is nothing to see, or it cannot be drawn.
         """
+        if not self._shown and not self._curves:
+            raise Refusal(f"name a recording, too: {', '.join(self._values)} is drawn over one")
         check_meshes(self._shown.items())
         every = frames_apart([*self._shown.values(), *self._curves.values()])
         panels = [self._panel(label, shown, every) for label, shown in self._shown.items()]

@@ -47,7 +47,7 @@ nodegraph.define("mocap/gap/face", [
       this.canvas = element("canvas", { role: "img", "aria-label": `The face, with ${block.marker} as every method has it` });
       this.tip = element("span", { class: "tip", hidden: true });
       this.element = element("div", {
-        class: "face", tabindex: 0, role: "group", "aria-label": "The face. Shift and arrows turn, plus and minus enlarge, 0 is the front.",
+        class: "face", tabindex: 0, role: "group", "aria-label": "The face. Shift and arrows turn, plus and minus enlarge, 0 is the front, u turns upside down.",
       }, this.canvas, this.tip);
       dragged(this, this.canvas, 0);
       keyedInSpace(this, this.element);

@@ -2,14 +2,17 @@
 nodegraph.define("mocap/player/camera", [], () => {
   const STEEPEST = Math.PI / 2;
 
-  const frontal = () => ({ yaw: 0, pitch: 0, zoom: 1, x: 0, y: 0 });
+  // `over` is -1 where all is upside down: some files have y or z pointing down.
+  const frontal = (camera) => ({ yaw: 0, pitch: 0, zoom: 1, x: 0, y: 0, over: camera?.over ?? 1 });
+
+  const turnedOver = (camera) => ({ ...camera, over: -camera.over });
 
   const within = (low, value, high) => Math.min(high, Math.max(low, value));
 
   const turned = (camera, yaw, pitch) => ({
     ...camera,
-    yaw: camera.yaw + yaw,
-    pitch: within(-STEEPEST, camera.pitch + pitch, STEEPEST),
+    yaw: camera.yaw + camera.over * yaw,
+    pitch: within(-STEEPEST, camera.pitch + camera.over * pitch, STEEPEST),
   });
 
   const zoomed = (camera, factor) => ({ ...camera, zoom: within(0.2, camera.zoom * factor, 40) });
@@ -30,7 +33,8 @@ nodegraph.define("mocap/player/camera", [], () => {
     const up = mixed(panel.up, Math.cos(camera.pitch), front, -Math.sin(camera.pitch));
     const near = mixed(panel.up, Math.sin(camera.pitch), front, Math.cos(camera.pitch));
     const scale = (camera.zoom * size) / (2 * radius);
-    const axes = [mixed(right, scale, right, 0), mixed(up, -scale, up, 0), mixed(near, scale, near, 0)];
+    const flat = camera.over * scale;
+    const axes = [mixed(right, flat, right, 0), mixed(up, -flat, up, 0), mixed(near, scale, near, 0)];
     const shift = [size * (0.5 + camera.x), size * (0.5 + camera.y), 0];
     return Float64Array.from(axes.flatMap((axis, row) => [...axis, shift[row] - dot(axis, panel.centre)]));
   };
@@ -42,5 +46,5 @@ nodegraph.define("mocap/player/camera", [], () => {
     }
   };
 
-  return { frontal, within, turned, zoomed, projectionOf, project };
+  return { frontal, within, turned, turnedOver, zoomed, projectionOf, project };
 });

@@ -1,5 +1,5 @@
 // The player's controls: plain form elements, so that keyboard and screen reader know them.
-nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/camera", "mocap/player/markers"], (page, selection, { frontal, zoomed }, { FILLED, REPAIRED, ORIGINS, RAMP }) => {
+nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/camera", "mocap/player/markers"], (page, selection, { frontal, turnedOver, zoomed }, { FILLED, REPAIRED, ORIGINS, RAMP }) => {
   const { element } = page;
 
   const buttonFor = (text, label, act) =>
@@ -68,7 +68,8 @@ nodegraph.define("mocap/player/controls", ["page", "selection", "mocap/player/ca
     if (study.panels.length) options.append(element("span", { class: "view", role: "group", "aria-label": "View" },
       buttonFor("\u2212", "Smaller", () => player.look((camera) => zoomed(camera, 1 / 1.25))),
       buttonFor("+", "Larger", () => player.look((camera) => zoomed(camera, 1.25))),
-      buttonFor("Front", "From the front", () => player.look(frontal))));
+      buttonFor("Front", "From the front", () => player.look(frontal)),
+      buttonFor("\u21bb", "Upside down", () => player.look(turnedOver))));
     return { element: element("div", { class: "controls" }, row, options), play, slider, clock, marker: select, offer };
   };
 

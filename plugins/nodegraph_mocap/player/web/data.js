@@ -80,6 +80,7 @@ nodegraph.define("mocap/player/data", [], () => {
         ? { ...animationOf(blob, packed), head: heads[packed.head] }
         : recordingOf(blob, packed, panels));
     }
+    for (const panel of panels) delete panel.steps; // needed only for those that differ little from them
     const truth = blob.head.truth === null ? null : panels[blob.head.truth];
     const curves = blob.head.curves.map((packed) => curvesOf(blob, packed));
     const timed = [...panels, ...curves];

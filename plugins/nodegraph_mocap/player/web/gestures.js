@@ -1,5 +1,5 @@
 // What hands do on the pictures: one finger turns, two move and enlarge; keys do all of it.
-nodegraph.define("mocap/player/gestures", ["mocap/player/camera"], ({ frontal, turned, zoomed }) => {
+nodegraph.define("mocap/player/gestures", ["mocap/player/camera"], ({ frontal, turned, turnedOver, zoomed }) => {
   const TURN = Math.PI; // across a picture's width
   const STILL = 4; // px that a hand may move in a click
   const OF_TIME = {
@@ -13,6 +13,7 @@ nodegraph.define("mocap/player/gestures", ["mocap/player/camera"], ({ frontal, t
     "+": (player) => player.look((camera) => zoomed(camera, 1.25)),
     "-": (player) => player.look((camera) => zoomed(camera, 1 / 1.25)),
     0: (player) => player.look(frontal),
+    u: (player) => player.look(turnedOver),
   };
   const WITH_SHIFT = {
     ArrowLeft: (player) => player.look((camera) => turned(camera, -TURN / 24, 0)),

@@ -34,7 +34,7 @@ nodegraph.define("mocap/live", [
       this.legend = element("p", { class: "legend" });
       this.stage = element("div", {
         class: "stage", tabindex: 0, role: "group",
-        "aria-label": "What is computed. Shift and arrows turn, plus and minus enlarge, 0 is the front.",
+        "aria-label": "What is computed. Shift and arrows turn, plus and minus enlarge, 0 is the front, u turns upside down.",
       }, ...this.panels.map((tile) => tile.element));
       const view = element("span", { class: "view", role: "group", "aria-label": "View" },
         buttonFor("\u2212", "Smaller", () => this.look((from) => zoomed(from, 1 / 1.25))),

@@ -162,14 +162,15 @@ nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce 
       this.save.hidden = this.keeps; // until that fails
       this.state = element("span", { role: "status" });
       this.list = element("ol", {});
+      this.made = element("p", {}, this.undo, this.save, this.state);
       this.fold = element("details", {}, element("summary", {}, "What is marked"), this.list);
+      this.hint = element("p", { class: "quiet" }, "Click a marker, or choose one above, to mark its samples as bad, swap them or name them otherwise.");
       this.acts = element("div", { class: "acts" },
         element("span", {}, button("From here", () => this.begin()), button("Whole take", () => this.begin(true)), this.span),
         element("span", {}, button("Bad", () => this.mark("bad")), this.other, this.known,
           button("Swap", () => this.mark("swapped")), button("Name", () => this.mark("named"))));
       this.element = element("div", { class: "marks", role: "group", "aria-label": "Samples marked by hand" },
-        element("p", { class: "name" }, "Marked by hand"), this.acts,
-        element("p", {}, this.undo, this.save, this.state), this.fold);
+        element("p", { class: "name" }, "Marked by hand"), this.hint, this.acts, this.made, this.fold);
       addEventListener("beforeunload", (event) => { if (!this.saved) event.preventDefault(); });
       this.trouble = this.show(panel.marks);
       this.explain();
@@ -210,7 +211,8 @@ nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce 
       const other = kind === "bad" ? "" : this.other.value.trim();
       const { marker } = this.player;
       if (kind !== "bad" && (!other || other === marker)) {
-        this.state.textContent = `Write the name of ${kind === "swapped" ? "the marker to swap with" : "the marker that it is"}.`;
+        this.trouble = `Write the name of ${kind === "swapped" ? "the marker to swap with" : "the marker that it is"}`;
+        this.explain();
         this.other.focus();
         return;
       }
@@ -274,8 +276,9 @@ nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce 
       const { marker } = this.player;
       const has_marker = this.panel.markers.includes(marker);
       const [start, frames] = this.chosen;
-      this.span.textContent = has_marker ? `${marker}, ${this.whole ? "whole take" : placeOf([marker, start, frames])}` : "Click a marker first";
-      for (const each of this.acts.querySelectorAll("button, input")) each.disabled = !has_marker;
+      this.span.textContent = `${marker}, ${this.whole ? "whole take" : placeOf([marker, start, frames])}`;
+      this.acts.hidden = !has_marker;
+      this.hint.hidden = has_marker;
     }
 
     explain() {
@@ -285,6 +288,7 @@ nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce 
       const count = marks.length ? `${about}${counted(this.sum, "sample")} in ${counted(marks.length, "span")}: ${kinds}` : "no sample is marked";
       const where = this.keeps && this.saved && marks.length ? `; kept in ${this.file}` : "";
       this.state.textContent = `${count}${where}${this.trouble ? `. ${this.trouble}` : ""}`;
+      this.made.hidden = !marks.length && !this.trouble && this.saved;
       this.undo.disabled = !marks.length;
       this.save.disabled = !marks.length;
       this.fold.hidden = !marks.length;

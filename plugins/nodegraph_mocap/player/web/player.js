@@ -52,7 +52,7 @@ nodegraph.define("mocap/player", [
       this.legend = legendFor(this.study, this.choices);
       this.stage = element("div", {
         class: "stage", tabindex: 0, role: "group",
-        "aria-label": "Playback. Space plays, arrows step, Shift and arrows turn, plus and minus enlarge, 0 is the front.",
+        "aria-label": "Playback. Space plays, arrows step, Shift and arrows turn, plus and minus enlarge, 0 is the front, u turns upside down.",
       });
       figure.classList.toggle("compared", this.study.truth !== null);
       this.hand = this.study.with_hand ? new Hand(this) : null;

@@ -18,7 +18,7 @@ from scipy.signal import welch
 
 import nodegraph as ng
 from nodegraph import Refusal
-from nodegraph_mocap import MarkerSet, Origin, Trajectories, Weights
+from nodegraph_mocap import MarkerSet, Marks, Origin, Trajectories, Weights
 from nodegraph_mocap.player import fitting, strip
 from nodegraph_mocap.player.strip import MOST_STRETCHES, strip_of
 from nodegraph_mocap.player.viewer import view
@@ -86,7 +86,8 @@ def test_what_cannot_be_shown_is_refused() -> None:
         (none, "a has no frame"),
         (still, "a has no frame"),
         (flat, "the head of a has no triangles"),
-        (MarkerSet(markers=("nose",)), "there is nothing to play"),
+        (MarkerSet(markers=("nose",)), "name a recording, too: a is drawn over one"),
+        (Marks(), "name a recording, too: a is drawn over one"),
     ):
         with pytest.raises(Refusal, match=message):
             view({"a": value})
@@ -210,6 +211,13 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         tab.evaluate(f"{PLAYER}.seek(90)")
         drawn = tab.evaluate(f"{PLAYER}.state.panels[1]")
         across = tab.evaluate("document.querySelectorAll('.panel canvas')[1].clientWidth")
+        tab.focus(".stage")
+        tab.keyboard.press("u")
+        over = tab.evaluate(f"{PLAYER}.state.panels[1]")
+        turned = np.array(over["dots"], float)
+        assert turned[:2] == pytest.approx(drawn["size"] - np.array(drawn["dots"][:2]), abs=1e-6)
+        assert turned[2] == pytest.approx(drawn["dots"][2])
+        tab.keyboard.press("u")
         first = 3 * face.markers.index("M_nose2")
         x, y = (value * across / drawn["size"] for value in drawn["dots"][first : first + 2])
         tab.locator(".panel canvas").nth(1).click(position={"x": x, "y": y})
