@@ -33,8 +33,14 @@ def number_text(value: float, unit: str = "") -> str:
 
 
 def span_text(values: Sequence[float], unit: str = "") -> str:
-    """Return numbers from first to last with their unit; equal ones once, shares in percent."""
-    texts = dict.fromkeys(_digits(scale_of(unit) * value) for value in values)
+    """Return numbers from first to last with their unit; equal ones once, shares in percent.
+
+    Counts, which are of type int, stand as they are.
+    """
+    scale = scale_of(unit)
+    texts = dict.fromkeys(
+        f"{value:,}" if isinstance(value, int) else _digits(scale * value) for value in values
+    )
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 

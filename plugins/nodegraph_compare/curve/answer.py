@@ -11,7 +11,7 @@ import numpy as np
 
 from nodegraph_compare.curve.marks import first_within
 from nodegraph_compare.curve.notes import most_text
-from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, dot, joined, say, svg
+from nodegraph_tables.answer import HERE, Answer, Card, Finding, Text, Word, dot, joined, say, svg
 from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
@@ -55,7 +55,29 @@ def answer_of(curves: Curves) -> Answer:
         return Answer((f"No point has a number for {curves.axes.metric}.",))
     scales = _scales(curves)
     cards = tuple(_card(points, curves, scales) for points in drawn)
-    return Answer(_sentence(curves), _scope(curves), cards)
+    return Answer(_sentence(curves), _scope(curves), cards, findings=_findings(curves))
+
+
+def _findings(curves: Curves) -> tuple[Finding, ...]:
+    """Return where each curve is marked, as data; none where some curve is not."""
+    axes, places = curves.axes, curves.marked.places
+    if any(points.label not in places for points in curves.drawn):
+        return ()
+    marked = [float(points.x[places[points.label]]) for points in curves.drawn]
+    return tuple(
+        Finding(
+            group={axes.compare: points.label} if axes.compare else {},
+            title=_title(points, curves),
+            verdict=False, best=(), tied=(), behind=(), first=("",), unit=axes.x,
+            mean={"": int(x) if x.is_integer() else x},
+        )
+        for points, x in zip(curves.drawn, marked, strict=True)
+    )  # fmt: skip
+
+
+def _title(points: Points, curves: Curves) -> str:
+    axes = curves.axes
+    return f"{axes.compare} {points.label}" if axes.compare else axes.metric
 
 
 def _sentence(curves: Curves) -> Text:
@@ -146,7 +168,7 @@ def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
     if not kind and curves.mark != "none":
         at, what = "no knee" if curves.enough is None else "not reached", f"lowest at {at}"
     return Card(
-        title=f"{axes.compare} {points.label}" if axes.compare else axes.metric,
+        title=_title(points, curves),
         headline=(at,),
         value=(what,),
         aside=(_numbers(curves, [float(points.value[place])]),),

@@ -179,6 +179,11 @@ def test_an_error_that_is_small_enough_is_marked_where_a_curve_first_comes_to_it
     assert cards[2].startswith("actor MB: not reached, lowest at 5 markers, mse 0.400")
     assert any(note.startswith("enough: ") for note in info_of(result.table).notes)
     assert "Dashed" in str(result.figure.get_supxlabel())
+    assert info_of(result.table).answer.findings == ()
+    both = info_of(drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.1).table).answer.findings
+    assert [(found.group, found.mean) for found in both] == [
+        ({"actor": "ME"}, {"": 35.0}), ({"actor": "JZ"}, {"": 35.0}),
+    ]  # fmt: skip
     none = drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.01)
     assert info_of(none.table).answer.lines[0] == (
         "No curve comes to mse of at most 0.01 1, with up to 55 markers."
