@@ -24,6 +24,7 @@ from nodegraph.node.description import meanings
 from nodegraph.plugin.registry import Registered, Registry
 
 _IN_BRACKETS = re.compile(r"[\w$.*]*(?:[:-][\w$.*]+)*")
+ABOUT_PASS = "Gives its input as it is."
 _WORD_TYPES = {"boolean", "null"}
 
 
@@ -114,7 +115,7 @@ class _Options:
         match path:
             case ("nodes", *_, "use"):
                 yield from self._installed()
-                yield Option(PASS, "", ("Gives its input as it is.",))
+                yield Option(PASS, "", (ABOUT_PASS,))
             case ("nodes", _, "alternatives") | ("nodes", _, "alternatives", "-"):
                 yield from self._families()
                 yield from self._installed()

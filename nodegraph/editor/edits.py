@@ -6,10 +6,12 @@ import inspect
 import pathlib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from itertools import chain, count
 from typing import Any
 
 from nodegraph import edit
 from nodegraph.edit.document import Document, Path, value_at
+from nodegraph.edit.uses import mapping, nodes_of
 from nodegraph.editor.links import Links
 from nodegraph.errors import GraphError, NodegraphError, nearest
 from nodegraph.execute.option_text import read_axis, read_value
@@ -104,8 +106,17 @@ class Edits:
         return edit.disconnect(text, node, port=named, file=self._file)
 
     def _add_alternative(self, text: str, *, node: str, use: str) -> str:
-        label = label_of(use)
+        label = self._free_label(text, node, label_of(use))
         return edit.add_alternative(text, node, label, {"use": use}, file=self._file)
+
+    def _free_label(self, text: str, node: str, label: str) -> str:
+        """Return a label, with a number if a node has it already."""
+        entry = value_at(Document(text, self._file).data, ("nodes", node))
+        alternatives = mapping(entry).get("alternatives")
+        taken = {label_of(each.name) for each in nodes_of(entry, self._registry)}
+        taken |= {str(each) for each in mapping(alternatives)}
+        numbers = (f"{label}_{number}" for number in count(2))
+        return next(each for each in chain([label], numbers) if each not in taken)
 
     def _remove_alternative(self, text: str, *, node: str, label: str) -> str:
         return edit.remove_alternative(text, node, label, file=self._file)

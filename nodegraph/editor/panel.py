@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from nodegraph.edit.document import Document, flow, value_at
 from nodegraph.edit.uses import mapping
-from nodegraph.editor.completion import is_closed, words_of
+from nodegraph.editor.completion import ABOUT_PASS, is_closed, words_of
 from nodegraph.editor.links import Data, Links
+from nodegraph.graphfile.keys import PASS
 from nodegraph.graphfile.nodes import label_of
 from nodegraph.graphfile.schema import about_node, names_of
 from nodegraph.graphfile.settings_schema import settings_schema
@@ -103,7 +105,7 @@ class _Panel:
         known = [*mapping(self._data.get("axes")), *mapping(self._data.get("inputs"))]
         forms = {
             name: {
-                "about": str(schema["description"]),
+                "about": _shared(str(each[name]["description"]) for each in schemas),
                 "words": words_of(schema),
                 "is_closed": is_closed(schema),
             }
@@ -124,11 +126,14 @@ class _Panel:
             for name, form in forms.items()
         ]
         about = [used[0].name, used[0].summary] if len(used) == 1 else []
+        if value_at(self._data, (*path, "use")) == PASS:
+            about = [PASS, ABOUT_PASS]
         return {
             "title": title,
+            "alternative": path[-1] if len(path) > 2 else None,
             "about": about,
             "settings": settings,
-            "is_known": bool(used),
+            "is_known": bool(about or used),
         }
 
     def _ports(self) -> Iterator[Data]:
@@ -147,15 +152,18 @@ class _Panel:
             }
 
     def _rivals(self) -> list[Data]:
-        """Return the other methods of the family, each with why it cannot stand beside these."""
+        """Return the methods of the family, each with why it cannot stand beside these."""
         family = self._used[0].family if self._used else ""
         used = {node.name for node in self._used}
         return [
-            {"use": name, "about": each.node.summary, "reason": self._misfit(each.node)}
+            {
+                "use": name,
+                "about": each.node.summary,
+                "is_used": each.node.name in used,
+                "reason": self._misfit(each.node),
+            }
             for each, (name, *_) in names_of(self._registry).items()
-            if each.node.family == family
-            and each.node.name not in used
-            and not each.node.deprecated
+            if each.node.family == family and not each.node.deprecated
         ]
 
     def _misfit(self, node: Node) -> str:
@@ -179,3 +187,9 @@ class _Panel:
         if isinstance(alternatives, list):
             return [label_of(str(use)) for use in alternatives]
         return [str(label) for label in mapping(alternatives)]
+
+
+def _shared(texts: Iterable[str]) -> str:
+    """Return what most methods say of a setting."""
+    ((text, _),) = Counter(texts).most_common(1)
+    return text

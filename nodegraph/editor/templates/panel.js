@@ -10,7 +10,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   const button = (text, onclick, attributes) => element("button", { type: "button", onclick, ...attributes }, text);
   const edit = async (action, values) => {
     const done = await editor.act(action, { arguments: values });
-    draw();
+    await draw();
     return done;
   };
   const option = (value, text, attributes) => element("option", { value, ...attributes }, text ?? value);
@@ -42,7 +42,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
       element("small", { id: `${id}-about`, class: "quiet" }, item.about));
   };
 
-  const section = (node, part) => element("fieldset", {},
+  const section = (node, part) => element("fieldset", { "data-alternative": part.alternative },
     element("legend", {}, part.title || part.about[0] || node.name),
     part.about.length ? element("p", { class: "quiet" }, part.title ? part.about.join(": ") : part.about.slice(1).join(" ")) : null,
     part.settings.map(setting),
@@ -75,14 +75,24 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
   const rivals = (node) => {
     const parts = [];
     if (node.rivals.length) {
-      const field = element("select", { id: "panel-rival" }, fitting(node.rivals, ({ use, about }) => `${use}: ${about}`, ({ use }) => use));
-      parts.push(element("div", { class: "editor-field" },
-        element("label", { for: "panel-rival" }, "Another method beside it"), field,
-        button("Add a rival", () => field.value && edit("add_alternative", { node: node.name, use: field.value }))));
+      const [again, others] = [true, false].map((is_used) => node.rivals.filter((each) => each.is_used === is_used));
+      const about = element("small", { id: "panel-rival-about", class: "quiet" });
+      const field = element("select", { id: "panel-rival", "aria-describedby": about.id, onchange: () => explain() },
+        fitting(others, ({ use }) => use, ({ use }) => use),
+        again.length ? element("optgroup", { label: "Once more, with other settings" }, again.map(({ use }) => option(use))) : null);
+      const explain = () => { about.textContent = node.rivals.find(({ use }) => use === field.value)?.about ?? ""; };
+      const add = async () => {
+        if (!field.value || !await edit("add_alternative", { node: node.name, use: field.value })) return;
+        const sections = holder.querySelectorAll("[data-alternative]");
+        sections[sections.length - 1]?.scrollIntoView({ block: "nearest" });
+      };
+      explain();
+      parts.push(element("div", { class: "editor-field editor-method" },
+        element("label", { for: "panel-rival" }, "Another method beside it"), field, button("Add a rival", add), about));
     }
     if (node.alternatives.length > 1) {
       const field = element("select", { id: "panel-alternative" }, node.alternatives.map((label) => option(label)));
-      parts.push(element("div", { class: "editor-field" },
+      parts.push(element("div", { class: "editor-field editor-method" },
         element("label", { for: "panel-alternative" }, "An alternative"), field,
         button("Remove it", () => edit("remove_alternative", { node: node.name, label: field.value }))));
     }
@@ -101,11 +111,17 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
       button("Remove the node", () => edit("remove_node", { name: node.name })));
   };
 
-  const draw = async () => {
+  let drawn = Promise.resolve();
+  const draw = () => {
     const name = editor.chosen();
     const wanted = `${name} ${editor.known.revision}`;
-    if (wanted === shown) return;
-    shown = wanted;
+    if (wanted !== shown) {
+      shown = wanted;
+      drawn = draw_node(name, wanted);
+    }
+    return drawn;
+  };
+  const draw_node = async (name, wanted) => {
     if (!name) {
       holder.replaceChildren(element("p", { class: "quiet" }, "Choose a card to see its settings and what feeds it."));
       return;

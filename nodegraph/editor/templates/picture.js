@@ -106,6 +106,13 @@ nodegraph.define("picture", [], () => {
       holder.scrollTo(grip.left - right, grip.top - down);
     });
     for (const end of ["pointerup", "pointercancel"]) holder.addEventListener(end, () => { grip = null; });
+    // What is in hand stays in view when other panes take room.
+    const keep_in_view = () => {
+      const box = chosen ? boxes().find((each) => has(each, chosen)) : null;
+      box?.scrollIntoView({ block: "nearest", inline: "nearest" });
+    };
+    new ResizeObserver(keep_in_view).observe(holder);
+
     return {
       // Make the picture larger by a factor, or, by 0, as large as the pane has room for all of it.
       zoom: (factor) => {
@@ -136,8 +143,8 @@ nodegraph.define("picture", [], () => {
       },
       choose: (name, { scroll }) => {
         chosen = name;
-        const box = show();
-        if (scroll && name && box && has(box, name)) box.scrollIntoView({ block: "nearest", inline: "nearest" });
+        show();
+        if (scroll) keep_in_view();
       },
     };
   };

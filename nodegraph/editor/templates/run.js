@@ -20,12 +20,14 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
   const ask = async () => {
     if (part("run").disabled || document.querySelector("dialog[open]") || !await editor.act("save_to_run")) return;
     let preview;
+    editor.say("Looking at what is stored \u2026");
     try {
       preview = await editor.get("/preview");
     } catch (error) {
       editor.say(error.message);
       return;
     }
+    editor.say("");
     const { nodes, steps, missing, changes, warnings } = preview;
     part("start-what").textContent = missing
       ? `${missing} of ${steps} steps are not stored, and are computed as far as something needs them.`

@@ -63,6 +63,16 @@ def lines(view: Any) -> set[str]:
             {"    alternatives: [fill.linear, fill.muscle, fill.pchip]"},
         ),
         (
+            "add_alternative",
+            {"node": "fill", "use": "fill.muscle"},
+            {
+                "    alternatives:",
+                "      linear: {use: fill.linear}",
+                "      muscle: {use: fill.muscle}",
+                "      muscle_2: {use: fill.muscle}",
+            },
+        ),
+        (
             "remove_alternative",
             {"node": "fill", "label": "muscle"},
             {"    alternatives: [fill.linear]"},
@@ -106,7 +116,6 @@ def test_a_name_changes_wherever_it_stands(editor: Editor) -> None:
         ("rename", {"old": "gaps", "new": "fill"}, "'fill' is a name already"),
         ("rename", {"old": "gaps", "new": "a b"}, "cannot be a name"),
         ("add_node", {"name": "gaps", "use": "gaps.cut", "after": ""}, "is a name already"),
-        ("add_alternative", {"node": "fill", "use": "fill.muscle"}, "is there already"),
         ("remove_alternative", {"node": "gaps", "label": "x"}, "does not list 'x'"),
         ("set_axis", {"name": "gaps", "labels": "[1]"}, "is a name already"),
         ("set_axis", {"name": "k", "labels": "count: 3"}, "that would be a label"),
@@ -174,7 +183,8 @@ def test_a_panel_has_forms_and_what_fits(editor: Editor) -> None:
     assert reasons["error"] == "error reads fill"
     rivals = {each["use"]: each["reason"] for each in panel["rivals"]}
     assert rivals["fill.pchip"] == ""
-    assert not {"fill.linear", "fill.muscle"} & rivals.keys()
+    used = {each["use"] for each in panel["rivals"] if each["is_used"]}
+    assert used == {"fill.linear", "fill.muscle"}
     assert panel["alternatives"] == ["linear", "muscle"]
     error = editor.get("/node?name=error").data
     reasons = {each["use"]: each["reason"] for each in error["rivals"]}
@@ -239,6 +249,20 @@ def test_a_graph_that_is_used_has_ports_whatever_is_wrong(editor: Editor, path: 
     refused = editor.get("/targets?box=part.cut&port=truth")
     assert refused.status == 409
     assert "outside it are filled, hidden" in refused.data["message"]
+
+
+def test_a_whole_family_has_one_of_its_methods_once_more(editor: Editor) -> None:
+    family = "{without: {use: pass}, fill.*: {}}"
+    editor.edit(text=GRAPH.replace("[fill.linear, fill.muscle]", family))
+    panel = editor.get("/node?name=fill").data
+    assert all(each["is_used"] for each in panel["rivals"])
+    first, *_, shared = panel["sections"]
+    assert (first["title"], first["is_known"]) == ("without", True)
+    said = {each["name"]: each["about"] for each in shared["settings"]}
+    assert said["ends"].startswith("as_published: the estimate as it is")
+    view = act(editor, "add_alternative", node="fill", use="fill.ridge")
+    assert "fill.*: {}, ridge_2: {use: fill.ridge}}" in view["text"]
+    assert view["problems"] == []
 
 
 def test_a_panel_of_a_graph_with_mistakes(editor: Editor) -> None:
