@@ -388,7 +388,10 @@ def test_everything_can_be_done_with_keys(tab: Page, tmp_path: Path) -> None:
     assert camera["pitch"] > 0
     assert camera["zoom"] == 1.25
     tab.keyboard.press("0")
-    assert tab.evaluate(f"{FIRST}.camera") == {"yaw": 0, "pitch": 0, "zoom": 1, "x": 0, "y": 0}
+    tab.keyboard.press("u")
+    front = {"yaw": 0, "pitch": 0, "zoom": 1, "x": 0, "y": 0}
+    assert tab.evaluate(f"{FIRST}.camera") == {**front, "over": -1}
+    tab.keyboard.press("u")
     tab.keyboard.press("Space")
     assert now("playing")
     tab.keyboard.press("Space")
