@@ -17,7 +17,7 @@ from nodegraph_mocap import Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_ROUNDS = 10
+_ROUNDS = 5
 _BESIDE = slice(None, -1), slice(1, None)
 """Frames that have one after, and frames that have one before."""
 _LEAST = 1e-8
@@ -43,16 +43,17 @@ def dynammo(
     A frame, all coordinates in a row, is ``mu + G z[t] + v[t]`` of states
     ``z[t+1] = F z[t] + w[t]`` that begin as ``z[0] = m + u``; u, v and w are independent normal
     noise, each of one variance for all its coordinates. F, G, mu, m and the three variances are
-    those under which the present samples are likelier in each of ten rounds of EM: a Kalman
+    those under which the present samples are likelier in each of five rounds of EM: a Kalman
     filter and smoother give the mean and the covariance of the states, all present samples being
     known, and these the next F, G, mu, m and variances by least squares. ``mu + G z`` of the last
     means of the states fills the gaps. No frame need be complete.
 
     It begins from the take with straight lines through the gaps: mu is its mean, G are its
     principal components, the first that have the share `variance` of its variance, F is the
-    least-squares step of what the frames are along these. Li et al. begin from random numbers, and
-    without mu; the authors' code, which ends after ten rounds as well, counts the last round's
-    estimates of missing samples as samples.
+    least-squares step of what the frames are along these; further rounds changed errors by few
+    percent on two real and two made faces. Li et al. begin from random numbers, and without mu;
+    the authors' code ends after ten rounds, and in each of them counts the last round's estimates
+    of missing samples as samples.
 
     For `ends` met, the estimate beside a gap is that which leaves the samples there out, as those
     in the gap are.
