@@ -45,10 +45,15 @@ def test_takes_of_a_users_people_are_counted_by_person(studies: Studies, tmp_pat
             file = tmp_path / f"{person}_{take}.csv"
             np.savetxt(file, positions, delimiter=",", header="# rate: 60\n" + names, comments="")
     takes = f'recording={{files: "{tmp_path}/{{actor}}_{{take}}.csv"}}'
-    words = ("--axis", takes, *FEW, "--only", "trial=0", "--until", "table")
-    folder = studies.run("fill_real", *words)
+    few = ("--only", "fill=linear,ensemble", "--only", "length=5,45", "--only", "trial=0")
+    folder = studies.run("fill_real", "--axis", takes, *few, "--until", "table")
     assert (
         "3 actors describe the methods and decide nothing" in (folder / "printed.txt").read_text()
+    )
+    error = means(folder)
+    # what an average of fills from other markers is worth
+    assert (
+        error["ensemble", "filtered", "met", "45"] < 0.7 * error["linear", "filtered", "met", "45"]
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,7 +33,7 @@ class RecordingStack:
     positions: NDArray[np.float64]
     origin: NDArray[np.uint8]
 
-    @property
+    @cached_property
     def shared(self) -> NDArray[np.bool_]:
         """(T, M), True where all recordings have the very same sample, or none has one."""
         same = self.positions == self.positions[0]
