@@ -147,7 +147,7 @@ def test_the_page_beside_the_report_runs_no_markup_either(odd: Path, tab: Page) 
 def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Page) -> None:
     load(tab, odd / "report.html")
     answer = tab.evaluate("document.querySelector('.answer').textContent")
-    assert "The data cannot tell which is best: one repetition where 3 are needed" in answer
+    assert "The data cannot tell which is best: one trial where 3 are needed" in answer
     assert "Lowestzero 0\N{NO-BREAK SPACE}mm" in answer
     rows = tab.evaluate(
         "[...document.querySelector('figure.table table').tBodies[0].rows]"

@@ -52,9 +52,13 @@ def units_name(scope: Scope) -> str:
     """Return what several units are called."""
     if scope.kind == "clusters":
         return scope.several
-    drawn = f"{scope.drawn}s" if scope.drawn else "repetitions"
-    named = {"segments": "segments of the recording", "draws": drawn}
+    named = {"segments": "segments of the recording", "draws": f"{_repetition(scope)}s"}
     return named.get(scope.kind, "recordings")
+
+
+def _repetition(scope: Scope) -> str:
+    """Return what a repetition on the same data is called, as the graph's axis is: ``trial``."""
+    return scope.drawn or "repetition"
 
 
 def caution_text(scope: Scope) -> str:
@@ -75,15 +79,15 @@ def _shortage_text(scope: Scope) -> str:
     if shortage.of == "numbers":
         return "no block has a number for every method"
     if shortage.of == "repetitions":
-        there = f"{shortage.there:.0f}" if shortage.there > 1 else "one"
-        few = (
-            f"{there} repetition{'s' * (shortage.there > 1)} where {shortage.needed:.0f} are needed"
-        )
+        several = shortage.there > 1
+        there = f"{shortage.there:.0f}" if several else "one"
+        name = f"{_repetition(scope)}{'s' * several}"
+        few = f"{there} {name} where {shortage.needed:.0f} are needed"
     else:
-        few = f"fewer than three repetitions, and {segments_text(scope, shortage)}"
+        few = f"fewer than three {_repetition(scope)}s, and {segments_text(scope, shortage)}"
     if not scope.drawn:
         return f"{few}; an axis of repetitions, each with damage of its own, would help"
-    return f'{few}; ten draws help: --axis "{scope.drawn}={{count: 10}}"'
+    return f'{few}; ten help: --axis "{scope.drawn}={{count: 10}}"'
 
 
 def segments_text(scope: Scope, shortage: Shortage) -> str:

@@ -170,7 +170,7 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
         holds = "One recording: holds for further gaps in it, not for others."
         assert (holds in scope) == (count > 2)
     assert (
-        '; ten draws help: --axis "trial={count: 10}"'
+        '; ten help: --axis "trial={count: 10}"'
         in words(table_of(replace(trials(2), sources=()), within=("length",)).table)[0]
     )
 
