@@ -352,8 +352,10 @@ def _are(names: Sequence[str]) -> str:
 
 def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
     """Return the mean of the best, or of a method, over some groups; of another column by name."""
-    column, of, label = part.label.rpartition(" of ")
-    if of and column in found[0].beside:
+    column, _, label = part.label.rpartition(" of ")
+    if part.label in found[0].beside:
+        column, label = part.label, ""
+    if column in found[0].beside:
         unit, of_each = found[0].units[column], [finding.beside[column] for finding in found]
     else:
         label, unit, of_each = part.label, found[0].unit, [finding.mean for finding in found]

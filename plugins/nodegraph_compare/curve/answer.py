@@ -70,6 +70,8 @@ def _findings(curves: Curves) -> tuple[Finding, ...]:
             title=_title(points, curves),
             verdict=False, best=(), tied=(), behind=(), first=("",), unit=axes.x,
             mean={"": int(x) if x.is_integer() else x},
+            beside={} if curves.enough is None else {"enough": {"": curves.enough}},
+            units={"enough": curves.unit},
         )
         for points, x in zip(curves.drawn, marked, strict=True)
     )  # fmt: skip

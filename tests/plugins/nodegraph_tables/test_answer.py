@@ -118,7 +118,7 @@ def holes(text: str) -> tuple[str | Placeholder, ...]:
         (OTHER, "{best at length=5}, {best at length=15}, ridge", "ridge, pca, ridge"),
         (NONE, "{number linear at length=15}", "1.50 mm"),
         (TO_BASELINE, "{better pca}; {worse at length=5}", "pca; linear"),
-        (BESIDE, "{number missed of linear}, {number missed of ridge}", "2 to 20 %, 0 %"),
+        (BESIDE, "{number missed of linear}, {number missed}", "2 to 20 %, 0 %"),
         (SAME, "{best at all}, pca: {number at all}; {behind linear at all}",
          "pca, pca: 0.500 mm; linear"),
         ((), "Our words.", "Our words."),
