@@ -149,16 +149,17 @@ def _panel(axis: Axes, face: _Face, low: NDArray[np.float64], high: NDArray[np.f
     axis.add_collection(LineCollection(list(face.edges), colors=GREY, linewidths=0.6, zorder=1))
     for origin, label, colour, marker in _ORIGINS:
         points = face.points[face.of(origin)]
-        axis.scatter(
-            points[:, 0],
-            points[:, 1],
-            s=11,
-            c=colour,
-            marker=marker,
-            linewidths=0,
-            label=label,
-            zorder=3,
-        )
+        if len(points):
+            axis.scatter(
+                points[:, 0],
+                points[:, 1],
+                s=11,
+                c=colour,
+                marker=marker,
+                linewidths=0,
+                label=label,
+                zorder=3,
+            )
     _draw_truth(axis, face)
     outside = (face.points < low) | (face.points > high)
     count = np.count_nonzero(outside.any(axis=1))
@@ -174,16 +175,17 @@ def _draw_truth(axis: Axes, face: _Face) -> None:
     joined = np.stack([face.points[filled], face.truth[filled]], axis=1)
     axis.add_collection(LineCollection(list(joined), colors=RED, linewidths=0.8, zorder=2))
     for chosen, label, colour in ((filled, "truth", BLACK), (missing, "left missing", GREY)):
-        axis.scatter(
-            face.truth[chosen, 0],
-            face.truth[chosen, 1],
-            s=22,
-            facecolors="none",
-            edgecolors=colour,
-            linewidths=0.7,
-            label=label,
-            zorder=4,
-        )
+        if chosen.any():
+            axis.scatter(
+                face.truth[chosen, 0],
+                face.truth[chosen, 1],
+                s=22,
+                facecolors="none",
+                edgecolors=colour,
+                linewidths=0.7,
+                label=label,
+                zorder=4,
+            )
 
 
 def _scale_bar(axis: Axes, low: NDArray[np.float64], high: NDArray[np.float64]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
 from nodegraph_synthesize.layout import edges_between, make_layout
 from nodegraph_synthesize.muscles import CHANNELS
 from nodegraph_synthesize.proportions import Proportions, draw_proportions
-from nodegraph_synthesize.surface import make_surface
+from nodegraph_synthesize.surface import Surface, make_surface
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -41,7 +42,18 @@ class Actor:
         """Return the anatomy that moves (N, 3) points of the neutral face."""
         return make_anatomy(points, self.proportions, self.strengths)
 
+    @cached_property
+    def surface(self) -> Surface:
+        """The neutral face."""
+        return make_surface(self.proportions)
 
+    @cached_property
+    def morphs(self) -> NDArray[np.float64]:
+        """(K, V, 3) mm by which each channel moves the surface's vertices."""
+        return self.anatomy(self.surface.vertices).offsets(np.eye(len(CHANNELS)))
+
+
+@lru_cache(maxsize=8)  # a study has the same actors perform in several ways
 def draw_actor(seed: int) -> Actor:
     """Return the actor of a seed."""
     return Actor(
@@ -53,12 +65,12 @@ def draw_actor(seed: int) -> Actor:
 
 def head_of(actor: Actor, markers: int) -> tuple[Head, MarkerSet]:
     """Return the actor's head with a number of markers, and their layout."""
-    surface = make_surface(actor.proportions)
+    surface = actor.surface
     layout = make_layout(markers, surface.places)
     head = Head(
-        vertices=surface.vertices,
-        faces=surface.faces,
-        morphs=actor.anatomy(surface.vertices).offsets(np.eye(len(CHANNELS))),
+        vertices=surface.vertices.copy(),
+        faces=surface.faces.copy(),
+        morphs=actor.morphs.copy(),
         names=CHANNELS,
         markers=layout.marker_set.markers,
         marker_vertices=layout.vertices,

@@ -78,9 +78,12 @@ class Anatomy:
             moved = shift.any(axis=1)
             pulled[:, moved] += level[name] * shift[moved]
         for name, pull in self.pulls.items():
-            towards = self._opened(pull.attachment[None], level[JAW]) - opened[:, pull.points]
+            # few activate a muscle at any time, and of the morph targets one does
+            at = np.flatnonzero(level[name])
+            towards = self._opened(pull.attachment[None], level[JAW][at])
+            towards = towards - opened[np.ix_(at, pull.points)]
             towards /= np.linalg.norm(towards, axis=2, keepdims=True)
-            pulled[:, pull.points] += level[name] * pull.amounts[:, None] * towards
+            pulled[np.ix_(at, pull.points)] += level[name][at] * pull.amounts[:, None] * towards
         return self._slid(opened, _stiffened(pulled)) - self.points
 
     def _opened(

@@ -45,8 +45,7 @@ def test_every_sample_is_drawn_once_as_what_it_is() -> None:
     others = [place for place in range(len(made_face.MARKERS)) if place != COLUMN]
     assert drawn["measured"] == pytest.approx(seen[others])
     assert drawn["filled"] == pytest.approx(seen[[COLUMN]])
-    assert not len(drawn["truth"])
-    assert not len(drawn["left missing"])
+    assert drawn.keys() == {"measured", "filled"}
 
 
 def test_the_truth_of_a_filled_sample_is_joined_to_it() -> None:
@@ -62,8 +61,9 @@ def test_what_is_still_missing_is_shown_where_it_should_be() -> None:
     recording, truth = made_face.gappy(), made_face.truth()
     (axis,) = faces(across(captured=recording), truth, frames=(FRAME,)).axes
     expected = frontal(recording, "auto").project(truth.positions[FRAME, [COLUMN]])
-    assert dots(axis)["left missing"] == pytest.approx(expected)
-    assert not len(dots(axis)["filled"])
+    drawn = dots(axis)
+    assert drawn["left missing"] == pytest.approx(expected)
+    assert drawn.keys() == {"measured", "left missing"}
 
 
 def test_edges_are_drawn_where_both_ends_are_present() -> None:
