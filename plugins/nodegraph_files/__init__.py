@@ -5,6 +5,7 @@ from pathlib import Path
 
 from nodegraph import Format, hookimpl
 from nodegraph_files.c3d import c3d_bytes, read_c3d, write_c3d
+from nodegraph_files.glb.moving import RawAnimation
 from nodegraph_files.glb.writing import animation_bytes, head_bytes
 from nodegraph_files.head import RawHead
 from nodegraph_files.marker_set import marker_set_text, read_marker_set_yaml
@@ -16,6 +17,7 @@ from nodegraph_files.text.mot import read_mot
 from nodegraph_files.text.trc import read_trc, trc_bytes, write_trc
 
 __all__ = [
+    "RawAnimation",
     "RawHead",
     "animation_bytes",
     "c3d_bytes",
