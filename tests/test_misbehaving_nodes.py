@@ -17,7 +17,7 @@ from tests.records import read_record
 from tests.studies import ROOT, command
 
 NODES = """\
-import ctypes, os, re, subprocess, sys, tempfile, threading, time, warnings
+import ctypes, os, subprocess, sys, tempfile, threading, time, warnings
 from pathlib import Path
 import numpy as np
 from nodegraph import node
@@ -107,7 +107,7 @@ def holds(x: np.ndarray, *, sign: str = "") -> float:
     sys.setswitchinterval(1000)
     if sign:
         ctypes.PyDLL(None).creat(sign.encode(), 0o600)  # and the lock is not released meanwhile
-    re.match("(a+)+$", "a" * 40 + "b")
+    ctypes.PyDLL(None).sleep(100)
     return 1.0
 
 @node("bad.segfaults")
@@ -230,18 +230,24 @@ def test_processes_that_a_node_leaves_end_with_the_run(tmp_path: Path) -> None:
     assert not state.exists() or state.read_text().split()[2] == "Z"
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes"])
-def test_nodes_that_spoil_their_process_spoil_nothing_else(tmp_path: Path, executor: str) -> None:
+def test_nodes_that_spoil_their_process_spoil_nothing_else(tmp_path: Path) -> None:
     bad = "bad.forks_in_c, bad.forgets, bad.thread_stays"
-    (tmp_path / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
-    process = started(tmp_path, "--executor", executor)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 0, errors
-    record = read_record(tmp_path / "out")
-    assert (record["counts"]["done"], (tmp_path / "out" / "report.html").is_file()) == (5, True)
-    assert [text for step in record["steps"] for text in step.get("warnings", ())] == [
-        "it changes sys.path, which is put back: import from installed packages"
-    ]
+    processes = {}
+    for executor in ("serial", "threads", "processes"):
+        folder = tmp_path / executor
+        folder.mkdir()
+        (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
+        words = ("--executor", executor, "--store", str(folder / "store"))
+        processes[executor] = started(folder, *words)
+    for executor, process in processes.items():
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 0, (executor, errors)
+        out = tmp_path / executor / "out"
+        record = read_record(out)
+        assert (record["counts"]["done"], (out / "report.html").is_file()) == (5, True), executor
+        assert [text for step in record["steps"] for text in step.get("warnings", ())] == [
+            "it changes sys.path, which is put back: import from installed packages"
+        ], executor
 
 
 CHANGED = {
@@ -335,28 +341,32 @@ def test_a_program_that_is_ended_ends_whole(tmp_path: Path, number: signal.Signa
     assert process.returncode == -number
 
 
-@pytest.mark.parametrize(
-    ("executor", "bad", "status", "words"),
-    [
-        ("threads", "bad.sleeps", 130, CONTINUES),
-        ("serial", "bad.holds", 130, CONTINUES),
-        ("threads", "bad.holds", 130, LET_GO),
-        ("processes", "bad.holds", 130, CONTINUES),
-        ("dask", "bad.holds", 130, CONTINUES),
-    ],
-)
-def test_a_node_that_never_returns_is_interrupted(
-    tmp_path: Path, executor: str, bad: str, status: int, words: str
-) -> None:
-    sign = tmp_path / "sign"
-    bad = f"{{make: {{use: good.sum}}, bad: {{use: {bad}, with: {{sign: {sign}}}}}}}"
-    (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
-    process = started(tmp_path, "--executor", executor, "--jobs", "2")
-    while not sign.exists():
-        assert process.poll() is None, process.stderr and process.stderr.read()
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
-    assert (process.returncode, words in errors) == (status, True), errors
-    events = (tmp_path / "out" / "events.jsonl").read_text().splitlines()
-    assert [json.loads(line)["event"] for line in events].count("done") >= 1
+NEVER_RETURN = [
+    ("threads", "bad.sleeps", CONTINUES),
+    ("serial", "bad.holds", CONTINUES),
+    ("threads", "bad.holds", LET_GO),
+    ("processes", "bad.holds", CONTINUES),
+    ("dask", "bad.holds", CONTINUES),
+]
+
+
+def test_nodes_that_never_return_are_interrupted(tmp_path: Path) -> None:
+    processes = []
+    for number, (executor, bad, _) in enumerate(NEVER_RETURN):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        with_sign = f"{{use: {bad}, with: {{sign: {folder / 'sign'}}}}}"
+        nodes = f"{{make: {{use: good.sum}}, bad: {with_sign}}}"
+        (folder / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", nodes))
+        words = ("--executor", executor, "--jobs", "2", "--store", str(folder / "store"))
+        processes.append(started(folder, *words))
+    for number, process in enumerate(processes):
+        while not (tmp_path / str(number) / "sign").exists():
+            assert process.poll() is None, process.stderr and process.stderr.read()
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+    for number, (process, case) in enumerate(zip(processes, NEVER_RETURN, strict=True)):
+        _, errors = process.communicate(timeout=60)
+        assert (process.returncode, case[-1] in errors) == (130, True), (case, errors)
+        events = (tmp_path / str(number) / "out" / "events.jsonl").read_text().splitlines()
+        assert [json.loads(line)["event"] for line in events].count("done") >= 1, case
