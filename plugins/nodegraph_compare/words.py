@@ -197,8 +197,10 @@ def number_name(verdicts: Verdicts, unit: str = "") -> str:
         return f"{mean} over {verdicts.blocks}"
     if not verdicts.ratio:
         return f"{mean} over {verdicts.units}"
-    unit = verdicts.units.removesuffix("s").replace("combinations of", "combination of")
-    return f"{mean} of a typical {unit}"
+    are_clusters = any(group.scope.kind == "clusters" for group in verdicts.groups)
+    several = verdicts.units if are_clusters else "recordings"
+    one = several.removesuffix("s").replace("combinations of", "combination of")
+    return f"{mean} of a typical {one}"
 
 
 def signed(value: float, unit: str, mean: float) -> str:

@@ -433,6 +433,17 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     assert "recording" not in scope
 
 
+def test_a_number_of_two_actors_is_of_a_recording_of_theirs() -> None:
+    entries = [
+        ({**labels, "actor": actor}, each) for actor in ("anna", "bo") for labels, each in trials(4)
+    ]
+    axes = ("actor", "trial", "length", "fill")
+    verdicts = table_of(Across(axes, tuple(entries), sources=("actor",))).overview.verdicts
+    scope = plain(scope_words(verdicts))
+    assert "holds for further gaps in these 2 recordings, not for others." in scope
+    assert "Mean rmse (mm) of a typical recording, lower is better." in scope
+
+
 def test_a_baseline_without_any_number_gives_no_differences() -> None:
     scores = Across.of({"a": scored([1, 2]), "b": scored([NAN, NAN])}, axis="fill")
     with pytest.warns(UserWarning, match="not compared: b"):
