@@ -24,6 +24,7 @@ from nodegraph_mocap.player.fitting import (
 )
 from nodegraph_mocap.player.page import render_view
 from nodegraph_mocap.player.panels import panel_of
+from nodegraph_mocap.player.spans import render_spans
 from nodegraph_mocap.player.strip import strip_of
 from nodegraph_mocap.recording import Trajectories
 from nodegraph_mocap.view import AUTO
@@ -39,13 +40,17 @@ def view(values: Mapping[str, object]) -> Rendered:
     A head moves as the weights say whose names are its own, of the first that fit; otherwise its
     shapes, and those of a model, are shown one after the other. A marker set joins the markers of
     the recordings that have them and no set of their own. Marks are applied to the recording that
-    they lie beside, or the first that has their markers; a recording that is alone can be marked.
+    they lie beside, or the first that has their markers, and are drawn alone without one; a
+    recording that is alone can be marked.
 
     Raises
     ------
     Refusal
         If there is nothing to see, or it cannot be drawn.
     """
+    spans = {label: value for label, value in values.items() if isinstance(value, Marks)}
+    if spans and all(isinstance(value, (Marks, MarkerSet)) for value in values.values()):
+        return render_spans(spans)
     files = _Files(values)
     try:
         return render_view(files.playback(), ", ".join(values))

@@ -19,10 +19,10 @@ from scipy.signal import welch
 import nodegraph as ng
 from nodegraph import Refusal
 from nodegraph_mocap import MarkerSet, Marks, Origin, Trajectories, Weights
-from nodegraph_mocap.player import fitting, strip
+from nodegraph_mocap.player import fitting, spans, strip
 from nodegraph_mocap.player.strip import MOST_STRETCHES, strip_of
 from nodegraph_mocap.player.viewer import view
-from nodegraph_mocap.specimens import animations, heads, models, recordings, weights
+from nodegraph_mocap.specimens import animations, heads, marks, models, recordings, weights
 from nodegraph_mocap.suspect import impulses
 from tests.browser import needs_axe, resize, until, violations
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
@@ -78,6 +78,21 @@ def test_a_marker_set_joins_the_markers_of_a_recording() -> None:
     assert packed({"a": face, "markers.yaml": other}).head["panels"][0]["edges"] == []
 
 
+def test_marks_without_a_recording_are_rows_of_spans(monkeypatch: pytest.MonkeyPatch) -> None:
+    every = marks()["gaps"]
+    monkeypatch.setattr(spans, "MOST_SPANS", 3)
+    html = view({"<b>.csv": every, "markers.yaml": MarkerSet(markers=("nose",))}).html
+    found = re.findall(r'class="(\w+)" style="left:([\d.]+)%;width:([\d.]+)%"', html)
+    frames = max(mark.stop for mark in every.marks)
+    assert [(kind, float(left), float(width)) for kind, left, width in found] == [
+        (mark.kind, 100 * mark.start / frames, 100 * mark.frames / frames)
+        for mark in every.marks[:3]
+    ]
+    assert "&lt;b&gt;.csv: what is marked, by frame, 0 to 39" in html
+    assert "1 spans more are not drawn" in html
+    assert "<li>" not in view({"none": Marks()}).html
+
+
 def test_what_cannot_be_shown_is_refused() -> None:
     none = Trajectories(positions=np.empty((0, 1, 3)), markers=("nose",), rate=60.0)
     still = Weights(values=np.empty((0, 1)), names=("a",), rate=60.0)
@@ -87,7 +102,6 @@ def test_what_cannot_be_shown_is_refused() -> None:
         (still, "a has no frame"),
         (flat, "the head of a has no triangles"),
         (MarkerSet(markers=("nose",)), "name a recording, too: a is drawn over one"),
-        (Marks(), "name a recording, too: a is drawn over one"),
     ):
         with pytest.raises(Refusal, match=message):
             view({"a": value})
