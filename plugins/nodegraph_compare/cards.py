@@ -49,8 +49,6 @@ if TYPE_CHECKING:
 _MOST_NAMES = 3
 _MOST_SPOKEN = 20
 _ORDER = ("rest", "before", "tied", "worse", "best")
-_RADIUS = {"rest": 4.0, "tied": 7.0}
-"""Of dots in pixels, 5 for others; a ring is seen around the dot that lies in it."""
 
 _APART = 4.0
 """Across in pixels: nearer dots hide each other."""
@@ -146,11 +144,21 @@ def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
     order = sorted(known, key=lambda place: _ORDER.index(kinds[place]))
     across = {place: line.at(float(group.mean[place])) for place in known}
     down = _heights(across)
+    best = [(across[place], down[place]) for place in known if kinds[place] == "best"]
+
+    def radius(place: int) -> float:
+        # a ring is seen around the best that covers it
+        if kinds[place] == "tied" and any(
+            down[place] == y and abs(across[place] - x) < _APART for x, y in best
+        ):
+            return 7.0
+        return 4.0 if kinds[place] == "rest" else 5.0
+
     dots = [
         dot(
             across[place], down[place], kinds[place],
             f"{verdicts.methods[place]} {number_text(float(group.mean[place]), metric.unit)}",
-            _RADIUS.get(kinds[place], 5.0), str(verdicts.methods[place]),
+            radius(place), str(verdicts.methods[place]),
         )
         for place in order
     ]  # fmt: skip
