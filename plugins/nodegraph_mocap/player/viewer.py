@@ -83,6 +83,8 @@ class _Files:
         """
         if not self._shown and not self._curves:
             raise Refusal(f"name a recording, too: {', '.join(self._values)} is drawn over one")
+        if not self._shown:
+            self._notes.append("Name a head with these shapes, too, to see it move.")
         check_meshes(self._shown.items())
         every = frames_apart([*self._shown.values(), *self._curves.values()])
         panels = [self._panel(label, shown, every) for label, shown in self._shown.items()]

@@ -163,7 +163,8 @@ nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce 
       this.state = element("span", { role: "status" });
       this.list = element("ol", {});
       this.made = element("p", {}, this.undo, this.save, this.state);
-      this.fold = element("details", {}, element("summary", {}, "What is marked"), this.list);
+      this.fold = element("details", {}, element("summary", {}, "What is marked"), this.list,
+        element("p", { class: "quiet" }, `In a graph, recording.apply_marks applies what read.marks reads from ${this.file}.`));
       this.hint = element("p", { class: "quiet" }, "Click a marker, or choose one above, to mark its samples as bad, swap them or name them otherwise.");
       this.acts = element("div", { class: "acts" },
         element("span", {}, button("From here", () => this.begin()), button("Whole take", () => this.begin(true)), this.span),

@@ -63,6 +63,7 @@ def test_a_head_moves_as_weights_of_its_names_say() -> None:
     both = packed({"head.glb": head, "a.csv": named}).head
     assert (len(both["panels"]), both["panels"][0]["frames"]) == (1, named.frames)
     assert [curves["label"] for curves in both["curves"]] == ["a.csv"]
+    assert "Name a head with these shapes, too" in view({"a.csv": named}).html
     strange = replace(moving, names=tuple(f"strange {name}" for name in moving.names))
     shown = view({"head.glb": head, "a.csv": strange}).html
     assert "head.glb does not move as a.csv says: the head has no morph target" in shown
