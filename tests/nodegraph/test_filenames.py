@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 from nodegraph.filenames import file_stem, fold, portable_name, portable_paths
 from tests.nodegraph.cli.portable import check_portable
+from tests.texts import any_text
 
 LETTERS = st.sampled_from("aAbB1_-. /<?\u00e9\u0301\u00c9\u00df\u6f22\ud800\0")
-TEXTS = st.one_of(st.text(min_size=1), st.text(LETTERS, min_size=1, max_size=5))
+TEXTS = st.one_of(any_text(min_size=1), st.text(LETTERS, min_size=1, max_size=5))
 LABELS = st.one_of(TEXTS, st.integers(), st.floats(allow_nan=False))
 PATHS = st.lists(TEXTS, min_size=1, max_size=4).map(
     lambda parts: "/".join(part.replace("/", "") or "x" for part in parts)

@@ -19,6 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.cache_key import Code, Reached
+from tests.texts import any_text
 
 from .conftest import Folder
 from .toys import Function, Kind, Pair, Rule, far, near, over, with_default
@@ -76,8 +77,8 @@ def test_values_are_distinguished(
 
 @given(
     st.recursive(
-        st.none() | st.integers() | st.floats() | st.text() | st.binary() | st.booleans(),
-        lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner) | st.tuples(inner),
+        st.none() | st.integers() | st.floats() | any_text() | st.binary() | st.booleans(),
+        lambda inner: st.lists(inner) | st.dictionaries(any_text(), inner) | st.tuples(inner),
         max_leaves=8,
     )
 )

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from nodegraph import GraphError
 from nodegraph.errors import Place
 from nodegraph.graphfile.yaml_text import located, read_yaml, scalar
+from tests.texts import any_text
 
 
 def plain(text: str) -> Any:
@@ -159,7 +160,7 @@ def test_nesting_by_aliases_is_bounded_too() -> None:
     assert "nested more than 100 deep" in mistake("\n".join(lines))
 
 
-@given(st.text(max_size=60))
+@given(any_text(max_size=60))
 def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
     try:
         read_yaml(text, "t.yaml").plain()
@@ -171,8 +172,8 @@ def test_any_text_is_read_or_refused_with_a_place(text: str) -> None:
 
 
 DATA = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.text(),
-    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    st.none() | st.booleans() | st.integers() | any_text(),
+    lambda inner: st.lists(inner) | st.dictionaries(any_text(), inner),
     max_leaves=10,
 )
 

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 from nodegraph import Absent, Across, Kind, Value
 from nodegraph.store import Packed, Packer, Unreadable, Unstorable
+from tests.texts import any_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +149,7 @@ LEAVES = (
     | st.binary()
     | st.builds(Path, st.text("abc/.é", max_size=8))
 )
-KEYS = st.booleans() | st.integers() | st.text(max_size=3) | st.tuples(st.integers(), st.text())
+KEYS = st.booleans() | st.integers() | any_text(max_size=3) | st.tuples(st.integers(), any_text())
 PLAIN = st.recursive(
     LEAVES,
     lambda inner: (

@@ -16,6 +16,7 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph.plugin.registry import Registry
 from nodegraph_mocap import Origin
 from nodegraph_track.points_literal import literal
+from tests.texts import any_text
 
 REGISTRY = Registry.of((literal,), plugin="track")
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**9), 10**9)
@@ -32,7 +33,7 @@ def test_points_in_the_plane_lie_at_z_0() -> None:
 @given(
     st.integers(1, 4).flatmap(
         lambda frames: st.dictionaries(
-            st.text(),
+            any_text(),
             st.lists(st.lists(NUMBERS, min_size=3, max_size=3), min_size=frames, max_size=frames),
             min_size=1,
             max_size=5,
