@@ -55,7 +55,8 @@ def _arrays(value: object, name: str) -> Iterator[tuple[str, NDArray[np.generic]
         if array.dtype.kind in "biufc":
             yield name, array
     for suffix, part in _parts(value):
-        yield from _arrays(part, f"{name}{suffix}")
+        if not isinstance(part, str):  # names are many
+            yield from _arrays(part, f"{name}{suffix}")
 
 
 def _parts(value: Any) -> Iterable[tuple[str, object]]:

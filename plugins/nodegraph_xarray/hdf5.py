@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _MOST_INFLATION = 1100
 """Bytes that one of a compressed file may stand for: no more than 1032, by deflate."""
 _SMALL = 1 << 24  # bytes, for which there is room in any case
-_SECONDS, _BYTES_PER_SECOND = 2, 20e6  # of processor time
+_SECONDS, _BYTES_PER_SECOND = 1, 20e6  # of processor time
 _MEMORY, _MEMORY_PER_BYTE = 1 << 28, 3  # bytes
 
 
