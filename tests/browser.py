@@ -18,6 +18,7 @@ from playwright.sync_api import (
     Error,
     Page,
     Request,
+    ViewportSize,
     sync_playwright,
 )
 
@@ -26,6 +27,7 @@ needs_axe = pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of
 
 # the machines that test have no graphics card; WebGL is drawn by the processor
 _ARGUMENTS = ("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+_SIZE: ViewportSize = {"width": 1200, "height": 900}
 _PLAYBACKS_ARE_READY = """
 [...document.querySelectorAll("figure.playback")]
   .every((figure) => figure.playback || /cannot/.test(figure.textContent))
@@ -42,7 +44,7 @@ def chromium() -> Iterator[BrowserContext]:
         pytest.skip("no Chromium is installed")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=_ARGUMENTS)
-        yield browser.new_context()
+        yield browser.new_context(viewport=_SIZE)
         browser.close()
 
 
@@ -86,25 +88,29 @@ def tab(_only_tab: Page, complaints: list[str]) -> Iterator[Page]:
     page.remove_listener("pageerror", fail)
     page.unroute_all()
     page.emulate_media(media="null", color_scheme="null", reduced_motion="null")
-    page.mouse.move(0, 0)
     for other in page.context.pages:
         if other is not page:
             other.close()
-    resize(page, 1280, 720)
     page.goto("about:blank")
+    page.mouse.move(0, 0)
+    resize(page, **_SIZE)
     assert complaints == []
 
 
-def load(tab: Page, file: Path, *, width: int = 1200, height: int = 900) -> None:
+def load(
+    tab: Page, file: Path, *, width: int = _SIZE["width"], height: int = _SIZE["height"]
+) -> None:
     """Load a file in a window of that size, and wait until its playbacks are there."""
     resize(tab, width, height)
     tab.goto(file.as_uri())
     until(tab, _PLAYBACKS_ARE_READY)
 
 
-def resize(tab: Page, width: int, height: int = 900) -> None:
+def resize(tab: Page, width: int, height: int = _SIZE["height"]) -> None:
     """Give the window another size, in pixels of the page."""
-    tab.set_viewport_size({"width": width, "height": height})
+    size: ViewportSize = {"width": width, "height": height}
+    if tab.viewport_size != size:  # a browser draws a page again that gets the size that it has
+        tab.set_viewport_size(size)
 
 
 def until(tab: Page, condition: str) -> None:
