@@ -92,8 +92,11 @@ def _difference(first: Any, second: Any, at: str, seen: set[tuple[int, int]]) ->
     return ""
 
 
-def _are_plainly_equal(first: object, second: object) -> bool:
+def _are_plainly_equal(first: Any, second: Any) -> bool:
     """Return whether it is certain, without a look at their parts, that two values are equal."""
+    if type(first) in (list, tuple):  # such as many names
+        kinds = [*map(type, first)]
+        return _PLAIN.issuperset(kinds) and kinds == [*map(type, second)] and first == second
     if not _is_figure(first):
         return type(first) in _PLAIN and first == second
     try:

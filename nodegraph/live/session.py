@@ -522,7 +522,7 @@ def _interruptible(stop: Callable[[], None]) -> Iterator[None]:
 def _without_gc() -> Iterator[None]:
     """Have no garbage collected by chance, which takes milliseconds where much is alive."""
     was_enabled = gc.isenabled()
-    gc.collect()  # what is left is old: the youngest are collected without it
+    gc.collect(1)  # what is left is old: the youngest are collected without it
     gc.disable()
     try:
         yield

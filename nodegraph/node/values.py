@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _PLAIN = (str, int, float, bytes, type(None))
+_PLAIN_TYPES = frozenset({*_PLAIN, bool})
 
 
 class Value:
@@ -98,6 +99,8 @@ def locked(value: object) -> object:
                 object.__setattr__(value, field.name, locked_part)
         return value
     if type(value) is tuple:
+        if _PLAIN_TYPES.issuperset(map(type, value)):  # such as many names
+            return value
         parts = tuple(map(locked, value))
         is_same = all(new is old for new, old in zip(parts, value, strict=True))
         return value if is_same else parts

@@ -81,9 +81,8 @@ def distinct(what: str, names: Iterable[str]) -> tuple[str, ...]:
     for name in texts:
         if not isinstance(name, str):
             raise ValueError(f"{what}: names are texts, not {name!r}")
-    repeated = twice(texts)
-    if repeated:
-        raise ValueError(f"{what}: named twice: {listed(repeated)}")
+    if len(set(texts)) < len(texts):
+        raise ValueError(f"{what}: named twice: {listed(twice(texts))}")
     return texts
 
 

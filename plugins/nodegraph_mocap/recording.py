@@ -37,6 +37,10 @@ class Origin(IntEnum):
     REPAIRED = 3
 
 
+_MISSING, _LAST = int(Origin.MISSING), int(max(Origin))
+"""As numbers, which numpy compares faster: there is a recording for each frame of a stream."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectories(Value):
     """A recording: the positions of named markers over time.
@@ -105,7 +109,7 @@ class Trajectories(Value):
     @property
     def present(self) -> NDArray[np.bool_]:
         """(T, M), True where a sample is not missing."""
-        return np.asarray(self.origin != Origin.MISSING)
+        return np.asarray(self.origin != _MISSING)
 
     @property
     def measured(self) -> NDArray[np.bool_]:
@@ -254,8 +258,8 @@ def _broken(positions: NDArray[np.float64], markers: tuple[str, ...]) -> ValueEr
 def _check_origin(origin: NDArray[np.integer], missing: NDArray[np.bool_]) -> None:
     if origin.shape != missing.shape:
         raise ValueError(f"origin must be {missing.shape}, got {origin.shape}")
-    known = not origin.size or (origin.min() >= 0 and origin.max() <= max(Origin))
-    if not known or np.any((origin == Origin.MISSING) != missing):
+    known = not origin.size or (origin.min() >= 0 and origin.max() <= _LAST)
+    if not known or ((origin == _MISSING) != missing).any():
         raise ValueError("origin must call exactly the missing samples missing (0), others 1 to 3")
 
 
