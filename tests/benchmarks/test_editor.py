@@ -1,0 +1,162 @@
+"""The page of `nodegraph edit`: what a person waits for, and how smoothly the picture moves."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page
+
+from nodegraph.editor.file import EditedFile
+from nodegraph.plugin.registry import Registry, default_registry
+from tests.benchmarks.conftest import Clock
+from tests.benchmarks.tables import Tables
+from tests.browser import resize
+from tests.environments import ROOT
+from tests.nodegraph.edit.graph_texts import Writer
+from tests.nodegraph.editor.conftest import Editor, served_page
+from tests.nodegraph.serve.test_server import served
+
+CASE = "nodegraph edit"
+FRAMES = 60
+TOYS = """\
+from nodegraph import node
+
+@node("toy.number")
+def number(*, start: int = 1) -> float:
+    return float(start)
+
+@node("toy.add")
+def add(x: float, *, amount: int = 1) -> float:
+    return x + amount
+"""
+
+
+def graph_text(count: int) -> str:
+    """Return a graph of so many nodes: branches of fills, filters and scores."""
+    lines = ["nodegraph: 1", "nodes:"]
+    lines += ["  capture: {use: read.recording, with: {path: sample:face}}"]
+    lines += ["  gaps: {use: gaps.cut, in: capture}"]
+    for at in range(2, count):
+        before = "gaps.gappy" if at < 10 else f"n{at - 4 - at % 4}"
+        use = "fill.linear" if at % 2 else "smooth.butterworth"
+        if at % 4 == 3 and at > 10:
+            feeds = f"{{estimate: {before}, truth: gaps.truth, hidden: gaps.hidden}}"
+            lines.append(f"  n{at}: {{use: score.gaps, in: {feeds}}}")
+        else:
+            lines.append(f"  n{at}: {{use: {use}, in: {before}}}")
+    return "\n".join([*lines, ""])
+
+
+@pytest.fixture(scope="module")
+def registry() -> Registry:
+    return default_registry()
+
+
+@pytest.fixture
+def page(tab: Page, tmp_path: Path, registry: Registry) -> Iterator[Page]:
+    """The page of a graph of 500 nodes."""
+    path = tmp_path / "graph.yaml"
+    path.write_text(graph_text(500))
+    with served_page(path, registry) as address:
+        resize(tab, 1600, 900)
+        tab.goto(address)
+        tab.wait_for_selector("#picture [data-box=n499]", state="attached")
+        yield tab
+        tab.goto("about:blank")
+
+
+def test_open_and_save_change_no_byte(tmp_path: Path, tables: Tables) -> None:
+    texts = [path.read_bytes() for path in sorted((ROOT / "graphs").rglob("*.yaml"))]
+    texts += [Writer(seed).text.encode() for seed in range(1000)]
+    path = tmp_path / "graph.yaml"
+    changed = 0
+    for text in texts:
+        path.write_bytes(text)
+        file = EditedFile(path)
+        file.edit(file.shown)
+        file.save()
+        changed += path.read_bytes() != text
+    tables.put(CASE, f"open and save {len(texts):,} files", "files changed", changed)
+    assert changed == 0
+
+
+@pytest.mark.parametrize("count", [30, 300])
+def test_command_to_first_picture(tab: Page, tmp_path: Path, count: int, tables: Tables) -> None:
+    path = tmp_path / "graph.yaml"
+    path.write_text(graph_text(count))
+    begin = time.perf_counter()
+    with served("edit", str(path), "--no-browser") as (address, _):
+        tab.goto(address)
+        tab.wait_for_selector(f"#picture [data-box=n{count - 1}]", state="attached")
+        tables.put(CASE, f"{count} nodes", "first picture, s", time.perf_counter() - begin)
+        tab.goto("about:blank")
+
+
+@pytest.mark.parametrize("count", [100, 1000])
+def test_edit_to_checked_view(tmp_path: Path, registry: Registry, count: int, clock: Clock) -> None:
+    path = tmp_path / "graph.yaml"
+    path.write_text(graph_text(count))
+    editor = Editor(path, registry)
+    text, seeds = path.read_text(), iter(range(100))
+
+    def edit() -> object:
+        seed = f"in: capture, with: {{seed: {next(seeds)}}}}}"
+        return editor.edit(text=text.replace("in: capture}", seed))["problems"]
+
+    assert clock(CASE, f"{count:,} nodes", "edit to view, ms", edit, scale=1e3) == []
+
+
+def frames(page: Page, step: str) -> float:
+    """Return the frames in a second while something is done at each."""
+    seconds = page.evaluate(
+        f"""async () => {{
+          const pane = document.getElementById("picture");
+          const {{ left, top }} = pane.getBoundingClientRect();
+          const step = (n) => {{ {step}; }};
+          await new Promise(requestAnimationFrame);
+          const begin = performance.now();
+          for (let n = 0; n < {FRAMES}; n += 1) {{
+            step(n);
+            await new Promise(requestAnimationFrame);
+          }}
+          return (performance.now() - begin) / 1000;
+        }}"""
+    )
+    return FRAMES / float(seconds)
+
+
+def test_a_large_picture_moves(page: Page, tables: Tables) -> None:
+    wheel = (
+        "pane.dispatchEvent(new WheelEvent('wheel', { cancelable: true, ctrlKey: true, "
+        "clientX: left + 300, clientY: top + 200, deltaY: n % 30 < 15 ? -10 : 10 }))"
+    )
+    for what, step in (("zoom", wheel), ("drag", "pane.scrollBy(0, 20)")):
+        frames(page, step)  # the first time, all is drawn
+        tables.put(CASE, "500 nodes", f"{what}, frames/s", frames(page, step))
+
+
+def test_a_run_is_shown_a_few_times_a_second(tmp_path: Path, tables: Tables) -> None:
+    toys, path = tmp_path / "toys.py", tmp_path / "graph.yaml"
+    toys.write_text(TOYS)
+    nodes = "a: {use: toy.number, with: {start: $start}}, b: {use: toy.add, in: a}"
+    path.write_text(f"nodegraph: 1\naxes: {{start: {{count: 5000}}}}\nnodes: {{{nodes}}}\n")
+    editor = Editor(path, Registry.installed([toys]), toys)
+    editor.edit(action="run")
+    begin = time.perf_counter()
+    lines = [line for line in editor.get("/running").text.splitlines() if line]
+    seconds = time.perf_counter() - begin
+    editor.running.end()
+    tables.put(CASE, "a run of 10,000 steps", "updates/s", len(lines) / seconds)
+    assert json.loads(lines[-1].removeprefix("data: "))["state"] == "finished"
+
+
+def test_first_load(tmp_path: Path, registry: Registry, tables: Tables) -> None:
+    path = tmp_path / "graph.yaml"
+    path.write_text(graph_text(30))
+    size = len(gzip.compress(Editor(path, registry).get("/").text.encode()))
+    tables.put(CASE, "first load", "kB gzip", size / 1000)
