@@ -38,8 +38,8 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
     return svg(folded(picture) if fold else picture)
 
 
-def picture_of(graph: Graph, *, every_port: bool = False) -> Picture:
-    """Return the picture of a graph, with the ports that are wired, or with every port.
+def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
+    """Return the picture of a graph: its whole nodes, or their wired ports and first methods.
 
     An axis stands at each node whose settings name it, with its labels at the first of them; an
     axis with one label is not drawn.
@@ -60,10 +60,11 @@ def picture_of(graph: Graph, *, every_port: bool = False) -> Picture:
             for axis in own
         ]
         said.update(own)
-        if every_port:
+        if whole:
             read |= {(node.name, port.name) for port in node.first.node.outputs}
             fed |= {(node.name, port.name) for port in _inputs(node)}
-        boxes.append(replace(_box(graph, node, read, fed), axes=tuple(axes)))
+        most = len(node.methods) if whole else _MOST_METHODS
+        boxes.append(replace(_box(graph, node, read, fed, most), axes=tuple(axes)))
     return Picture(graph.title, tuple(boxes), tuple(arrows.values()))
 
 
@@ -122,7 +123,11 @@ def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
 
 
 def _box(
-    graph: Graph, node: GraphNode, read: set[tuple[str, str]], fed: set[tuple[str, str]]
+    graph: Graph,
+    node: GraphNode,
+    read: set[tuple[str, str]],
+    fed: set[tuple[str, str]],
+    most_methods: int,
 ) -> Box:
     described = node.first.node
     inputs = [
@@ -132,13 +137,13 @@ def _box(
     ]
     outputs = [socket_of(port) for port in described.outputs if (node.name, port.name) in read]
     labels = list(node.methods) if node.has_alternatives else []
-    more = [f"and {len(labels) - _MOST_METHODS} more"] if len(labels) > _MOST_METHODS else []
+    more = [f"and {len(labels) - most_methods} more"] if len(labels) > most_methods else []
     return Box(
         node.name,
         lines=() if node.has_alternatives else (described.name,),
         inputs=tuple(inputs),
         outputs=tuple(outputs),
-        alternatives=(*labels[:_MOST_METHODS], *more),
+        alternatives=(*labels[:most_methods], *more),
         kind=_kind(graph, node),
     )
 

@@ -85,7 +85,7 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
         message = f"internal error; please report it: {type(error).__name__}: {error}"
         problem = Problem(Place(path.name), message)
         return View(None, places.problems([problem], is_error=True), "", message, nodes)
-    drawing = _drawn(picture_of(graph, every_port=True))
+    drawing = _drawn(picture_of(graph, whole=True))
     reason = "" if drawing else f"too many nodes to draw: {len(graph.nodes):,}"
     return View(graph, places.problems(graph.notices, is_error=False), drawing, reason, nodes)
 

@@ -49,7 +49,7 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     types = {socket.name: socket.type for socket in boxes["gaps"].outputs}
     assert types == {"gappy": "float", "truth": "Truth[float]", "hidden": "int"}
     assert [socket.name for socket in boxes["again"].outputs] == ["gappy"]
-    whole = {box.name: box for box in picture_of(graph_of(text), every_port=True).boxes}
+    whole = {box.name: box for box in picture_of(graph_of(text), whole=True).boxes}
     assert [socket.name for socket in whole["again"].outputs] == ["gappy", "truth", "hidden"]
 
 

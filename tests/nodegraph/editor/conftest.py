@@ -95,19 +95,33 @@ def registry() -> Registry:
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def first_text() -> str:
+    """The text of the graph file; a module may have another."""
+    return GRAPH
+
+
+@pytest.fixture
+def plugins() -> tuple[Path, ...]:
+    """Files with further nodes, which the registry has; a module may have some."""
+    return ()
+
+
+@pytest.fixture
+def path(tmp_path: Path, first_text: str) -> Path:
     path = tmp_path / "graph.yaml"
-    path.write_text(GRAPH)
+    path.write_text(first_text)
     return path
 
 
 @pytest.fixture
-def editor(path: Path, registry: Registry) -> Editor:
-    return Editor(path, registry)
+def editor(path: Path, plugins: tuple[Path, ...], registry: Registry) -> Iterator[Editor]:
+    editor = Editor(path, registry, *plugins)
+    yield editor
+    editor.running.end()
 
 
 @pytest.fixture
-def address(path: Path, registry: Registry) -> Iterator[str]:
+def address(path: Path, plugins: tuple[Path, ...], registry: Registry) -> Iterator[str]:
     """The address that lets one browser in, while the page is served."""
-    with served_page(path, registry) as address:
+    with served_page(path, registry, *plugins) as address:
         yield address

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from playwright.sync_api import Page
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.state import RunState, run_state
 from tests.browser import AXE, resize, until, violations
-from tests.nodegraph.editor.conftest import Editor, served_page
+from tests.nodegraph.editor.conftest import Editor
 from tests.nodegraph.editor.test_command import ask
 from tests.nodegraph.serve.test_server import served
 
@@ -74,17 +73,18 @@ def toys(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
-    path = tmp_path / "graph.yaml"
-    path.write_text(GRAPH)
-    return path
+def first_text() -> str:
+    return GRAPH
 
 
 @pytest.fixture
-def editor(path: Path, toys: Path) -> Iterator[Editor]:
-    editor = Editor(path, Registry.installed([toys]), toys)
-    yield editor
-    editor.running.end()
+def plugins(toys: Path) -> tuple[Path, ...]:
+    return (toys,)
+
+
+@pytest.fixture
+def registry(toys: Path) -> Registry:
+    return Registry.installed([toys])
 
 
 def snapshots(editor: Editor) -> list[Any]:
@@ -183,36 +183,35 @@ def test_the_run_ends_with_the_editor(
     assert run_state(path.parent / "runs" / "graph") is RunState.INTERRUPTED
 
 
-def test_a_graph_is_run_from_the_page(tab: Page, path: Path, toys: Path) -> None:
-    with served_page(path, Registry.installed([toys]), toys) as address:
-        resize(tab, 1600, 900)
-        tab.goto(address)
-        tab.wait_for_selector("#picture [data-box=verdict]")
-        tab.click(".cm-content")
-        tab.keyboard.press("Control+Enter")
-        until(tab, "document.getElementById('start').open")
-        assert "6 of 6 steps are not stored" in tab.inner_text("#start-what")
-        check_access(tab)
-        tab.keyboard.press("Enter")
-        until(tab, "document.getElementById('run-answer').textContent === 'start 1: It is 1.'")
-        title = "document.querySelector('#picture [data-box={}] title').textContent"
-        assert tab.evaluate(title.format("strict")) == "strict: 1 of 2 failed, 1 done"
-        assert tab.evaluate(title.format("verdict")) == "verdict: 2 done"
-        assert "finished, 6 of 6 steps" in tab.inner_text("#run-reached")
-        tab.click("#run-nodes button")
-        assert tab.evaluate("location.hash") == "#strict"
-        assert "use: toy.strict" in tab.inner_text(".cm-chosen")
-        check_access(tab)
-        tab.click(".cm-content")
-        tab.keyboard.press("Control+End")
-        tab.keyboard.type("# more")
-        until(tab, f"{title.format('verdict')} === 'verdict: before: 2 done'")
-        assert "those of the earlier text" in tab.inner_text("#run-reached")
-        with tab.context.expect_page() as opened:
-            tab.click("#run-nodes a")
-        until(opened.value, "document.body.textContent.includes('too large')")
-        assert opened.value.evaluate("document.querySelector('h1').textContent") == "strict"
-        tab.goto("about:blank")  # before the server ends
+def test_a_graph_is_run_from_the_page(tab: Page, address: str) -> None:
+    resize(tab, 1600, 900)
+    tab.goto(address)
+    tab.wait_for_selector("#picture [data-box=verdict]")
+    tab.click(".cm-content")
+    tab.keyboard.press("Control+Enter")
+    until(tab, "document.getElementById('start').open")
+    assert "6 of 6 steps are not stored" in tab.inner_text("#start-what")
+    check_access(tab)
+    tab.keyboard.press("Enter")
+    until(tab, "document.getElementById('run-answer').textContent === 'start 1: It is 1.'")
+    title = "document.querySelector('#picture [data-box={}] title').textContent"
+    assert tab.evaluate(title.format("strict")) == "strict: 1 of 2 failed, 1 done"
+    assert tab.evaluate(title.format("verdict")) == "verdict: 2 done"
+    assert "finished, 6 of 6 steps" in tab.inner_text("#run-reached")
+    tab.click("#run-nodes button")
+    assert tab.evaluate("location.hash") == "#strict"
+    assert "use: toy.strict" in tab.inner_text(".cm-chosen")
+    check_access(tab)
+    tab.click(".cm-content")
+    tab.keyboard.press("Control+End")
+    tab.keyboard.type("# more")
+    until(tab, f"{title.format('verdict')} === 'verdict: before: 2 done'")
+    assert "those of the earlier text" in tab.inner_text("#run-reached")
+    with tab.context.expect_page() as opened:
+        tab.click("#run-nodes a")
+    until(opened.value, "document.body.textContent.includes('too large')")
+    assert opened.value.evaluate("document.querySelector('h1').textContent") == "strict"
+    tab.goto("about:blank")  # before the server ends
 
 
 def check_access(tab: Page) -> None:
