@@ -28,6 +28,16 @@ nodes:
 report: [table]
 """
 CODE = "import nodegraph\nnodegraph.run(nodegraph.load('graph.yaml'))"
+COMPUTE = """
+import nbformat
+from nbclient import NotebookClient
+from nbformat.sign import NotebookNotary
+
+notebook = nbformat.read("run.ipynb", as_version=4)
+NotebookClient(notebook).execute()
+nbformat.write(notebook, "run.ipynb")
+NotebookNotary().sign(notebook)
+"""
 MOST = 60_000
 """Milliseconds until something is there; it takes a few seconds."""
 
@@ -57,14 +67,10 @@ def lab(tmp_path: Path) -> Iterator[str]:
     }
     # computed before JupyterLab shows it, which loses what is run before its kernel listens, and
     # signed, because JupyterLab leaves out scripts of notebooks that others have computed
-    for words in (
-        ["nbconvert", "--to", "notebook", "--execute", "--inplace", "run.ipynb"],
-        ["nbformat.sign", "run.ipynb"],
-    ):
-        subprocess.run(
-            [sys.executable, "-m", *words],
-            env=os.environ | own, cwd=tmp_path, check=True, capture_output=True,
-        )  # fmt: skip
+    subprocess.run(
+        [sys.executable, "-c", COMPUTE],
+        env=os.environ | own, cwd=tmp_path, check=True, capture_output=True,
+    )  # fmt: skip
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--ip=127.0.0.1", "--port=0"]
     command += [f"--ServerApp.root_dir={tmp_path}", "--allow-root", "--LabApp.news_url="]
     command += ["--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
