@@ -1,6 +1,6 @@
 // Marks: what a person says of samples, span by span. They are applied to a copy of the take, in
 // their order and as the node recording.apply_marks does, and the server keeps them beside the take.
-nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce }, server) => {
+nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ element, announce }, selection, server) => {
   const MISSING = 0;
   const WORDS = { bad: "left out", named: "given to another marker", swapped: "swapped" };
 
@@ -295,7 +295,13 @@ nodegraph.define("mocap/player/marks", ["page", "server"], ({ element, announce 
       this.fold.hidden = !marks.length;
       this.known.replaceChildren(...markers.map((name) => element("option", { value: name })));
       this.list.replaceChildren(...marks.map((mark) => element("li", {},
-        element("button", { type: "button", onclick: () => this.player.goTo(mark[0], mark[1] / this.player.study.every / this.panel.rate) }, textOf(mark)))));
+        element("button", { type: "button", onclick: () => this.visit(mark) }, textOf(mark)))));
+    }
+
+    // Takes the marker of a mark in hand, by the name that it has now, where the mark begins.
+    visit([marker, start, , , other]) {
+      selection.set({ marker: this.panel.markers.includes(marker) ? marker : other });
+      this.player.step(Math.round((start / this.player.study.every / this.panel.rate) * this.player.study.rate) - this.player.tick);
     }
 
     get text() {

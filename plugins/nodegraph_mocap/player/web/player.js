@@ -196,13 +196,9 @@ nodegraph.define("mocap/player", [
     }
 
     visit([first, last, marker]) {
-      this.goTo(marker, (first + last) / 2);
-    }
-
-    goTo(marker, seconds) {
       this.pause();
       this.marker = marker;
-      this.seek(Math.floor(seconds * this.study.rate));
+      this.seek(Math.floor(((first + last) / 2) * this.study.rate));
     }
 
     nextGap() {

@@ -308,6 +308,10 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         mark("lip_left", (0, 9), "Name", "corner")
         mark("brow_right", (0, 1), "Bad")
         marks.get_by_text("Undo").click()
+        marks.get_by_text("What is marked").click()
+        marks.get_by_role("button", name="cheek_left, frames 2 to 30: swapped with").press("Enter")
+        assert tab.evaluate(f"[{PLAYER}.tick, {PLAYER}.state.hand.marker]") == [2, "cheek_left"]
+        assert not marks.get_by_text("Click a marker").is_visible()
         expect(status).to_have_text(re.compile(rf"in 5 spans.*; kept in {file}\.marks\.csv$"))
         assert tab.locator(".rows .labels").first.inner_text().split("\n")[-1] == "corner"
         for scheme, width in (("light", 1280), ("dark", 390)):
