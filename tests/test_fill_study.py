@@ -15,7 +15,6 @@ from tests.studies import DATA, FEW, ROOT, Studies, command, needs_recordings, t
 
 GRAPH = ROOT / "graphs" / "fill.yaml"
 JAW = ("--axis", f"recording={DATA / 'animface' / 'jaw.c3d'}")
-TRIALS = "trial=[0, 1]"
 FILLS = {"guenter", "lin_ouhyoung", "muscle", "waters", "linear"}
 
 
@@ -122,7 +121,7 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
 def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(
     studies: Studies,
 ) -> None:
-    words = ("--axis", TRIALS, "--only", "length=5,45", "--only", "ends=met")
+    words = ("--only", "length=5,45", "--only", "ends=met")
     errors = errors_of(studies.run("fill", *JAW, *words, "--until", "table"))
     assert {fill for fill, _ in errors} >= FILLS
     alone = [cell for cell in errors if cell[0] not in {"gaussian_process", "kriging"}]
