@@ -22,7 +22,7 @@ DATA = ROOT.parent / "shared" / "data"
 GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
 TWO = ("--only", "recording=face_1,face_2")
 ONE = (
-    *("--only", "recording=face_1", "--only", "condition=usual", "--only", "ends=as_published"),
+    *("--only", "recording=face_1", "--only", "condition=usual", "--only", "terms=ends_met"),
     *("--axis", "length=45"),
 )
 """One combination of the graph of fills for each method."""

@@ -54,7 +54,7 @@ def test_the_added_method_joins_the_comparison(tmp_path: Path) -> None:
             "recording": ["face_1"],
             "condition": ["usual"],
             "length": [5],
-            "ends": ["met"],
+            "terms": ["ends_met"],
             "fill": ["first", "linear"],
         },
     )

@@ -315,7 +315,7 @@ def test_a_gap_is_opened_from_a_dot_a_row_and_a_place(studies: Studies, tab: Pag
     tab.focus(".dots canvas")
     for key in ("ArrowLeft", "Enter"):
         tab.keyboard.press(key)
-    names_its_gap("as_published", "length 45", "frames ")
+    names_its_gap("length 45", "frames ")
     row = "figure.table tr[data-method=ridge]:visible >> nth=0"
     labels = tab.locator(row).locator("th").all_inner_texts()[:2]
     tab.click(f"{row} >> button.worst")

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.state_space import States
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
@@ -36,7 +37,7 @@ def dynammo(
     recording: Trajectories,
     gaps: Gaps,
     *,
-    variance: Annotated[float, Field(gt=0, le=1)] = 0.995,
+    variance: Annotated[float, Field(gt=0, le=1), Tune(0.995, 0.999)] = 0.995,
 ) -> Estimate:
     """Fill gaps by a linear dynamical system that EM learns (DynaMMo; Li et al., 2009).
 
