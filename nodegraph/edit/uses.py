@@ -108,6 +108,13 @@ def nodes_of(
             yield registry.find(use).node
 
 
+def shown_at(data: dict[str, Any], node: str) -> list[int]:
+    """Return the places in ``report`` at which a node, or one of its outputs, stands."""
+    entries = _list(mapping(data).get("report"))
+    texts = (mapping(entry).get("show", entry) for entry in entries)
+    return [place for place, text in enumerate(texts) if str(text).partition(".")[0] == node]
+
+
 def _node(path: Path, node: dict[str, Any], registry: Registry) -> Iterator[Use]:
     for position, axis in enumerate(_list(node.get("over"))):
         yield from _text((*path, "over", position), axis, Kind.AXIS)

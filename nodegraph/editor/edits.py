@@ -11,7 +11,7 @@ from typing import Any
 
 from nodegraph import edit
 from nodegraph.edit.document import Document, Path, value_at
-from nodegraph.edit.uses import mapping, nodes_of
+from nodegraph.edit.uses import mapping, nodes_of, shown_at
 from nodegraph.editor.links import Links
 from nodegraph.errors import GraphError, NodegraphError, nearest
 from nodegraph.execute.option_text import read_axis, read_value
@@ -58,6 +58,8 @@ class Edits:
             "add_alternative": self._add_alternative,
             "remove_alternative": self._remove_alternative,
             "set_axis": self._set_axis,
+            "show": self._show,
+            "hide": self._hide,
             "move_to_graph": self._move_to_graph,
         }
         if name not in actions:
@@ -126,6 +128,19 @@ class Edits:
             return edit.unset(text, ("axes", name), file=self._file)
         value = read_axis(name, labels)
         return edit.set_axis(text, name, value, file=self._file)
+
+    def _show(self, text: str, *, node: str) -> str:
+        """Show what a node gives in the report, behind what is there."""
+        there = value_at(Document(text, self._file).data, ("report",))
+        if isinstance(there, list) and there:
+            return edit.set_value(text, ("report", len(there)), node, file=self._file)
+        return edit.set_value(text, ("report",), [node], file=self._file)
+
+    def _hide(self, text: str, *, node: str) -> str:
+        """Leave a node out of the report."""
+        for place in reversed(shown_at(Document(text, self._file).data, node)):
+            text = edit.unset(text, ("report", place), file=self._file)
+        return text
 
     def _move_to_graph(self, text: str, *, nodes: list[str], name: str, into: str) -> str:
         """Move nodes into a new graph file below the folder of this, which is written at once."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from nodegraph.edit.document import Document, flow, value_at
-from nodegraph.edit.uses import mapping
+from nodegraph.edit.uses import mapping, shown_at
 from nodegraph.editor.completion import ABOUT_PASS, is_closed, words_of
 from nodegraph.editor.links import Data, Links
 from nodegraph.graphfile.keys import PASS
@@ -75,6 +75,7 @@ class _Panel:
         alternatives = self._entry.get("alternatives")
         return {
             "name": self._name,
+            "is_shown": bool(shown_at(self._data, self._name)),
             "sections": list(self._sections()),
             "ports": list(self._ports()),
             "rivals": self._rivals(),

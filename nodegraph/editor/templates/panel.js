@@ -106,9 +106,12 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
       if (wanted && wanted !== node.name && await edit("rename", { old: node.name, new: wanted })) editor.choose(wanted, { scroll: "picture" });
     };
     name.addEventListener("keydown", (event) => { if (event.key === "Enter") rename(); });
+    const shows = element("input", { id: "panel-shows", type: "checkbox", onchange: () => edit(shows.checked ? "show" : "hide", { node: node.name }) });
+    shows.checked = node.is_shown;
     return element("div", { class: "editor-field editor-name" },
       element("label", { for: "panel-name" }, "Name"), name, button("Rename", rename),
-      button("Remove the node", () => edit("remove_node", { name: node.name })));
+      button("Remove the node", () => edit("remove_node", { name: node.name })),
+      element("span", {}, shows, " ", element("label", { for: "panel-shows" }, "In the report")));
   };
 
   let drawn = Promise.resolve();

@@ -90,6 +90,8 @@ def lines(view: Any) -> set[str]:
         ("set_axis", {"name": "length", "labels": "{count: 3}"}, {"  length: {count: 3}"}),
         ("set_axis", {"name": "trial", "labels": "[a, b]"}, {"  trial: [a, b]"}),
         ("remove_node", {"name": "error"}, {"report: []"}),
+        ("show", {"node": "fill"}, {"report: [error, fill]"}),
+        ("hide", {"node": "error"}, {"report: []"}),
     ],
 )
 def test_an_action_changes_the_lines_that_it_names(
@@ -186,7 +188,9 @@ def test_a_panel_has_forms_and_what_fits(editor: Editor) -> None:
     used = {each["use"] for each in panel["rivals"] if each["is_used"]}
     assert used == {"fill.linear", "fill.muscle"}
     assert panel["alternatives"] == ["linear", "muscle"]
+    assert not panel["is_shown"]
     error = editor.get("/node?name=error").data
+    assert error["is_shown"]
     reasons = {each["use"]: each["reason"] for each in error["rivals"]}
     assert reasons["score.alignment"] == "it has no port estimate"
     ports = error["ports"]
