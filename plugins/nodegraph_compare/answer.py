@@ -598,13 +598,7 @@ def scope_words(verdicts: Verdicts) -> Text:
         for text, count in cautions.items()
         if text
     ]
-    several = sum(group.stands for group in groups)
-    shared = (
-        f"Each of these {several} verdicts errs in up to 5 % of studies; that one of the "
-        f"{several} does is more likely."
-        if several > 1
-        else ""
-    )
+    several = sum(group.stands for group in groups) > 1
     end = "" if metric.better == "none" else f", {metric.better} is better"
     unit = unit_text(metric.unit)
     held = _held(verdicts) if groups else ""
@@ -614,7 +608,7 @@ def scope_words(verdicts: Verdicts) -> Text:
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
             f"{number_name(verdicts, unit)}{end}.",
-            shared,
+            "Each verdict is wrong in up to 5 % of such studies." * several,
         ],
     )
 

@@ -44,7 +44,7 @@ from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from nodegraph_compare.verdict import Metric, Verdict, Verdicts
+    from nodegraph_compare.verdict import Verdict, Verdicts
 
 _MOST_NAMES = 3
 _MOST_SPOKEN = 20
@@ -231,7 +231,7 @@ def _behind(verdicts: Verdicts, group: Verdict) -> Text:
     count = len(group.behind)
     if count > 1 and not group.tied:
         every = "both" if count == 2 else f"all {count}"
-        return say(f"{every} others, the nearest {HERE} {HERE}", name, by)
+        return say(f"{every} others, next best: {HERE} {HERE}", name, by)
     rest = f" and {count - 1} more" if count > 1 else ""
     return say(f"{HERE} {HERE}{rest}", name, by)
 
@@ -249,24 +249,10 @@ def _baseline(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
 
 
 def _beside(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
-    """Yield what else is asked: means of other columns, of the best and the tied, or the rest."""
-    tied = [place for place, kind in group.marks.items() if kind == "tied"][:_MOST_NAMES]
+    """Yield what else is asked: means of other columns, of the best."""
     for metric in verdicts.beside if group.stands else ():
-        means = group.beside[metric.name]
-
-        def number(*values: float, metric: Metric = metric) -> Word:
-            return Word(beside_text(verdicts, values, metric), "number")
-
-        texts = [
-            say(f"{HERE} {HERE}", name, number(means[place]))
-            for name, place in zip(plain_names(verdicts, tied), tied, strict=True)
-        ]
-        others = np.delete(means, group.best[0])
-        others = others[np.isfinite(others)]
-        if len(others) and not tied:
-            texts.append(say(f"others {HERE}", number(others.min(), others.max())))
-        rest = say(f" ({HERE})", joined(", ", texts)) if texts else ()
-        yield metric.name, say(f"{HERE}{HERE}", number(means[group.best[0]]), rest)
+        mean = group.beside[metric.name][group.best[0]]
+        yield metric.name, (Word(beside_text(verdicts, [mean], metric), "number"),)
 
 
 def _grounds(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:

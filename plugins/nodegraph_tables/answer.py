@@ -376,16 +376,24 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
 def answer_html(answer: Answer) -> Markup:
     """Return an answer as HTML; `lead_style` is its style sheet."""
     more = len(answer.cards) - MOST_CARDS
-    rest = f" {more} more are in the table." if more > 0 else ""
+    rest = f"{more} more are in the table." if more > 0 else ""
     cards = cards_html(answer.cards[:MOST_CARDS])
-    return lead_of_parts(answer.sentence, cards, (*answer.scope, rest))
+    return lead_of_parts(answer, cards, rest)
 
 
-def lead_of_parts(sentence: Text, cards: str, scope: Text) -> Markup:
-    """Return the HTML of an answer whose cards are HTML already."""
-    last = f'<p class="lead-scope">{html_of(scope)}</p>' if plain(scope) else ""
-    first = f'<p class="lead-sentence">{html_of(sentence)}</p>'
-    return Markup(f'<div class="lead">{first}{cards}{last}</div>')
+def lead_of_parts(answer: Answer, cards: str, legend: str) -> Markup:
+    """Return the HTML of an answer whose cards are HTML already.
+
+    What it holds for stands above them; what the numbers are, and a legend, below.
+    """
+    held = joined(" ", [part for part in answer.scope if isinstance(part, Word)])
+    rest = [part.strip() for part in (*answer.scope, legend) if isinstance(part, str)]
+    texts = (("sentence", answer.sentence), ("held", held), ("scope", joined(" ", rest)))
+    first, above, below = (
+        Markup('<p class="lead-{}">{}</p>').format(name, html_of(text)) if text else ""
+        for name, text in texts
+    )
+    return Markup(f'<div class="lead">{first}{above}{cards}{below}</div>')
 
 
 def cards_html(cards: Sequence[Card]) -> str:

@@ -21,7 +21,6 @@ from nodegraph_tables.answer import (
     cards_html,
     few,
     html_of,
-    joined,
     lead_of_parts,
     listing,
 )
@@ -64,7 +63,7 @@ def answer_html(
         inside = _tabs(answer, verdicts, name, meanings)
     else:
         inside = cards_html(answer.cards)
-    return lead_of_parts(answer.sentence, inside, joined(" ", [answer.scope, legend(verdicts)]))
+    return lead_of_parts(answer, inside, legend(verdicts))
 
 
 def _tabs(answer: Answer, verdicts: Verdicts, name: str, meanings: Mapping[str, str]) -> str:

@@ -429,7 +429,7 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     )
     scope = plain(tuple(rest))
     assert "Mean rmse (mm) of a typical synthetic face, lower is better." in scope
-    assert "Each of these 2 verdicts errs in up to 5 % of studies" in scope
+    assert "Each verdict is wrong in up to 5 % of such studies." in scope
     assert "recording" not in scope
 
 
