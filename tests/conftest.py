@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import gc
 import os
 import signal
@@ -15,6 +14,7 @@ import hypothesis
 import pytest
 
 from tests.environments import ROOT, build, one_wheel
+from tests.memory import give_back
 from tests.studies import Studies
 
 pytest_plugins = ("tests.browser",)
@@ -66,9 +66,9 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> None:
-    """Give the system back what a file's tests have freed, which the C library would keep."""
-    if sys.platform == "linux" and (nextitem is None or nextitem.path != item.path):
-        getattr(ctypes.CDLL(None), "malloc_trim", int)(0)  # which not every C library has
+    """Give the system back what a file's tests have freed."""
+    if nextitem is None or nextitem.path != item.path:
+        give_back()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -16,6 +16,7 @@ import pytest
 from nodegraph.cli.main import main
 from nodegraph.errors import NodegraphError
 from nodegraph.remote import remote_file
+from tests.memory import give_back
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
@@ -116,6 +117,7 @@ class Studies:
         path = graph if isinstance(graph, Path) else ROOT / "graphs" / f"{graph}.yaml"
         folder = folder or self._tmp_path_factory.mktemp(path.stem)
         ended = self.command("run", str(path), *words, "--out", "made", folder=folder)
+        give_back()
         assert ended.status == 0, ended.err
         (folder / "made" / "printed.txt").write_text(ended.out)
         return folder / "made"
