@@ -56,7 +56,8 @@ def kriging(
     marker is present. c is what other markers tell of it, r the rest. They are independent
     Gaussian processes over time, with the Matern 5/2 covariance of `fill.gaussian_process`. All
     the time ``W x[t] = c[t] + noise`` is seen too, x being the coordinates of the nearest markers
-    that are present all through the gap and at its ends. The mean of ``c + r``, by a Kalman
+    that are present all through the gap and at its ends, without their means over the frames in
+    which the marker itself is present. The mean of ``c + r``, by a Kalman
     filter and smoother over three lengths of r around the gap, fills it: in the middle of long
     gaps what the others predict counts, near the ends, and in short gaps, the marker's own course.
 
@@ -81,8 +82,12 @@ def kriging(
 
     Written samples have a `sigma`, calibrated by held-out gaps as that of `fill.subspace_kalman`
     is, but of the error to the place itself: calibrated is the variance with a sample's noise,
-    which is then taken off again. Where fewer than ten gaps can be held out, sigma is NaN. For
-    `ends` met, the estimate beside a gap is the mean of ``c + r`` there.
+    which is then taken off again. Intervals of 95 % held 92 to 97 % of the errors on made faces and
+    two real takes, in gaps of 5, 15 and 45 frames, alone and of four neighbours at once; 90 to 97 %
+    for `ends` met and white noise. Noise that a low-pass has left is movement to this method, and
+    not part of sigma: of the errors to the movement without it, intervals held 32 to 94 %, the
+    fewest in short gaps. Where fewer than ten gaps can be held out, sigma is NaN. For `ends` met,
+    the estimate beside a gap is the mean of ``c + r`` there.
 
     Does not depend on where the origin lies, how the axes are turned, or the unit. The head's
     motion is learnt along with the face's: remove it first, where it is large.
@@ -183,6 +188,8 @@ class _Take:
         The courses, where not seen as the marker's own process has them.
     errors : (3 M, T) array of float64
         Errors of predicting each column from the ones before, by one process for all markers.
+    still : (T,) array of float64
+        These of what is 1 all the time.
     noise : (3 M,) array of float64
         Variance of the noise of the samples.
     """
@@ -191,6 +198,7 @@ class _Take:
     processes: _Processes
     completed: NDArray[np.float64]
     errors: NDArray[np.float64]
+    still: NDArray[np.float64]
     noise: NDArray[np.float64]
 
     @cached_property
@@ -218,10 +226,11 @@ class _Take:
         noise = _NOISIER * float(np.median([each.noise / each.variance for each in known]))
         completed = completed.reshape(len(completed), -1)
         errors, whole = completed.copy(), np.ones(len(completed), dtype=np.bool_)
+        errors = np.hstack([errors, np.ones((len(errors), 1))])
         matern_kernel.whiten(errors, whole, length, max(noise, _LEAST_NOISE))
         noises = np.repeat([each.noise for each in own], 3)
         completed, errors = (np.ascontiguousarray(each.T) for each in (completed, errors))
-        return _Take(courses, processes, completed, errors, noises)
+        return _Take(courses, processes, completed, errors[:-1], errors[-1], noises)
 
 
 @dataclass(frozen=True)
@@ -236,12 +245,15 @@ class _Lesson:
         Where the coordinates of each marker are in `squares`, those of the marker are last.
     squares : (folds, 3 N, 3 N) array of float64
         The products of the errors of prediction, summed over the frames of each fold.
+    level : (3 M,) array of float64
+        The mean of each coordinate over the frames in which the marker is seen.
     """
 
     take: _Take
     marker: int
     place: NDArray[np.intp]
     squares: NDArray[np.float64]
+    level: NDArray[np.float64]
 
     @staticmethod
     def of(take: _Take, marker: int, predictors: list[NDArray[np.intp]]) -> _Lesson:
@@ -252,16 +264,20 @@ class _Lesson:
         used = np.append(np.unique(np.concatenate(predictors)), marker)
         place = np.zeros_like(take.rows)
         place[used] = np.arange(3 * len(used)).reshape(-1, 3)
-        errors = take.errors[take.rows[used].ravel()] * known
+        seen = take.courses.seen[:, marker]
+        level = take.completed @ seen / max(int(np.count_nonzero(seen)), 1)
+        rows = take.rows[used].ravel()
+        errors = (take.errors[rows] - np.outer(level[rows], take.still)) * known
         squares = np.stack([part @ part.T for part in (errors[:, each] for each in take.folds)])
-        return _Lesson(take, marker, place, squares)
+        return _Lesson(take, marker, place, squares, level)
 
     def rest(self, predictors: NDArray[np.intp]) -> Matern:
         """Return the process of what predictors leave of frames that were not learnt from."""
         completed, left = self.take.completed, []
         for frames, square in zip(self.take.folds, self.squares, strict=True):
             weights = self._weights(self._total - square, predictors)
-            left.append(completed[3 * self.marker :][:3, frames] - weights @ completed[:, frames])
+            others = weights @ completed[:, frames] - (weights @ self.level)[:, None]
+            left.append(completed[3 * self.marker :][:3, frames] - others)
         seen = self.take.courses.seen[:, self.marker]
         return Matern.fitted(np.hstack(left).T, seen, _REST_LENGTH, _REST_NOISE)
 
@@ -280,7 +296,8 @@ class _Lesson:
         noise = float((weights * weights).sum(axis=0) @ self.take.noise) / 3.0
         rows = courses.rows[window, self.marker]
         values, seen = np.empty((len(rows), 2, 3)), np.empty((len(rows), 2), dtype=np.bool_)
-        values[:, 0], values[:, 1] = (weights @ self.take.completed[:, window]).T, rows
+        others = weights @ self.take.completed[:, window] - (weights @ self.level)[:, None]
+        values[:, 0], values[:, 1] = others.T, rows
         seen[:, 0], seen[:, 1] = len(predictors) > 0, courses.seen[window, self.marker]
         return matern_kernel.smooth(
             np.array([own.length, rest.length]),

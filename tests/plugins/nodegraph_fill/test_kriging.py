@@ -14,6 +14,7 @@ from nodegraph_fill.ridge import ridge
 from nodegraph_gaps.cut import Cut, cut
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_synthesize.face import synthesize_face
+from tests.plugins.recordings import make_recording
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +64,16 @@ def test_an_impulse_is_kept_and_counts_like_a_missing_sample(
     without = gappy.with_samples(positions, changed=changed, origin=Origin.MISSING)
     moved = (filled.positions - kriging(without).positions)[~gappy.present]
     assert np.abs(moved).max() < 0.01
+
+
+def test_a_long_gap_where_the_face_is_elsewhere_is_filled_there() -> None:
+    random = np.random.default_rng(4)
+    time = np.arange(600)[:, None, None] / 60.0
+    drift = 40.0 * np.exp(-(((time - 5.0) / 1.5) ** 2)) * (1.0, 0.5, 0.0)
+    speech = np.cumsum(random.normal(0.0, 0.1, (600, 1, 3)), axis=0)
+    truth = random.normal(0.0, 40.0, (12, 3)) + drift + speech
+    truth += np.cumsum(random.normal(0.0, 0.01, truth.shape), axis=0)
+    positions = truth.copy()
+    positions[200:400, 3] = np.nan
+    off = (kriging(make_recording(positions)).positions - truth)[200:400, 3]
+    assert np.abs(off.mean(axis=0)).max() < 1.0
