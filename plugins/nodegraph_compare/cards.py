@@ -22,7 +22,6 @@ from nodegraph_compare.words import (
     plain_names,
     reason_text,
     scope_text,
-    segments_text,
     signed,
     units_text,
 )
@@ -261,9 +260,9 @@ def _grounds(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
         yield "Used", (left,)
     if group.judged and verdicts.margin is not None and group.paired is not None:
         yield "Equal", (_equal(verdicts, group),)
-    if group.next_minutes is not None:
+    if group.next_minutes is not None and group.next_minutes.scope.shortage is None:
         yield "Next minutes", (_next_minutes(verdicts, group.next_minutes),)
-    if group.without_suspects is not None:
+    if group.without_suspects is not None and group.suspects_matter:
         yield "Suspect", _suspect(verdicts, group, group.without_suspects)
     if group.not_compared and group.known:
         yield "Absent", few(method_words(verdicts, group.not_compared), _MOST_NAMES)
@@ -292,8 +291,6 @@ def _equal(verdicts: Verdicts, group: Verdict) -> str:
 
 def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:
     """Return what the segments of a recording say, beside its repetitions."""
-    if group.scope.shortage is not None:
-        return f"too short to say: {segments_text(group.scope, group.scope.shortage)}"
     close, behind = plain_names(verdicts, group.tied), len(group.behind)
     tied = f"not certain: {', '.join(close[:_MOST_NAMES])}" if close else ""
     apart = f"{behind} clearly behind" if behind else ""
@@ -312,8 +309,7 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
         return say(f"{HERE}; nothing can be said without {several}", count)
     mean = Word(span_text([other.mean[other.best[0]]], verdicts.metric.unit), "number")
     if set(other.best) == set(group.best):
-        change = change_of(verdicts, group, other)
-        return say(f"{HERE}; without them {HERE}{f'; {change}' if change else ''}", count, mean)
+        return say(f"{HERE}; without them {HERE}; {change_of(verdicts, group, other)}", count, mean)
     names = listing(method_words(verdicts, other.best))
     if group.suspects_decide:
         (before,) = plain_names(verdicts, group.best[:1])

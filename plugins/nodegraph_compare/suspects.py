@@ -1,4 +1,4 @@
-"""Blocks whose truth is suspect, because every method fails in them alike."""
+"""Blocks whose truth is suspect: it jumps there, or is measured and every method fails alike."""
 
 from __future__ import annotations
 
@@ -56,11 +56,12 @@ def suspects(
 ) -> tuple[Suspects, ...]:
     """Return, for each group, the blocks whose truth is suspect.
 
-    They are blocks with a row whose column ``suspect`` has a reason, and blocks in which every
-    method fails: with m the logarithm of the smallest error of a block, less the median of its
-    cluster, the robust deviation ``(m - median(m)) / (1.4826 MAD(m))`` is above 5, over 20 blocks
-    or more. Of a metric that has values of 0 or below, or of which low is not better, only the
-    former.
+    They are blocks with a row whose column ``suspect`` has a reason, and, of measured data, blocks
+    in which every method fails: with m the logarithm of the smallest error of a block, less the
+    median of its cluster, the robust deviation ``(m - median(m)) / (1.4826 MAD(m))`` is above 5,
+    over 20 blocks or more. Of a metric that has values of 0 or below, or of which low is not
+    better, and of synthetic data, where such a block is hard and its truth as it was made, only
+    the former.
     """
     texts = _texts(scores)
     return tuple(_suspects(scores, question, group, texts[group.rows]) for group in groups)
@@ -89,7 +90,9 @@ def _failed(group: Group, question: Question) -> NDArray[np.bool_]:
     none = np.zeros(len(group.values), dtype=bool)
     values = group.values[:, group.usable]
     kept = group.complete
-    if question.better != "lower" or values.shape[1] < 2 or np.count_nonzero(kept) < _FEWEST:
+    if question.synthetic or question.better != "lower" or values.shape[1] < 2:
+        return none
+    if np.count_nonzero(kept) < _FEWEST:
         return none
     if not (values[kept] > 0.0).all():
         return none

@@ -313,6 +313,15 @@ class Verdict(Value):
         return bool({*other.best} & {*self.behind} or {*self.best} & {*other.behind})
 
     @property
+    def suspects_matter(self) -> bool:
+        """Whether other methods are the best without suspect blocks, or clearly behind it."""
+        other = self.without_suspects
+        return other is not None and (other.best, other.worse_than_best) != (
+            self.best,
+            self.worse_than_best,
+        )
+
+    @property
     def worse_than_best(self) -> list[int]:
         """The methods that are clearly worse than the best, by this rule for missing blocks."""
         if self.to_best is None:

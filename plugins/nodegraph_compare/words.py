@@ -315,7 +315,7 @@ def not_certain(verdicts: Verdicts, group: Verdict) -> Text:
 
 
 def _not_certain(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return how far a method is from the best, in how many units, and why that may be chance."""
+    """Return how far a method is from the best, and in how many units, or that it may be 0."""
     paired = group.to_best
     assert paired is not None
     (name,) = method_words(verdicts, [place])
@@ -328,9 +328,14 @@ def _not_certain(verdicts: Verdicts, group: Verdict, place: int) -> Text:
         return start
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
-    if paired.alone[place]:
-        return (*start, f", which may be chance among {len(group.known)} methods")
-    return (*start, ", by uneven amounts")
+    low, high = paired.difference_low[place], paired.difference_high[place]
+    if low <= 0.0 <= high:
+        ends = [float(end) for end in (low, high)]
+        if abs(mean) >= SMALLEST:
+            ends = [round(end, 3) for end in ends]
+        between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
+        return say(f"{HERE} {HERE} ({HERE})", name, distance, between)
+    return (*start, f", which may be chance among {len(group.known)} methods")
 
 
 def changes(group: Verdict) -> dict[int, tuple[int, str]]:

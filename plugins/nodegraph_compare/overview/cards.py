@@ -190,7 +190,7 @@ def legend(verdicts: Verdicts) -> str:
     if len(verdicts.groups) > MOST_CARDS:
         several = any(group.told and group.tied for group in verdicts.groups)
         return "Not certain: how many others are not certain to be worse." * several
-    suspect = any(group.without_suspects is not None for group in verdicts.groups)
+    suspect = any(group.suspects_matter for group in verdicts.groups)
     doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
     return " ".join(filter(None, [_dots(verdicts), doubt]))
 

@@ -169,9 +169,9 @@ def table(
         Its answer has a line per group: which mean is best, over what, and which methods are not
         certain to be worse. Its notes list what that rests on: what was left out or filled in,
         where few large errors decide, and what it is without blocks whose truth is suspect: those
-        with a reason in a column ``suspect`` of the scores, and those in which even the smallest
-        error is an outlier (on a log scale, more than 5 robust standard deviations above the
-        median). The best mean of each group is marked.
+        with a reason in a column ``suspect`` of the scores, and, unless all data are synthetic,
+        those in which even the smallest error is an outlier (on a log scale, more than 5 robust
+        standard deviations above the median). The best mean of each group is marked.
     figure
         Means and intervals; an asterisk marks methods that are not as published, a ring those
         that look at the whole take, where methods differ.

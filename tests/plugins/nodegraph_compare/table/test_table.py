@@ -218,22 +218,21 @@ def test_the_answer_names_who_is_not_clearly_behind() -> None:
 
 
 @pytest.mark.parametrize(
-    ("tables", "said"),
+    "tables",
     [
-        ({"a": 1.0, "b": (1.001, 1.002, 1.001, 1.003, 1.002, 1.4, 1.001, 1.002)},
-         "by uneven amounts"),
-        ({"a": 1.0, "b": (1.01, 1.05, 1.02, 1.06, 1.01, 1.04, 1.09, 1.01),
-          "c": (0.9, 1.2, 1.1, 1.0, 1.2, 0.9, 1.1, 1.0),
-          "d": (1.2, 0.9, 1.0, 1.1, 0.9, 1.1, 1.2, 1.0)},
-         "which may be chance among 5 methods"),
+        {"a": 1.0, "b": (1.001, 1.002, 1.001, 1.003, 1.002, 1.4, 1.001, 1.002)},
+        {"a": 1.0, "b": (1.01, 1.05, 1.02, 1.06, 1.01, 1.04, 1.09, 1.01),
+         "c": (0.9, 1.2, 1.1, 1.0, 1.2, 0.9, 1.1, 1.0),
+         "d": (1.2, 0.9, 1.0, 1.1, 0.9, 1.1, 1.2, 1.0)},
     ],
 )  # fmt: skip
-def test_what_is_worse_everywhere_and_still_not_certain_says_why(
-    tables: dict[str, Any], said: str
+def test_the_distance_of_what_is_worse_everywhere_and_not_certain_has_its_interval_around_0(
+    tables: dict[str, Any],
 ) -> None:
     scores = {name: scored(np.ones(8) * values) for name, values in {**tables, "far": 9.0}.items()}
     card = words(table(Across.of(scores, axis="fill")).table)[0]
-    assert re.search(rf"not certain: b \+0\.0\d+\smm, worse in 8 of 8 gaps, {said}", card)
+    interval = r"\(95 %: \N{MINUS SIGN}0\.\d+ to 0\.\d+\)"
+    assert re.search(rf"not certain: b \+0\.0\d+\smm {interval}[;.]", card)
 
 
 def test_few_large_errors_that_decide_the_mean_are_in_the_notes() -> None:
@@ -414,6 +413,22 @@ def test_the_better_of_two_ways_of_every_method_is_said() -> None:
     assert not table(both_ways(4), **settings).overview.verdicts.variations
     unknown = replace(both_ways(8), methods={})
     assert not table(unknown, **settings).overview.verdicts.variations
+
+
+def test_a_block_in_which_every_method_fails_is_suspect_in_measured_data_alone() -> None:
+    random = np.random.default_rng(0)
+    errors = np.append(random.uniform(0.9, 1.1, 79), 50.0)
+    scores = {
+        name: scored(errors * factor).assign(actor=np.arange(80) // 10)
+        for name, factor in {"a": 1.0, "b": 1.2}.items()
+    }
+    across = Across.of(scores, axis="fill")
+
+    def notes(of: Across[Any]) -> str:
+        return " ".join(info_of(table(of, blocks=("gap",), clusters=("actor",)).table).notes)
+
+    assert "(actor 7, gap 79: every method fails)" in notes(across)
+    assert "suspect" not in notes(replace(across, synthetic=True))
 
 
 def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
