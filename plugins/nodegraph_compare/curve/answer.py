@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_compare.curve.marks import first_within
+from nodegraph_compare.curve.marks import within_from
 from nodegraph_compare.curve.notes import most_text
 from nodegraph_tables.answer import HERE, Answer, Card, Finding, Text, Word, dot, joined, say, svg
 from nodegraph_tables.numbers import number_text, span_text
@@ -246,8 +246,8 @@ def _scope(curves: Curves) -> Text:
 
 
 def _reached(points: Points, floor: float) -> float | None:
-    """Return the first x at which a curve is not above the noise floor."""
-    place = first_within(points, floor)
+    """Return the x from which on a curve is not above the noise floor."""
+    place = within_from(points, floor)
     return None if place is None else float(points.x[place])
 
 

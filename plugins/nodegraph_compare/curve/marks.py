@@ -106,7 +106,7 @@ def marks(
         The points of each label.
     mark
         ``shared``, ``minimum``, or ``none``, for which the minima alone are found; a number, for
-        the first point of each curve that is no larger.
+        the point of each curve from which on none is larger.
     tolerance
         How far apart minima may lie and still be shared, in units of x.
     level
@@ -128,15 +128,16 @@ def marks(
             if place is None:
                 place, kind = _knee(points, (level or {}).get(points.label, np.nan), scale), "knee"
         else:
-            place, kind = first_within(points, mark), "enough"
+            place, kind = within_from(points, mark), "enough"
         if place is not None:
             places[points.label], kinds[points.label] = place, kind
     return Marks(minima, shared, places, kinds)
 
 
-def first_within(points: Points, most: float) -> int | None:
-    """Return the first place on a curve with a value that is no larger; None where none is."""
-    within = points.curve[at_most(points.value[points.curve], most)]
+def within_from(points: Points, most: float) -> int | None:
+    """Return the place on a curve from which on no value is larger; None where the last is."""
+    above = np.flatnonzero(~at_most(points.value[points.curve], most))
+    within = points.curve[above[-1] + 1 :] if len(above) else points.curve
     return int(within[0]) if len(within) else None
 
 

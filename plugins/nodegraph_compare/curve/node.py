@@ -230,7 +230,8 @@ def curve(
         circle around each curve's nearest; where there is none the title states that, and a
         square marks each curve's knee. ``minimum``: each curve's lowest interior minimum,
         its knee where it has none. A number: an error that is small enough, by a circle around
-        the first point of each curve that is no larger. A label without any number is disregarded.
+        the point of each curve from which on none is larger. A label without any number is
+        disregarded.
     tolerance
         How far apart minima may lie and still be shared, in units of `x`.
 

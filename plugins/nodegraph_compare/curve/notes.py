@@ -64,7 +64,7 @@ def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
         sentences.append("below floor: at or below what measurement noise alone does.")
     if curves.enough is not None:
         sentences.append(
-            f"enough: the first point of a curve whose {axes.metric} is at most "
+            f"enough: the point of a curve from which on its {axes.metric} is at most "
             f"{most_text(curves)}."
         )
     if "knee" in curves.marked.kinds.values():

@@ -165,24 +165,24 @@ def test_shares_are_in_percent() -> None:
     assert result.figure.axes[0].yaxis.get_major_formatter()(0.07) == "7"
 
 
-def test_an_error_that_is_small_enough_is_marked_where_a_curve_first_comes_to_it() -> None:
+def test_an_error_that_is_small_enough_is_marked_where_a_curve_stays_within_it() -> None:
     result = drawn(swept(ME=VALLEY, JZ=SLOPE, MB=dict.fromkeys(VALLEY, 0.4)), mark=0.25)
     assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
-        ["ME", 25, "enough"], ["JZ", 25, "enough"],
+        ["ME", 55, "enough"], ["JZ", 25, "enough"],
     ]  # fmt: skip
     sentence, _, *cards = info_of(result.table).answer.lines
     assert sentence == (
-        "25 markers are enough for mse of at most 0.25 1 "
+        "25 to 55 markers are enough for mse of at most 0.25 1 "
         "(2 of 3 curves; the others do not come to it)."
     )
-    assert cards[0].startswith("actor ME: 25 markers, enough, mse 0.200")
+    assert cards[0].startswith("actor ME: 55 markers, enough, mse 0.250")
     assert cards[2].startswith("actor MB: not reached, lowest at 5 markers, mse 0.400")
     assert any(note.startswith("enough: ") for note in info_of(result.table).notes)
     assert "Dashed" in str(result.figure.get_supxlabel())
     assert info_of(result.table).answer.findings == ()
-    both = info_of(drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.1).table).answer.findings
+    both = info_of(drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.25).table).answer.findings
     assert [(found.group, found.mean) for found in both] == [
-        ({"actor": "ME"}, {"": 35.0}), ({"actor": "JZ"}, {"": 35.0}),
+        ({"actor": "ME"}, {"": 55.0}), ({"actor": "JZ"}, {"": 25.0}),
     ]  # fmt: skip
     none = drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.01)
     assert info_of(none.table).answer.lines[0] == (
@@ -205,7 +205,7 @@ def test_the_noise_floor_is_the_mean_of_each_label_and_what_reaches_it_is_report
     assert me.loc[me["below floor"], "markers"].tolist() == [25, 35, 55]
     assert not frame.loc[frame["actor"] == "JZ", "below floor"].any()
     assert [card.rpartition("; ")[2] for card in info_of(frame).answer.lines[2:]] == [
-        "noise: 0.250\N{NO-BREAK SPACE}1, reached at 25 markers.",
+        "noise: 0.250\N{NO-BREAK SPACE}1, reached at 55 markers.",
         "noise: 0.010\N{NO-BREAK SPACE}1, not reached.",
     ]
 
