@@ -18,6 +18,7 @@ from nodegraph_compare.words import (
     count_text,
     group_title,
     method_words,
+    next_text,
     not_certain,
     plain_names,
     reason_text,
@@ -209,6 +210,8 @@ def _rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
             yield "Not certain", not_certain(verdicts, group)
         if group.behind:
             yield "Behind", _behind(verdicts, group)
+    elif group.tied:
+        yield "Next", next_text(verdicts, group)
 
 
 def _step_rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:

@@ -328,14 +328,28 @@ def _not_certain(verdicts: Verdicts, group: Verdict, place: int) -> Text:
         return start
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
-    low, high = paired.difference_low[place], paired.difference_high[place]
-    if low <= 0.0 <= high:
-        ends = [float(end) for end in (low, high)]
-        if abs(mean) >= SMALLEST:
-            ends = [round(end, 3) for end in ends]
-        between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
-        return say(f"{HERE} {HERE} ({HERE})", name, distance, between)
+    if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:
+        return _within(verdicts, group, place)
     return (*start, f", which may be chance among {len(group.known)} methods")
+
+
+def next_text(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return the method nearest to the best, and its distance with the interval of that."""
+    return _within(verdicts, group, min(group.tied, key=lambda at: abs(group.to_best_of(at))))
+
+
+def _within(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return how far a method is from the best, and the interval of that."""
+    paired = group.to_best
+    assert paired is not None
+    (name,) = method_words(verdicts, [place])
+    unit, mean = verdicts.metric.unit, float(group.mean[group.best[0]])
+    distance = Word(signed(group.to_best_of(place), unit, mean), "number")
+    ends = [float(paired.difference_low[place]), float(paired.difference_high[place])]
+    if abs(mean) >= SMALLEST:
+        ends = [round(end, 3) for end in ends]
+    between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
+    return say(f"{HERE} {HERE} ({HERE})", name, distance, between)
 
 
 def changes(group: Verdict) -> dict[int, tuple[int, str]]:
