@@ -269,7 +269,7 @@ def test_nodes_that_cannot_go_alone_stay(registry: Registry) -> None:
     text = text_of(ROOT / "graphs" / "fill.yaml")
     with pytest.raises(GraphError, match="'fill' reads nodes that go, and feeds error"):
         edit.move_to_graph(text, ["gaps", "error"], "x", "x.yaml", registry=registry)
-    with pytest.raises(GraphError, match="table names the axis 'condition', which stays outside"):
+    with pytest.raises(GraphError, match="table names the axis 'terms', which stays outside"):
         edit.move_to_graph(text, ["error", "table"], "x", "x.yaml", registry=registry)
     with pytest.raises(GraphError, match=r"'x\.txt' is no name of a graph file"):
         edit.move_to_graph(text, ["error"], "x", "x.txt", registry=registry)
