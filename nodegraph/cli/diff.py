@@ -39,44 +39,47 @@ def diff(arguments: Namespace) -> int:
     was, now = read_record(arguments.run), read_record(arguments.other)
     registry = Registry.installed(arguments.plugin)
     store = open_store(registry, arguments.store, say)
-    spread = compare(was, now, by_digest(store))
+    agreements = compare(was, now, by_digest(store))
     stored = StoredValues(store)
-    found = origins(spread, registry, (stored, stored))
+    found = origins(agreements, registry, (stored, stored))
     if arguments.json:
-        print_json(_answer(arguments, spread, found, list(choices(was, now))))
-        return 0 if spread.is_equal else 1
-    print(_summary(spread, f"{arguments.run} and {arguments.other}"))
+        print_json(_answer(arguments, agreements, found, list(choices(was, now))))
+        return 0 if agreements.is_equal else 1
+    print(_summary(agreements, f"{arguments.run} and {arguments.other}"))
     for line in choices(was, now):
         print(line)
-    for run, cells in ((arguments.run, spread.only_was), (arguments.other, spread.only_now)):
+    for run, cells in (
+        (arguments.run, agreements.only_was),
+        (arguments.other, agreements.only_now),
+    ):
         if cells:
             print(f"only in {run}: {counted(Counter(cell.node for cell in cells))}")
-    for line in origin_lines(spread, found, lambda step: _UNEXPLAINED):
+    for line in origin_lines(agreements, found, lambda step: _UNEXPLAINED):
         print(line)
-    if spread.followers:
-        print(f"\nwhat follows from that: {counted(spread.followers)}")
-    if harmless := spread.harmless:
+    if agreements.followers:
+        print(f"\nwhat follows from that: {counted(agreements.followers)}")
+    if harmless := agreements.harmless:
         print(f"\nchanged, with the same results: {counted(harmless)}")
-    return 0 if spread.is_equal else 1
+    return 0 if agreements.is_equal else 1
 
 
 def _answer(
-    arguments: Namespace, spread: Agreements, found: list[FirstDifference], choices: list[str]
+    arguments: Namespace, agreements: Agreements, found: list[FirstDifference], choices: list[str]
 ) -> DiffAnswer:
     from nodegraph.cli.answers import DiffAnswer
 
     return DiffAnswer(
         was=str(arguments.run),
         now=str(arguments.other),
-        same=spread.is_equal,
-        equal=spread.same,
-        beyond=spread.beyond,
-        unknown=spread.unknown.total(),
+        same=agreements.is_equal,
+        equal=agreements.same,
+        beyond=agreements.beyond,
+        unknown=agreements.unknown.total(),
         choices=choices,
-        only_was=Counter(cell.node for cell in spread.only_was),
-        only_now=Counter(cell.node for cell in spread.only_now),
-        follow=spread.followers,
-        harmless=spread.harmless,
+        only_was=Counter(cell.node for cell in agreements.only_was),
+        only_now=Counter(cell.node for cell in agreements.only_now),
+        follow=agreements.followers,
+        harmless=agreements.harmless,
         origins=found,
     )
 
@@ -84,11 +87,11 @@ def _answer(
 _UNEXPLAINED = "settings, code and inputs are the same: the method gives different results"
 
 
-def _summary(spread: Agreements, names: str) -> str:
-    if spread.is_equal:
-        return f"{names}: all {spread.same} combinations have the same results"
-    unknown = spread.unknown.total()
-    differ = "combination differs" if spread.beyond == 1 else "combinations differ"
-    return f"{names}: {spread.beyond} {differ}, {spread.same} have the same results" + (
+def _summary(agreements: Agreements, names: str) -> str:
+    if agreements.is_equal:
+        return f"{names}: all {agreements.same} combinations have the same results"
+    unknown = agreements.unknown.total()
+    differ = "combination differs" if agreements.beyond == 1 else "combinations differ"
+    return f"{names}: {agreements.beyond} {differ}, {agreements.same} have the same results" + (
         f", {unknown} are unknown (their results were not stored)" if unknown else ""
     )

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 def origins(
-    spread: Agreements, registry: Registry, stores: tuple[StoredValues, StoredValues]
+    agreements: Agreements, registry: Registry, stores: tuple[StoredValues, StoredValues]
 ) -> list[FirstDifference]:
     """Return where differences begin, an entry for each change of a node, in the order of the plan.
 
     Parameters
     ----------
-    spread
+    agreements
     registry
     stores
         Where the values of the two runs are.
@@ -31,7 +31,7 @@ def origins(
     from nodegraph.cli.answers import FirstDifference
 
     found: list[FirstDifference] = []
-    for same in spread.by_change():
+    for same in agreements.by_change():
         pair, judged = same[0]
         found.append(
             FirstDifference(
@@ -48,18 +48,20 @@ def origins(
 
 
 def origin_lines(
-    spread: Agreements, found: list[FirstDifference], unexplained: Callable[[RecordedStep], str]
+    agreements: Agreements, found: list[FirstDifference], unexplained: Callable[[RecordedStep], str]
 ) -> Iterator[str]:
     """Yield what differs first, how much and why, a paragraph for each change.
 
     Parameters
     ----------
-    spread, found
+    agreements, found
         See `origins`.
     unexplained
         Returns a sentence on a step of the second run whose difference no change explains.
     """
-    for number, (same, origin) in enumerate(zip(spread.by_change(), found[:MOST], strict=False)):
+    for number, (same, origin) in enumerate(
+        zip(agreements.by_change(), found[:MOST], strict=False)
+    ):
         pair, _ = same[0]
         groups = {other.cell.group for other, _ in same}
         whole = pair.cell.group if len(groups) == 1 else pair.cell.node

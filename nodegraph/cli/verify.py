@@ -119,75 +119,75 @@ def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -
     not_stored = run.not_stored()  # before results that are not stored are computed again
     results, reported = Results(run), list(reported_by(run))
     now = portable(run, FileNames(run.plan.graph), results)
-    spread = compare(lock.record, now, BySketch(lock, results))
+    agreements = compare(lock.record, now, BySketch(lock, results))
     changed = list(conclusion_changes(lock.conclusions, reported))
-    outcome = verdict(spread, bool(lock.conclusions), changed)
+    outcome = verdict(agreements, bool(lock.conclusions), changed)
     everywhere = list(changes_everywhere(lock.record, now))
     stores = StoredValues(store), StoredValues(run.cache.store if run.cache else store)
-    found = origins(spread, run.plan.graph.registry, stores)
-    tables = list(_table_changes(lock, spread, reported))
+    found = origins(agreements, run.plan.graph.registry, stores)
+    tables = list(_table_changes(lock, agreements, reported))
     if as_json:
         print_json(
             VerifyAnswer(
                 lock=str(path),
                 grade=outcome.grade,
                 holds=outcome.holds,
-                identical=spread.same,
-                near=len(spread.near),
-                beyond=spread.beyond,
-                unknown=spread.unknown.total(),
+                identical=agreements.same,
+                near=len(agreements.near),
+                beyond=agreements.beyond,
+                unknown=agreements.unknown.total(),
                 tolerance=lock.tolerance,
-                farthest=max((judged.distance for _, judged in spread.near), default=0.0),
+                farthest=max((judged.distance for _, judged in agreements.near), default=0.0),
                 changes=[*everywhere, *not_stored],
-                only_locked=[cell.name for cell in spread.only_was],
-                only_now=[cell.name for cell in spread.only_now],
+                only_locked=[cell.name for cell in agreements.only_was],
+                only_now=[cell.name for cell in agreements.only_now],
                 origins=found,
-                follow=spread.followers,
+                follow=agreements.followers,
                 conclusions=changed,
                 tables=tables,
             )
         )
         return 0 if outcome.holds else 1
-    print(f"{outcome.text}: {path}: {_counts(spread, lock)}")
-    for line in (*everywhere, *_notes(spread), *not_stored):
+    print(f"{outcome.text}: {path}: {_counts(agreements, lock)}")
+    for line in (*everywhere, *_notes(agreements), *not_stored):
         print(f"    {line}")
-    for line in origin_lines(spread, found, partial(_unexplained, run)):
+    for line in origin_lines(agreements, found, partial(_unexplained, run)):
         print(line)
-    if spread.followers:
-        print(f"\nwhat follows from that: {counted(spread.followers)}")
+    if agreements.followers:
+        print(f"\nwhat follows from that: {counted(agreements.followers)}")
     for line in (*few(changed), *few(tables)):
         print(line)
     count = sum(map(len, lock.conclusions.values()))
-    if spread.beyond and not changed and count:
+    if agreements.beyond and not changed and count:
         print(f"all conclusions are the same ({count})")
     return 0 if outcome.holds else 1
 
 
-def _counts(spread: Agreements, lock: Lock) -> str:
-    parts = [f"{spread.same} of {spread.compared} results identical{_ended(spread)}"]
-    if spread.near:
-        pair, judged = max(spread.near, key=lambda item: item[1].distance)
+def _counts(agreements: Agreements, lock: Lock) -> str:
+    parts = [f"{agreements.same} of {agreements.compared} results identical{_ended(agreements)}"]
+    if agreements.near:
+        pair, judged = max(agreements.near, key=lambda item: item[1].distance)
         distance = judged.distance
         size = f"up to {distance:.1g}, {pair.cell.name}" if distance else "but for their form"
-        parts.append(f"{len(spread.near)} within {lock.tolerance:g} of their size ({size})")
-    return ", ".join([*parts, f"{spread.beyond} beyond"] if spread.beyond else parts)
+        parts.append(f"{len(agreements.near)} within {lock.tolerance:g} of their size ({size})")
+    return ", ".join([*parts, f"{agreements.beyond} beyond"] if agreements.beyond else parts)
 
 
-def _ended(spread: Agreements) -> str:
+def _ended(agreements: Agreements) -> str:
     """Return how many of the identical results are failures or refusals."""
     counts = [
         f"{count} {'' if state == State.FAILED else 'was ' if count == 1 else 'were '}{state}"
-        for state, count in spread.endings.items()
+        for state, count in agreements.endings.items()
     ]
     return f" (of these {' and '.join(counts)}, as before)" if counts else ""
 
 
-def _notes(spread: Agreements) -> Iterator[str]:
-    if spread.redrawn:
-        yield f"drawn otherwise from the same numbers: {counted(spread.redrawn)}"
-    if spread.unknown:
-        yield f"cannot be stored, so not compared: {counted(spread.unknown)}"
-    for what, cells in (("the lock", spread.only_was), ("this run", spread.only_now)):
+def _notes(agreements: Agreements) -> Iterator[str]:
+    if agreements.redrawn:
+        yield f"drawn otherwise from the same numbers: {counted(agreements.redrawn)}"
+    if agreements.unknown:
+        yield f"cannot be stored, so not compared: {counted(agreements.unknown)}"
+    for what, cells in (("the lock", agreements.only_was), ("this run", agreements.only_now)):
         if cells:
             yield f"only in {what}: {'; '.join(few([cell.name for cell in cells]))}"
 
@@ -199,11 +199,11 @@ def _unexplained(run: Run, recorded: RecordedStep) -> str:
     return f"code, settings, files and libraries are the same{reason}"
 
 
-def _table_changes(lock: Lock, spread: Agreements, reported: list[Reported]) -> Iterator[str]:
+def _table_changes(lock: Lock, agreements: Agreements, reported: list[Reported]) -> Iterator[str]:
     """Yield how the numbers of tables changed, if by more than rounding."""
     from nodegraph.lock.conclusions import table_changes
 
-    if spread.beyond:
+    if agreements.beyond:
         changed = table_changes(lock.tables, reported, lock.tolerance)
         yield from changed
 

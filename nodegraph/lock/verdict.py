@@ -122,7 +122,7 @@ class VerifyOutcome:
         return self.grade
 
 
-def verdict(spread: Agreements, conclusions: bool, changed: Sequence[str]) -> VerifyOutcome:
+def verdict(agreements: Agreements, conclusions: bool, changed: Sequence[str]) -> VerifyOutcome:
     """Return the outcome of a comparison.
 
     Results beyond the tolerance may have the same conclusions only if the study itself did not
@@ -130,19 +130,19 @@ def verdict(spread: Agreements, conclusions: bool, changed: Sequence[str]) -> Ve
 
     Parameters
     ----------
-    spread
+    agreements
     conclusions
         Whether the study draws any.
     changed
         The conclusions that changed.
     """
-    own_changes = any(pair.change.own for pair, _ in spread.origins)
-    if spread.only_was or spread.only_now or own_changes:
+    own_changes = any(pair.change.own for pair, _ in agreements.origins)
+    if agreements.only_was or agreements.only_now or own_changes:
         grade = Grade.DIVERGED
-    elif spread.beyond:
+    elif agreements.beyond:
         grade = Grade.SAME_CONCLUSIONS if conclusions and not changed else Grade.DIVERGED
     else:
-        grade = Grade.WITHIN_TOLERANCE if spread.near else Grade.IDENTICAL
+        grade = Grade.WITHIN_TOLERANCE if agreements.near else Grade.IDENTICAL
     return VerifyOutcome(grade, bool(changed))
 
 

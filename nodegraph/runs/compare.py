@@ -178,7 +178,7 @@ def compare(was: Record, now: Record, judge: Judge) -> Agreements:
         Called for every combination that both have, after those that feed it.
     """
     before = {cell.key: (cell, step) for step in was.steps for cell in step.cells}
-    spread = Agreements()
+    agreements = Agreements()
     ended: dict[int, tuple[Agreement, frozenset[str]]] = {}
     for step in now.steps:
         needed = {source.step for _, sources in step.sources() for source in sources}
@@ -186,37 +186,39 @@ def compare(was: Record, now: Record, judge: Judge) -> Agreements:
         known = frozenset(text for index in needed if index in ended for text in ended[index][1])
         for cell in step.cells:
             if cell.key not in before:
-                spread.only_now.append(cell)
+                agreements.only_now.append(cell)
                 continue
             pair = Pair(cell, before.pop(cell.key)[1], step, (was, now), feeds)
             judged = judge(pair)
-            own = _add(spread, pair, judged, known)
+            own = _add(agreements, pair, judged, known)
             ended[step.step] = (judged.agreement, own)
-    spread.only_was = [cell for cell, _ in before.values()]
-    return spread
+    agreements.only_was = [cell for cell, _ in before.values()]
+    return agreements
 
 
-def _add(spread: Agreements, pair: Pair, judged: Judged, known: frozenset[str]) -> frozenset[str]:
+def _add(
+    agreements: Agreements, pair: Pair, judged: Judged, known: frozenset[str]
+) -> frozenset[str]:
     """Add a combination; return the changes that explain it and what feeds it, if it differs."""
     node, agreement = pair.cell.node, judged.agreement
-    spread.counts[agreement] += 1
+    agreements.counts[agreement] += 1
     if agreement is Agreement.OTHER:
         if pair.follows and known.issuperset(pair.change.own) and not _ended_otherwise(pair):
-            spread.followers[node] += 1
+            agreements.followers[node] += 1
         else:
-            spread.origins.append((pair, judged))
+            agreements.origins.append((pair, judged))
         return known.union(pair.change.own)
     if agreement is Agreement.UNKNOWN:
-        spread.unknown[node] += 1
+        agreements.unknown[node] += 1
         return frozenset()
     if agreement is Agreement.NEAR:
-        spread.near.append((pair, judged))
+        agreements.near.append((pair, judged))
         return frozenset()
     if agreement is Agreement.REDRAWN:
-        spread.redrawn[node] += 1
+        agreements.redrawn[node] += 1
     if not pair.now.has_result:
-        spread.endings[pair.now.state] += 1
-    spread.alike.append(pair)
+        agreements.endings[pair.now.state] += 1
+    agreements.alike.append(pair)
     return frozenset()
 
 

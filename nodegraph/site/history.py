@@ -100,24 +100,24 @@ def changes_between(was: Path, now: Path, store: Store) -> list[str]:
         before, after = read_record(was), read_record(now)
     except NodegraphError:
         return ["The record of one of the two cannot be read, so what changed is not known."]
-    spread = compare(before, after, by_digest(store))
-    if spread.is_equal:
-        return [f"Nothing: {number_of(spread.same, 'combination')}, all with the same results."]
-    lines = [*choices(before, after), *_changes(spread)]
+    agreements = compare(before, after, by_digest(store))
+    if agreements.is_equal:
+        return [f"Nothing: {number_of(agreements.same, 'combination')}, all with the same results."]
+    lines = [*choices(before, after), *_changes(agreements)]
     more = [f"and {number_of(len(lines) - _MOST, 'further change')}"] if lines[_MOST:] else []
     return lines[:_MOST] + more
 
 
-def _changes(spread: Agreements) -> Iterator[str]:
-    for cells, run in ((spread.only_was, "the earlier"), (spread.only_now, "the later")):
+def _changes(agreements: Agreements) -> Iterator[str]:
+    for cells, run in ((agreements.only_was, "the earlier"), (agreements.only_now, "the later")):
         if cells:
             counts = Counter(cell.node for cell in cells)
             yield f"only in {run}: " + ", ".join(f"{node} ({n})" for node, n in counts.items())
-    for same in spread.by_change():
+    for same in agreements.by_change():
         pair, judged = same[0]
         groups = {other.cell.group for other, _ in same}
         name = pair.cell.group if len(groups) == 1 else pair.cell.node
         reasons = filter(None, [*pair.change.own, *pair.change.around, judged.text])
         yield f"{name}: " + ("; ".join(reasons) or "other results, of the same settings and code")
-    if unknown := spread.unknown.total():
+    if unknown := agreements.unknown.total():
         yield f"{number_of(unknown, 'result')} not compared, as they were not stored"

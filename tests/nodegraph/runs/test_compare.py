@@ -36,27 +36,30 @@ def test_a_difference_begins_where_nothing_upstream_differs_and_where_a_step_cha
     run_of: RunOf,
 ) -> None:
     was = record(run_of(TEXT))
-    spread = compare(was, with_setting(was, "c"), judge_of({"d": Agreement.SAME}))
-    assert [pair.cell.node for pair, _ in spread.origins] == ["a", "c"]
-    assert spread.followers == {"b": 1, "e": 1}
-    assert (spread.beyond, spread.same, spread.compared) == (4, 1, 5)
-    assert spread.origins[1][0].change == StepChange(("max_gap was None, now 7",))
+    agreements = compare(was, with_setting(was, "c"), judge_of({"d": Agreement.SAME}))
+    assert [pair.cell.node for pair, _ in agreements.origins] == ["a", "c"]
+    assert agreements.followers == {"b": 1, "e": 1}
+    assert (agreements.beyond, agreements.same, agreements.compared) == (4, 1, 5)
+    assert agreements.origins[1][0].change == StepChange(("max_gap was None, now 7",))
 
 
 def test_a_step_that_stands_for_two_combinations_does_not_feed_itself(run_of: RunOf) -> None:
     text = "nodes: {a: {use: read.number}, b: {use: fill.hold, in: a}, c: {use: fill.hold, in: a}}"
     was = record(run_of(text))
     assert len(was.steps) == 2
-    spread = compare(was, was, judge_of({"a": Agreement.SAME}))
-    assert [pair.cell.node for pair, _ in spread.origins] == ["b", "c"]
+    agreements = compare(was, was, judge_of({"a": Agreement.SAME}))
+    assert [pair.cell.node for pair, _ in agreements.origins] == ["b", "c"]
 
 
 def test_combinations_of_one_record_only_are_no_results(run_of: RunOf) -> None:
     text = "axes: {k: [1, 2]}\nnodes: {a: {use: read.number, with: {start: $k}}}"
     was, now = (record(run_of(each)) for each in (text, text.replace("[1, 2]", "[2, 3]")))
-    spread = compare(was, now, judge_of({"a": Agreement.SAME}))
-    assert [cell.name for cell in (*spread.only_was, *spread.only_now)] == ["a(k=1)", "a(k=3)"]
-    assert not spread.is_equal
+    agreements = compare(was, now, judge_of({"a": Agreement.SAME}))
+    assert [cell.name for cell in (*agreements.only_was, *agreements.only_now)] == [
+        "a(k=1)",
+        "a(k=3)",
+    ]
+    assert not agreements.is_equal
 
 
 def test_all_that_decides_a_step_is_compared(run_of: RunOf) -> None:
