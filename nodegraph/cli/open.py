@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
-from functools import partial
 from pathlib import Path
 
 from nodegraph.cli.arguments import add_page, add_plugin
 from nodegraph.cli.browser import needing_pages, ready
+from nodegraph.errors import NodegraphError
 
 HELP = "Show the report of runs in a browser, with every result behind it."
 _MORE = """\
@@ -46,15 +46,20 @@ def add_arguments(parser: ArgumentParser) -> None:
 def open(arguments: Namespace) -> int:
     """Serve runs until the user ends it."""
     from nodegraph.plugin.registry import Registry
+    from nodegraph.runs.folder import is_run, runs_in
 
     with needing_pages():
-        from nodegraph.serve.server import serve
+        from nodegraph.serve.app import application
+        from nodegraph.serve.runs import OpenRuns
+        from nodegraph.serve.server import LocalServer
 
-    serve(
-        arguments.runs,
-        Registry.installed(arguments.plugin),
-        store=arguments.store,
-        port=arguments.port,
-        ready=partial(ready, with_browser=arguments.browser),
-    )
+    for path in arguments.runs:
+        if not is_run(path) and not any(runs_in(path)):
+            raise NodegraphError(
+                f"{path.absolute()}: there is no run; run a graph, or name the folder of a run"
+            )
+    runs = OpenRuns(arguments.runs, Registry.installed(arguments.plugin), arguments.store)
+    server = LocalServer(application(runs), arguments.port)
+    ready(server.address, with_browser=arguments.browser)
+    server.run()
     return 0

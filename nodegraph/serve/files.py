@@ -45,12 +45,8 @@ class _Seen:
 def application_of_files(files: Sequence[ReadFile], registry: Registry) -> Starlette:
     """Return the application that shows files; a `Guard` must stand before it.
 
-    Files beside them in which their viewers keep something are read with them.
-
-    Raises
-    ------
-    NodegraphError
-        If one of these is damaged.
+    Files beside them in which their viewers keep something are read with them. The page is made
+    when it is first asked for, while the browser has the address already.
     """
     pages = _Pages(files, registry)
     return Starlette(routes=[Route("/", pages.page), Route("/kept", pages.keep, methods=["POST"])])
@@ -66,7 +62,7 @@ class _Pages:
             and viewer.beside
             and Path(file.path).exists()
         }
-        self._page: Response | None = self._rendered()
+        self._page: Response | None = None
 
     def page(self, request: Request) -> Response:
         """Show the page, with what is kept by now."""

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
 
 import uvicorn
 from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from nodegraph.errors import NodegraphError
-from nodegraph.plugin.registry import Registry
-from nodegraph.runs.folder import is_run, runs_in
-from nodegraph.serve.app import application
 from nodegraph.serve.guard import MOST_BODY, Guard
-from nodegraph.serve.runs import OpenRuns
 
 HOST = "127.0.0.1"
 _BACKLOG = 64
@@ -26,44 +20,6 @@ _PATIENCE = 1
 """Seconds that answers have to end in when the server ends."""
 _SILENCE = 5.0
 """Seconds in which a connection must send a whole request."""
-
-
-def serve(
-    paths: list[Path],
-    registry: Registry,
-    *,
-    store: Path | None,
-    port: int,
-    ready: Callable[[str], None],
-) -> None:
-    """Serve runs until the user interrupts.
-
-    Parameters
-    ----------
-    paths
-        Folders of runs, or folders that hold runs.
-    registry
-    store
-        The folder of stored results; by default where the runs stored them.
-    port
-        0 for any that is free.
-    ready
-        Called with the address, which lets one browser in, once it answers.
-
-    Raises
-    ------
-    NodegraphError
-        If a folder is not a run, or the port is not free.
-    KeyboardInterrupt
-    """
-    for path in paths:
-        if not is_run(path) and not any(runs_in(path)):
-            raise NodegraphError(
-                f"{path.absolute()}: there is no run; run a graph, or name the folder of a run"
-            )
-    server = LocalServer(application(OpenRuns(paths, registry, store)), port)
-    ready(server.address)
-    server.run()
 
 
 class LocalServer:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 MOST_STEPS = 2**30
 """Largest magnitude of a number, in steps; sums of two still fit 32 bits."""
 
-_LEVEL = 6
+_LEVEL = 4  # takes a third of the time of 6; a page is larger by 4 to 10 %
 
 
 class Blob:
