@@ -221,7 +221,10 @@ def json_script(value: object, element_id: str) -> str:
     return f'<script type="application/json" id="{escape(element_id)}">{content}</script>'
 
 
-PLACEHOLDERS = ("best", "tied", "behind", "better", "worse", "number", "scope")
+PLACEHOLDERS = (
+    "best", "tied", "behind", "better", "worse",
+    "number", "interval", "difference", "count", "scope",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -233,7 +236,8 @@ class Placeholder:
     name : str
         One of `PLACEHOLDERS`.
     label : str
-        The method that the author names; empty for those that there are.
+        The method that the author names, or what is counted or subtracted; empty for the methods
+        that there are.
     at : mapping of axis to text, optional
         Labels of the groups that it is about; None for all groups taken together.
     text : str

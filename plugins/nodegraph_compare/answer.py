@@ -105,6 +105,10 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -
         known = [place for place in group.known if np.isfinite(values[place])]
         return {str(verdicts.methods[place]): float(values[place]) for place in known}
 
+    def ends(low: NDArray[np.float64], high: NDArray[np.float64]) -> dict[str, tuple[float, float]]:
+        lows, highs = numbers(low), numbers(high)
+        return {name: (lows[name], highs[name]) for name in lows}
+
     paired = group.paired
     better, worse = _sides(verdicts)
     return Finding(
@@ -122,6 +126,8 @@ def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -
         high=numbers(group.high),
         p={} if paired is None else numbers(paired.p),
         unit=verdicts.metric.unit,
+        reference="" if paired is None else str(verdicts.methods[paired.reference]),
+        apart={} if paired is None else ends(paired.difference_low, paired.difference_high),
         beside={name: numbers(values) for name, values in group.beside.items()},
         units={metric.name: metric.unit for metric in verdicts.beside},
     )

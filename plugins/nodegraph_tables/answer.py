@@ -8,11 +8,11 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from markupsafe import Markup, escape
 
@@ -30,6 +30,8 @@ from nodegraph_tables.style import SHARE, scale_of, unit_text
 
 if TYPE_CHECKING:
     from nodegraph import Placeholder
+
+_T = TypeVar("_T")
 
 MOST_CARDS = 8
 """Cards that a reader sees at once."""
@@ -185,6 +187,10 @@ class Finding(Value):
         Of each method: the number that decides, its interval, and the p of its difference.
     unit : str
         Of the means.
+    reference : str
+        The method to which the others' differences have intervals; empty without one.
+    apart : mapping of str to (float, float)
+        Of each other method: the ends of the interval of its difference to that one.
     beside : mapping of str to mapping of str to float
         Of each method: the means of what else is asked, by its name.
     units : mapping of str to str
@@ -205,6 +211,8 @@ class Finding(Value):
     high: Mapping[str, float] = field(default_factory=dict)
     p: Mapping[str, float] = field(default_factory=dict)
     unit: str = ""
+    reference: str = ""
+    apart: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     beside: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
 
@@ -298,8 +306,8 @@ def _filled(answer: Answer, part: Placeholder) -> Text:
     if part.name == "scope":
         return (answer.held.rstrip("."),)
     found = _about(answer, part)
-    if part.name == "number":
-        return _number_in(found, part)
+    if part.name in _NUMBERS:
+        return (Word(_NUMBERS[part.name](found, part), "number"),)
     for finding in found if part.name not in ("better", "worse") else ():
         if not finding.verdict:
             where = f" for {finding.title}" if finding.title else ""
@@ -350,7 +358,7 @@ def _are(names: Sequence[str]) -> str:
     return f"{'are' if len(names) > 1 else 'is'} {_names(names)}"
 
 
-def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
+def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
     """Return the mean of the best, or of a method, over some groups; of another column by name."""
     column, _, label = part.label.rpartition(" of ")
     if part.label in found[0].beside:
@@ -359,18 +367,96 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> Text:
         unit, of_each = found[0].units[column], [finding.beside[column] for finding in found]
     else:
         label, unit, of_each = part.label, found[0].unit, [finding.mean for finding in found]
-    if label and not all(label in means for means in of_each):
-        raise NodegraphError(f"{part.text}: {label} has no number there")
     numbers = [
-        dict(zip(means, without_rounding([*means.values()]), strict=True))[name]
+        _known(dict(zip(means, without_rounding([*means.values()]), strict=True)), name, part)
         for finding, means in zip(found, of_each, strict=True)
         for name in ([label] if label else finding.first[:1])
     ]
     if not numbers:
         raise NodegraphError(f"{part.text}: no method comes first")
-    ends = sorted({min(numbers), max(numbers)})
-    text = shares_text(ends) if unit == SHARE else span_text(ends, unit)
-    return (Word(text, "number"),)
+    return _ends_text(numbers, unit)
+
+
+def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
+    """Return by how much the mean of a method is above that of another, over some groups."""
+    pair = _pair(found, part)
+    numbers = [
+        _known(finding.mean, pair[0], part) - _known(finding.mean, pair[1], part)
+        for finding in found
+    ]
+    return _ends_text(numbers, found[0].unit)
+
+
+def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:
+    """Return the interval of a mean, or of a difference, in a group."""
+    if len(found) > 1:
+        titles = listed([finding.title for finding in found])
+        raise NodegraphError(f"{part.text} is about one group, and there are: {titles}")
+    (finding,) = found
+    if part.label and part.label not in finding.mean:
+        method, other = _pair(found, part)
+        if finding.reference not in (method, other):
+            to = f"to {finding.reference}" if finding.reference else "here to none"
+            raise NodegraphError(f"{part.text}: differences have intervals {to}")
+        low, high = _known(finding.apart, method if finding.reference == other else other, part)
+        ends = (low, high) if finding.reference == other else (-high, -low)
+    else:
+        name = part.label or next(iter(finding.first), "the best")
+        ends = (_known(finding.low, name, part), _known(finding.high, name, part))
+    return f"95 %: {_ends_text(ends, SHARE if finding.unit == SHARE else '')}"
+
+
+def _count_in(found: Sequence[Finding], part: Placeholder) -> str:
+    """Return in how many groups a method is the best, behind, or what else is claimed of it."""
+    claim, _, name = part.label.partition(" ")
+    if claim not in _CLAIMS or not name:
+        claims = ", ".join(_CLAIMS)
+        raise NodegraphError(
+            f"{part.text} counts no claim; write {{count CLAIM METHOD}}, of the claims {claims}"
+        )
+    for finding in found:
+        _known(finding.mean, name, part)
+    if claim in _CLAIMS[:3] and not any(finding.verdict for finding in found):
+        raise NodegraphError(f"{part.text} counts what there is no verdict on")
+    count = sum(name in getattr(finding, claim) for finding in found)
+    return f"all {count}" if count == len(found) else f"{count or 'none'} of {len(found)}"
+
+
+def _pair(found: Sequence[Finding], part: Placeholder) -> tuple[str, str]:
+    """Return the methods of a difference: ``linear to ridge``."""
+    names = {name for finding in found for name in finding.mean}
+    pairs = ((a, b) for a in names for b in names if f"{a} to {b}" == part.label)
+    pair = next(pairs, None)
+    if pair is None:
+        raise NodegraphError(
+            f"{part.text} is about no two methods; write {{{part.name} METHOD to METHOD}}, of: "
+            f"{listed(sorted(names)) or 'none'}"
+        )
+    return pair
+
+
+def _known(numbers: Mapping[str, _T], name: str, part: Placeholder) -> _T:
+    if name not in numbers:
+        raise NodegraphError(f"{part.text}: {name} has no {part.name} there")
+    return numbers[name]
+
+
+def _ends_text(numbers: Iterable[float], unit: str) -> str:
+    """Return the least and the largest of numbers."""
+    ends = sorted({*numbers})
+    ends = [ends[0], ends[-1]]
+    return shares_text(ends) if unit == SHARE else span_text(ends, unit)
+
+
+_CLAIMS = ("best", "tied", "behind", "better", "worse")
+
+_NUMBERS: Mapping[str, Callable[[Sequence[Finding], Placeholder], str]] = {
+    "number": _number_in,
+    "interval": _interval_in,
+    "difference": _difference_in,
+    "count": _count_in,
+}
+"""Placeholders in whose place numbers stand."""
 
 
 def answer_html(answer: Answer) -> Markup:

@@ -101,6 +101,12 @@ BESIDE = tuple(
     replace(each, beside={"missed": {"ridge": 0.0, "linear": share}}, units={"missed": "share"})
     for each, share in zip(SAME, (0.02, 0.2), strict=True)
 )
+INTERVALS = tuple(
+    replace(
+        each, low={"ridge": 0.4}, high={"ridge": 0.6}, reference="ridge", apart={"pca": (0.8, 1.3)}
+    )
+    for each in SAME
+)
 OVERALL = replace(found(5, ("pca",), ("ridge", "linear")), title="all groups together")
 
 
@@ -119,6 +125,11 @@ def holes(text: str) -> tuple[str | Placeholder, ...]:
         (NONE, "{number linear at length=15}", "1.50 mm"),
         (TO_BASELINE, "{better pca}; {worse at length=5}", "pca; linear"),
         (BESIDE, "{number missed of linear}, {number missed}", "2 to 20 %, 0 %"),
+        (INTERVALS, "{interval at length=5}; {interval ridge to pca at length=5}",
+         "95 %: 0.400 to 0.600; 95 %: \u22121.30 to \u22120.800"),
+        (OTHER, "{difference pca to ridge}", "\u22122.00 to 2.00 mm"),
+        (OTHER, "{count best ridge}, {count behind linear}, {count tied pca}",
+         "1 of 2, all 2, none of 2"),
         (SAME, "{best at all}, pca: {number at all}; {behind linear at all}",
          "pca, pca: 0.500 mm; linear"),
         ((), "Our words.", "Our words."),
@@ -147,6 +158,13 @@ def test_an_answer_in_the_authors_words(
         (SAME, "{number missed of ridge}", "missed of ridge has no number there"),
         (TO_BASELINE, "{worse linear}", "{worse linear} for length 15: worse is none"),
         ((), "{best}", "is about no group; there are: none"),
+        (INTERVALS, "{interval}", "{interval} is about one group, and there are: length 5, length"),
+        (INTERVALS, "{interval linear at length=5}", "linear has no interval there"),
+        (INTERVALS, "{interval pca to linear at length=5}", "differences have intervals to ridge"),
+        (SAME, "{difference ridge}", "write {difference METHOD to METHOD}, of: linear, pca, ridge"),
+        (SAME, "{count ridge}", "counts no claim; write {count CLAIM METHOD}"),
+        (SAME, "{count best cubic}", "cubic has no count there"),
+        ((NONE[1],), "{count best pca}", "counts what there is no verdict on"),
         (SAME, "{best at all}", "{best at all}: the groups cannot be taken together"),
     ],
 )  # fmt: skip
