@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from playwright.sync_api import Page
 from rich.console import Console
 
 import nodegraph as ng
@@ -27,6 +28,7 @@ from nodegraph_tables import Answer, info_of
 from nodegraph_tables.answer import plain
 from nodegraph_tables.style import BEST
 from tests import odd_studies
+from tests.browser import load
 from tests.odd_studies import odd_study
 
 SEEDS = range(24)
@@ -187,6 +189,21 @@ def check_places(shown: Shown, folder: Path) -> None:
     assert written == sorted([*means, *over_all])
 
 
+def check_charts(tab: Page, shown: Shown, folder: Path) -> None:
+    """Check that charts, and what is written above and below them, mark what the answer does."""
+    (folder / "report.html").write_text(page(shown.study), encoding="utf-8")
+    load(tab, folder / "report.html")
+    best = {name for found in shown.answer.findings for name in found.best if found.behind}
+    marked = tab.evaluate(
+        """[...document.querySelectorAll(
+        "[data-chart] :is(.best, .first):not(.map, .row-value), .map.best h4, p.finding b",
+        )].map((mark) => mark.closest("[data-method]")?.dataset.method ?? mark.firstChild.data)"""
+    )
+    assert {*marked} <= best
+    said = tab.evaluate("document.querySelector('[data-overview]').textContent")
+    assert bool(best) or not re.search(r"\bbest\b", said)
+
+
 def check_odd(seed: int, folder: Path) -> bool:
     """Check the study of a seed; return whether it has a comparison at all."""
     it = shown(odd_study(seed, most=60).text, folder)
@@ -207,11 +224,12 @@ def test_all_places_say_what_the_answer_says(tmp_path: Path, seed: int) -> None:
 
 @pytest.mark.parametrize("actors", [1, 4, 5, 8])
 def test_all_places_agree_with_and_without_a_verdict(
-    tmp_path: Path, store: Path, actors: int
+    tab: Page, tmp_path: Path, store: Path, actors: int
 ) -> None:
     fills = "[fill.linear, fill.ridge, fill.cubic]"
     it = shown(ACTORS.format(actors=actors, fills=fills, more=""), tmp_path, store)
     check_places(it, tmp_path)
+    check_charts(tab, it, tmp_path)
     scope = plain(it.answer.scope)
     assert " ".join(it.answer.held.split()) in it.files["table.tex"].decode()
     assert f"<strong>{it.answer.held.split('. ')[-1]}</strong>" in page(it.study)

@@ -116,8 +116,9 @@ REPORT_ENTRY: Mapping[str, Key] = {
     "notes": Key(Form.TEXT, "Markdown beside its cards, its figure or its table."),
     "answer": Key(
         Form.TEXT,
-        "Its answer in your words, in which {best}, {tied}, {behind}, {better}, {worse}, {number}"
-        " and {scope} are filled in; {best METHOD} and {best at AXIS=LABEL} say of which method"
-        " and group. Default: the value's own.",
+        "Its answer in your words, in which {best}, {tied}, {behind}, {better}, {worse}, {number},"
+        " {interval}, {difference METHOD to METHOD}, {count best METHOD} and {scope} are filled in;"
+        " {best METHOD} and {best at AXIS=LABEL} say of which method and group. Default: the value's"
+        " own.",
     ),
 }

@@ -89,18 +89,18 @@ def _sentence(curves: Curves) -> Text:
     if curves.enough is not None:
         start = _enough(curves, curves.enough)
     elif marked.shared is not None:
-        place = Word(f"{marked.shared:g} {axes.x}")
+        place = Word(f"{marked.shared:g} {axes.x}", "number")
         start = say(
             f"All {len(drawn)} curves have a minimum within {curves.tolerance:g} of {HERE}", place
         )
     elif knees:
-        place = Word(f"{median(knees):g} {axes.x}")
+        place = Word(f"{median(knees):g} {axes.x}", "number")
         several = f"median; {_between(knees)} in {of_all}" if len({*knees}) > 1 else of_all
         start = say(
             f"From {HERE} on, more of them help less{f' ({several})' if several else ''}", place
         )
     elif minima:
-        start = say(f"Lowest at {HERE}", Word(f"{_between(minima)} {axes.x}"))
+        start = say(f"Lowest at {HERE}", Word(f"{_between(minima)} {axes.x}", "number"))
     else:
         values = [float(points.value[points.curve].min()) for points in drawn]
         start = say(f"The lowest points have {HERE}", Word(_numbers(curves, values), "number"))
@@ -132,7 +132,7 @@ def _enough(curves: Curves, most: float) -> Text:
         return (f"No curve comes to {what}, with up to {_between(last)} {axes.x}",)
     of_all = _of(len(there), count, "curve")
     rest = "; the others do not come to it" if len(there) < count else ""
-    place = Word(f"{_between(there)} {axes.x}")
+    place = Word(f"{_between(there)} {axes.x}", "number")
     return say(f"{HERE} are enough for {what} ({of_all}{rest})", place)
 
 
@@ -150,7 +150,7 @@ def _beside_noise(curves: Curves) -> Text:
     ]
     who = _of(len(known), len(under), "curve") if known else "no curve"
     reached = f"{who} reach{'es' * (len(known) < 2)}"
-    at = say(f" at {HERE}", Word(f"{_between(known)} {curves.axes.x}")) if known else ()
+    at = say(f" at {HERE}", Word(f"{_between(known)} {curves.axes.x}", "number")) if known else ()
     if not times or curves.enough is not None:
         return say(f"{reached[0].upper()}{reached[1:]} measurement noise{HERE}.", at)
     number = Word(span_text([min(times), max(times)]), "number")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -84,9 +84,9 @@ def _sentence(ranked: Sequence[Ranking], tested: Sequence[Ranking], comparison: 
     return say(f"It depends on {' and '.join(question.within)}: {HERE}.", joined("; ", clauses))
 
 
-def _first(ranking: Ranking) -> Text:
+def _first(ranking: Ranking, kind: Literal["strong", "method"] = "strong") -> Text:
     names = [str(ranking.methods[place]) for place in np.flatnonzero(ranking.first)]
-    return listing([Word(name, "strong", name) for name in names])
+    return listing([Word(name, kind, name) for name in names])
 
 
 def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
@@ -113,7 +113,7 @@ def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
         facts.insert(0, ("Test", (_test(ranking, test),)))
     if objection or not ranking.differ:
         why = objection or caution or "Friedman's test does not tell the methods apart"
-        lowest = say(f"{HERE}, {HERE}", _first(ranking), value)
+        lowest = say(f"{HERE}, {HERE}", _first(ranking, "method"), value)
         facts = [("Lowest", lowest), ("Why", (why,)), *facts]
         return Card(title, ("no verdict",), (), (), _picture(ranking, {}), tuple(facts))
     pairs = ranking.pairs

@@ -148,6 +148,12 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
   };
   const widest = (names) => Math.max(0, ...names.map(textWidth));
 
+  // The name of a method: bold where the verdict on a group finds it best, and nowhere else.
+  const named = (view, method, group = view.group) => {
+    const name = view.overview.methods[method];
+    return view.numbers(group).best.includes(method) ? strong(name) : name;
+  };
+
   const strong = (text) => element("b", {}, String(text));
   // what a reader can do with a chart, but not on paper
   const hint = (text) => element("span", { class: "hint" }, text);
@@ -156,5 +162,5 @@ nodegraph.define("compare/chart", ["page", "selection"], (page, selection) => {
   const text = (x, y, content, attributes) => svg("text", { x, y, ...attributes }, content);
   const line = (x1, y1, x2, y2, className) => svg("line", { x1, y1, x2, y2, class: className });
 
-  return { mount, methodMark, walk, showNote, hideNote, strong, hint, picture, text, line, textWidth, widest };
+  return { mount, methodMark, walk, showNote, hideNote, named, strong, hint, picture, text, line, textWidth, widest };
 });

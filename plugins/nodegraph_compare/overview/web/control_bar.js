@@ -70,7 +70,7 @@ nodegraph.define("compare/control_bar", ["page", "compare/view"], (page, { STATI
       element("summary", { "data-key": "methods" }, chosen.size < methods.length ? `${chosen.size} of ${methods.length} methods` : "All methods"),
       element("div", { class: "menu", role: "group", "aria-label": "Methods to show" },
         element("div", {}, element("button", { type: "button", "data-key": "all", onclick: () => apply(methods) }, "All"),
-          element("button", { type: "button", "data-key": "leading", onclick: kept }, "Best, not certain and reference")),
+          element("button", { type: "button", "data-key": "leading", onclick: kept }, "Leading and reference")),
         ...methods.map(box)));
   };
 

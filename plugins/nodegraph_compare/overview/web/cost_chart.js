@@ -3,7 +3,7 @@
 // both.
 nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale", "compare/view"], (page, chart, scales, { seconds }) => {
   const { svg } = page;
-  const { strong, hint, text, line } = chart;
+  const { named, strong, hint, text, line } = chart;
   const HEIGHT = 400;
   const LEFT = 46;
   const BOTTOM = 44;
@@ -94,18 +94,19 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
   const finding = (view, points, front) => {
     if (view.better === "none" || view.statistic === "rank") return [];
     const first = points[0];
-    const name = (point) => strong(view.overview.methods[point.method]);
-    const where = view.overview.groups.length > 1 ? ["At ", strong(view.group.title), ": "] : [];
+    const name = (point) => named(view, point.method);
+    const end = view.numbers().best.includes(first.method) ? "best" : view.end;
+    const where = view.overview.groups.length > 1 ? [`At ${view.group.title}: `] : [];
     if (!(first.value > 0)) return [];
     const ratio = (point) => (view.better === "higher" ? first.value / point.value : point.value / first.value);
     const near = points.filter((point) => ratio(point) <= 1.1).sort((a, b) => a.seconds - b.seconds)[0];
     const parts = near === first
       ? ["nothing within 10\u202f% of ", name(first), ` is cheaper (${seconds(first.seconds)}). `]
-      : ["the cheapest within 10\u202f% of the best is ", name(near), ` (${seconds(near.seconds)}); the best, `, name(first), `, takes ${seconds(first.seconds)}. `];
+      : [`the cheapest within 10\u202f% of the ${end} is `, name(near), ` (${seconds(near.seconds)}); the ${end}, `, name(first), `, takes ${seconds(first.seconds)}. `];
     const cheapest = front[0];
-    const end = cheapest === near ? [] : [name(cheapest), ` takes ${seconds(cheapest.seconds)} at ${view.toBest(cheapest.value, first.value)} the error.`];
+    const more = cheapest === near ? [] : [name(cheapest), ` takes ${seconds(cheapest.seconds)} at ${view.toBest(cheapest.value, first.value)} the error.`];
     if (!where.length && typeof parts[0] === "string") parts[0] = parts[0][0].toUpperCase() + parts[0].slice(1);
-    return [...where, ...parts, ...end];
+    return [...where, ...parts, ...more];
   };
 
   const draw = (host, view) => chart.mount(host, view, { className: "cost-chart", draw: render(view) });

@@ -421,7 +421,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
     const extent = scales.extent(errors);
     const parts = [
       `Half of the ${errors.length} ${name}${view.overview.groups.length > 1 ? ` with ${view.group.title}` : ""} come out ${higher ? "at least at" : "within"} `,
-      strong(view.error(medianOf(errors))), " by ", strong(view.overview.methods[first]), ", the worst at ", strong(view.error(extent[higher ? 0 : 1])), ". ",
+      `${view.error(medianOf(errors))} by `, chart.named(view, first), `, the worst at ${view.error(extent[higher ? 0 : 1])}. `,
     ];
     const suspects = blocks.filter((block) => view.group.isSuspect(block));
     const total = errors.reduce((sum, value) => sum + value, 0);

@@ -158,17 +158,18 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const finding = (view) => {
     const groups = view.panel.groups.filter((group) => view.shown([group]).length > 1);
     if (view.better === "none" || !groups.length || view.overview.json.is_sequence) return [];
-    const best = groups.map((group) => view.numbers(group).first.map((method) => view.overview.methods[method]).join(" and "));
+    const firsts = groups.map((group) => view.numbers(group).first);
     const parts = [];
     const [first, last] = [groups[0], groups.at(-1)];
-    const panel = view.overview.panels.length > 1 ? [strong(view.panel.title), ": "] : [];
-    if (new Set(best).size === 1 && groups.length > 1) parts.push(strong(best[0]), ` has the ${view.better === "higher" ? "highest" : "lowest"} number throughout. `);
+    const panel = view.overview.panels.length > 1 ? [`${view.panel.title}: `] : [];
+    const same = firsts.every((methods) => methods.length === 1 && methods[0] === firsts[0][0]);
+    if (same && groups.length > 1) parts.push(view.overview.methods[firsts[0][0]], ` has the ${view.end} number throughout. `);
     else if (groups.length > 1) {
       const after = new Map(view.ranked(last).map((method, at) => [method, at + 1]));
       const moves = view.ranked(first).map((method, at) => ({ method, from: at + 1, to: after.get(method) })).filter(({ to }) => to)
         .sort((a, b) => a.to - a.from - (b.to - b.from));
       const [up, down] = [moves[0], moves.at(-1)];
-      const word = (move) => [strong(view.overview.methods[move.method]), ` ${move.to < move.from ? "climbs" : "falls"} from place ${move.from} to ${move.to}`];
+      const word = (move) => [view.overview.methods[move.method], ` ${move.to < move.from ? "climbs" : "falls"} from place ${move.from} to ${move.to}`];
       if (up?.to < up?.from) {
         parts.push(`${panel.length ? "from" : "From"} ${view.groupText(first)} to ${last.texts.at(-1)}, `, ...word(up));
         parts.push(...(down.to > down.from ? [", ", ...word(down)] : []), ". ");
@@ -181,7 +182,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       return low > 0 && view.statistic !== "rank" ? high / low : NaN;
     });
     if (factors.every(Number.isFinite) && factors.length <= 6) {
-      parts.push(`${panel.length && !parts.length ? "from" : "From"} the best to the worst is a factor of ${factors.map((factor) => (factor < 10 ? factor.toFixed(1) : factor.toFixed(0))).join(", ")}.`);
+      parts.push(`${panel.length && !parts.length ? "from" : "From"} the lowest to the highest is a factor of ${factors.map((factor) => (factor < 10 ? factor.toFixed(1) : factor.toFixed(0))).join(", ")}.`);
     }
     return parts.length ? [...panel, ...parts] : [];
   };

@@ -3,7 +3,7 @@
 // selected or next best one and the reference, on one scale. A place without blocks is hollow.
 nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale", "compare/overview"], (page, chart, scales, { medianOf }) => {
   const { element, svg } = page;
-  const { strong, hint, text, line } = chart;
+  const { named, strong, hint, line } = chart;
   const SIZE = 220;
   const MARGIN = 14;
 
@@ -14,7 +14,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
     const other = view.method !== null && ranked.includes(view.method) ? view.method : null;
     const next = ranked.find((method) => method !== first && method !== view.reference);
     const pictures = [
-      [first, view.better === "none" ? "" : view.numbers().best.includes(first) ? "best here" : `${view.better === "higher" ? "highest" : "lowest"} here`],
+      [first, view.better === "none" ? "" : view.numbers().best.includes(first) ? "best here" : `${view.end} here`],
       other === null ? [next, view.better === "none" ? "" : "next"] : [other, "selected"],
       [view.reference, "reference"],
     ];
@@ -133,8 +133,8 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
     const where = view.overview.groups.length > 1 ? ` at ${view.group.title}` : "";
     const [first, second, last] = [means[0], means[1], means.at(-1)];
     return [
-      "Hardest for ", strong(view.overview.methods[method]), `${where}: `, strong(first[0]), ` (${view.error(first[1])}) and ${second[0]} (${page.number(second[1])}); easiest `,
-      strong(last[0]), ` (${page.number(last[1])}).`,
+      "Hardest for ", named(view, method),
+      `${where}: ${first[0]} (${view.error(first[1])}) and ${second[0]} (${page.number(second[1])}); easiest ${last[0]} (${page.number(last[1])}).`,
     ];
   };
 

@@ -65,6 +65,11 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       return this.statistic === "rank" ? "lower" : this.metric.better;
     }
 
+    // The better end in a word.
+    get end() {
+      return this.better === "higher" ? "highest" : "lowest";
+    }
+
     get unit() {
       return this.statistic === "rank" ? "" : this.metric.unit;
     }
