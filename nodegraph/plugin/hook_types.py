@@ -279,8 +279,8 @@ class Provenance(Protocol):
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
         """Return the times of results by label of an axis; empty if no node has the name.
 
-        The time of a result is that of its step and of the steps before it that no other label of
-        the axis needs. The first call of a node may have compiled it, too.
+        The time of a result is that of its step and of the steps before it that not all labels of
+        the axis need. The first call of a node may have compiled it, too.
         """
 
     def uses(self, axis: str) -> Mapping[Label, str]:

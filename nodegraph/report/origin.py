@@ -51,16 +51,17 @@ class RunOrigin:
         plan, outcomes = self.run.plan, self.run.outcomes
         steps = [step for step in plan.steps if step.node == axis and axis in step.labels]
         before = {step.index: nx.ancestors(plan.network, step.index) for step in steps}
-        needed_by: dict[int, set[Label]] = defaultdict(set)
+        rivals: dict[frozenset[tuple[str, Label]], list[Step]] = defaultdict(list)
         for step in steps:
-            for index in before[step.index]:
-                needed_by[index].add(step.labels[axis])
+            rivals[frozenset({**step.labels, axis: ""}.items())].append(step)
         times: dict[Label, list[float]] = defaultdict(list)
-        for step in steps:
-            own = [index for index in before[step.index] if len(needed_by[index]) == 1]
-            counted = [outcomes[index] for index in (step.index, *own)]
-            if all(outcome.state is State.DONE for outcome in counted):
-                times[step.labels[axis]].append(sum(outcome.seconds for outcome in counted))
+        for several in rivals.values():
+            of_all = set.intersection(*(before[step.index] for step in several))
+            for step in several:
+                own = (step.index, *(before[step.index] - of_all))
+                counted = [outcomes[index] for index in own]
+                if all(outcome.state is State.DONE for outcome in counted):
+                    times[step.labels[axis]].append(sum(outcome.seconds for outcome in counted))
         return dict(times)
 
     def uses(self, axis: str) -> dict[Label, str]:
