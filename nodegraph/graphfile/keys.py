@@ -118,7 +118,7 @@ REPORT_ENTRY: Mapping[str, Key] = {
         Form.TEXT,
         "Its answer in your words, in which {best}, {tied}, {behind}, {better}, {worse}, {number},"
         " {interval}, {difference METHOD to METHOD}, {count best METHOD} and {scope} are filled in;"
-        " {best METHOD} and {best at AXIS=LABEL} say of which method and group. Default: the value's"
-        " own.",
+        " {best METHOD} and {best at AXIS=LABEL} say of which method and group. Default: the"
+        " value's own.",
     ),
 }

@@ -77,9 +77,7 @@ def line_of(verdicts: Verdicts) -> Line | None:
     means = means[np.isfinite(means)]
     if not len(means):
         return None
-    low, high = float(means.min()), float(means.max())
-    # shares of 0 have no logarithm; with them the line is an ordinary one
-    return Line(low, high, log=low > 0 and verdicts.metric.better != "none")
+    return Line.through(means.tolist(), log=verdicts.metric.better != "none")
 
 
 def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:

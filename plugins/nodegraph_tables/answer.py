@@ -42,6 +42,7 @@ _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
 
 _TICKS = 5
+_DECADE = 10.0
 _LETTER = 6.0
 """Across, in pixels."""
 
@@ -539,19 +540,36 @@ class Line:
         Its ends.
     log : bool
         Whether equal distances are equal ratios.
+    least : float
+        With a line from 0: the number down to which they are; 0 on other lines.
     """
 
     low: float
     high: float
     log: bool = False
+    least: float = 0.0
+
+    @classmethod
+    def through(cls, values: Sequence[float], *, log: bool) -> Line:
+        """Return the line on which all values lie; logarithmic, if wanted, where none is below 0.
+
+        Values of 0 among others of many sizes lie at its left end.
+        """
+        low, high = min(values), max(values)
+        above = min((value for value in values if value > 0.0), default=high)
+        from_0 = log and low == 0.0 and high > _DECADE * above
+        return cls(low, high, log and (low > 0.0 or from_0), above if from_0 else 0.0)
 
     def at(self, value: float) -> float:
         """Return where a value lies, in pixels from the left."""
-        low, high, place = (
-            math.log(each) if self.log else each for each in (self.low, self.high, value)
-        )
+        low, high, place = (self._along(each) for each in (self.low, self.high, value))
         share = (place - low) / (high - low) if high > low else 0.5
         return round(10.0 + (_WIDE - 20.0) * min(max(share, 0.0), 1.0), 1)
+
+    def _along(self, value: float) -> float:
+        if self.least:
+            return math.asinh(value / self.least)
+        return math.log(value) if self.log else value
 
     def drawn(self, y: float, unit: str = "") -> str:
         """Return the line with its ticks, whose numbers stand below it."""
@@ -591,9 +609,11 @@ class Line:
         return kept
 
     def _rounds(self, steps: Sequence[int]) -> list[float]:
-        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        low = self.least or self.low
+        decades = range(math.floor(math.log10(low)), math.ceil(math.log10(self.high)) + 1)
         values = (step * 10.0**decade for decade in decades for step in steps)
-        return [value for value in values if self.low <= value <= self.high]
+        rounds = [value for value in values if low <= value <= self.high]
+        return [0.0, *rounds] if self.least else rounds
 
     def _steps(self) -> list[float]:
         rough = (self.high - self.low) / (_TICKS - 1)
@@ -613,8 +633,7 @@ def _tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
 def line_of(values: Sequence[float]) -> Line:
     """Return the line on which all values lie: logarithmic where they span a decade."""
     known = [value for value in values if math.isfinite(value)] or [0.0]
-    low, high = min(known), max(known)
-    return Line(low, high, log=low > 0.0 and high > 10.0 * low)
+    return Line.through(known, log=max(known) > _DECADE * min(known))
 
 
 def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0, method: str = "") -> str:

@@ -24,7 +24,7 @@ from nodegraph_tables.answer import (
     lead_of_parts,
     listing,
 )
-from nodegraph_tables.numbers import span_text
+from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -209,4 +209,5 @@ def _dots(verdicts: Verdicts) -> str:
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     baseline = "" if verdicts.baseline is None else f"; hollow: {verdicts.baseline}"
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
+    scale += f" above {number_text(line.least)}" if line is not None and line.least else ""
     return f"Dots: a method each{scale}; filled: the best{others}{behind}{baseline}."

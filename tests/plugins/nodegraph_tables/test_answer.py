@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
@@ -78,6 +79,10 @@ def test_a_line_holds_all_numbers() -> None:
     assert wide.at(1.0) == (wide.at(0.1) + wide.at(10.0)) / 2
     assert narrow.at(0.5) == (narrow.at(0.0) + narrow.at(1.0)) / 2
     assert 0 < line_of([2.0, 2.0]).at(2.0) < 240
+    from_0 = line_of([0.0, 0.02, 2.0, 20.0])
+    places = [from_0.at(value) for value in (0.0, 0.02, 2.0, 20.0)]
+    assert min(after - before for before, after in pairwise(places)) > 15
+    assert from_0.ticks() == [0.0, 0.1, 1.0, 10.0]
 
 
 def found(length: int, best: tuple[str, ...], behind: tuple[str, ...]) -> Finding:

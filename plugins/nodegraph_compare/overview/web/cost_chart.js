@@ -81,8 +81,8 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
     return {
       finding: finding(view, points, front),
       caption: [
-        strong(`${view.what} against time, ${x.log && y.log ? "both on log scales" : "time on a log scale"}. `),
-        "The time of a result is that of its step and of the steps that its method alone needs: the median, without the longest, which may be a first call. ",
+        strong(`${view.what} against time, ${x.log && y.log ? "both on log scales" : ["time on a log scale", y.name && `the error on a ${y.name}`].filter(Boolean).join(", ")}. `),
+        "The time of a result is that of the steps behind it that not all methods need: the median, without the longest, which may be a first call. ",
         front.length ? "The stepped line joins methods that none beats in both. " : "",
         view.numbers().best.length ? "Blue: the best. " : "",
         tied.length ? "Ringed: not certain to be worse. " : "",

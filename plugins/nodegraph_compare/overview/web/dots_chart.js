@@ -88,7 +88,8 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       const isFar = sorted.length >= MANY && of(most) - of(usual) > FAR * (of(usual) - of(low));
       const high = isFar ? usual : most;
       this.sorted = sorted;
-      return [least > 0 ? Math.max(low, high / 1e5) : low, high];
+      const above = sorted.find((value) => value > 0) ?? high;
+      return least > 0 ? [Math.max(low, high / 1e5), high] : [low, Math.max(above, high / 1e5), high];
     }
 
     across(value) {
@@ -391,7 +392,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
       return {
         finding: finding(view, dots),
         caption: [
-          strong(`${view.metric.name}${view.metric.unit ? `, ${view.metric.unit}` : ""}${dots.x.log ? ", log scale" : ""}. `),
+          strong(`${view.metric.name}${view.metric.unit ? `, ${view.metric.unit}` : ""}${dots.x.name && `, ${dots.x.name}`}. `),
           `Every dot is one of the ${blocksName}, in the row of each method. ${view.statistic === "rank" ? "" : `Bars and numbers are ${view.statistic}s. `}`,
           view.numbers().best.length ? "Blue: the best. " : "",
           dots.blocks.some((block) => view.group.isSuspect(block)) ? `Hollow diamonds: suspect ${blocksName}, whose truth itself is in doubt. ` : "",

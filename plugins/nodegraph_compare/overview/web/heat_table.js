@@ -125,7 +125,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       const panel = groups.length < view.overview.groups.length ? `${view.panel.title}. ` : "";
       return {
         caption: [
-          strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.end}` : `, and the difference to the ${view.end}`}. `),
+          strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.end}` : `, and its multiple of the ${view.end}, or the difference`}. `),
           groups.some((group) => view.numbers(group).best.length) ? `Bold: the best${groups.length > 1 ? " of its group" : ""}, its name in blue; deeper blue is nearer it. ` : "",
           verdict ? "Outlined cells are not certain to be worse than the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",

@@ -129,10 +129,10 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const after = names + 24 + 44;
     const before = wide ? names + 26 : 34;
     const picture = chart.picture(width, rows * height, `${view.what} by ${view.overview.within.at(-1).name}`);
+    const bottom = height - 14;
+    const axis = scales.fitting(numbers, bottom, TOP, { linear: view.statistic === "rank" });
     panels.forEach((panel, at) => {
       const [row, column] = [Math.floor(at / columns), at % columns];
-      const bottom = height - 14;
-      const axis = scales.fitting(numbers, bottom, TOP, { linear: view.statistic === "rank" });
       const body = panelOf(view, panel, shown, axis, {
         left: column * each, right: (column + 1) * each - (columns > 1 ? 12 : 0), bottom, before, after, wide,
       });
@@ -141,15 +141,14 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       picture.append(whole);
     });
     plot.replaceChildren(picture);
-    const log = numbers.every((value) => !(value <= 0)) && view.statistic !== "rank";
     return {
       finding: finding(view),
       caption: [
-        strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${log ? ", log scale" : ""}. `),
+        strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.name && `, ${axis.name}`}. `),
         ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
         ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: not certain to be worse there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
-        log ? "Equal slopes are equal ratios. " : "", hint("Click a line or a name to follow it through the page."),
+        axis.log ? "Equal slopes are equal ratios. " : "", hint("Click a line or a name to follow it through the page."),
       ],
     };
   };
@@ -229,7 +228,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     plot.replaceChildren(picture);
     return {
       caption: [
-        strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.log ? ", log scale" : ""}. `),
+        strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.name && `, ${axis.name}`}. `),
         "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: not certain to be worse. " : "", hint("Click a dot or a name to follow it through the page."),
       ],
     };

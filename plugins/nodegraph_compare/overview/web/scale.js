@@ -58,32 +58,41 @@ nodegraph.define("compare/scale", [], () => {
     return values.map((value) => ({ value, text: tickText(value) }));
   };
 
-  // A scale of an extent to pixels. Where it is logarithmic, equal distances are equal ratios.
-  const scale = ([low, high], start, end, log) => {
+  // Values of 0 among others of many sizes: logarithmic, and linear below the least of these.
+  const symmetric = (least) => ({ of: (value) => Math.asinh(value / least), back: (value) => least * Math.sinh(value) });
+  const SPAN = 10; // of the sizes of values among which 0 needs that
+
+  // A scale of an extent to pixels. Where it is logarithmic, equal distances are equal ratios; with
+  // `least`, down to this.
+  const scale = ([low, high], start, end, log, least = 0) => {
     const flat = low === high;
     if (log) [low, high] = flat ? [low / 1.25, high * 1.25] : [low, high];
     else if (flat) [low, high] = low === 0 ? [-1, 1] : [low - Math.abs(low) / 4, high + Math.abs(high) / 4];
-    const of = log ? Math.log : (value) => value;
+    const of = least ? symmetric(least).of : log ? Math.log : (value) => value;
     const [first, last] = [of(low), of(high)];
     const place = (value) => start + ((of(value) - first) / (last - first)) * (end - start);
     const length = Math.abs(end - start);
     const ticks = (room) => {
       const most = Math.max(1, Math.floor(length / room));
       const apart = (a, b) => Math.abs(place(b) - place(a)) >= room * 0.6;
+      if (least) return [{ value: 0, text: "0" }, ...logTicks(least, high, most - 1, apart)];
       return log ? logTicks(low, high, most, apart) : linearTicks(low, high, most);
     };
-    return { place, ticks, log, low, high };
+    const name = least ? `log scale above ${tickText(least)}` : log ? "log scale" : "";
+    return { place, ticks, log, low, high, name };
   };
 
-  // A scale of all values with room at both ends, logarithmic where none is 0 or below.
+  // A scale of all values with room at both ends, logarithmic where none is below 0, and linear
+  // below the least of those above it where some are 0.
   const fitting = (values, start, end, { linear = false, room = 0.04 } = {}) => {
     const range = extent(values) ?? [0, 1];
     const log = !linear && range[0] > 0;
     if (range[0] === range[1]) return scale(range, start, end, log);
-    const of = log ? Math.log : (value) => value;
-    const back = log ? Math.exp : (value) => value;
+    const [above] = extent(values.filter((value) => value > 0)) ?? [0];
+    const least = !linear && range[0] === 0 && range[1] > SPAN * above ? above : 0;
+    const { of, back } = least ? symmetric(least) : log ? { of: Math.log, back: Math.exp } : { of: Number, back: Number };
     const margin = (of(range[1]) - of(range[0])) * room;
-    return scale([back(of(range[0]) - margin), back(of(range[1]) + margin)], start, end, log);
+    return scale([back(of(range[0]) - margin), back(of(range[1]) + margin)], start, end, log, least);
   };
 
   // Places at least `gap` apart, in the same order and as near to the wanted ones as can be (least

@@ -188,7 +188,7 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       if (!Number.isFinite(value) || !Number.isFinite(best)) return "";
       if (best > 0 && value > 0 && this.statistic !== "rank") {
         const times = this.better === "higher" ? best / value : value / best;
-        return `\u00d7${times < 10 ? times.toFixed(2) : times < 1000 ? times.toFixed(0) : times.toExponential(0)}`;
+        return `\u00d7${times < 10 ? times.toFixed(2) : times < 1000 ? times.toFixed(0) : page.number(times)}`;
       }
       const difference = value - best;
       return `${difference < 0 ? "" : "+"}${page.number(difference)}`;
