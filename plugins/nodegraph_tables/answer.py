@@ -361,10 +361,12 @@ def _are(names: Sequence[str]) -> str:
 
 def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
     """Return the mean of the best, or of a method, over some groups; of another column by name."""
+    columns = {name for finding in found for name in finding.beside}
     column, _, label = part.label.rpartition(" of ")
-    if part.label in found[0].beside:
+    if part.label in columns:
         column, label = part.label, ""
-    if column in found[0].beside:
+    if column in columns:
+        found = [finding for finding in found if column in finding.beside]
         unit, of_each = found[0].units[column], [finding.beside[column] for finding in found]
     else:
         label, unit, of_each = part.label, found[0].unit, [finding.mean for finding in found]
@@ -512,20 +514,21 @@ def _card(card: Card) -> str:
     )
 
 
-def svg(name: str, height: float, parts: Iterable[str]) -> str:
-    """Return the picture of a card, 240 pixels wide; classes of parts are those of `lead.css`.
+def svg(name: str, height: float, parts: Iterable[str], width: float = _WIDE) -> str:
+    """Return the picture of a card; classes of parts are those of `lead.css`.
 
     Parameters
     ----------
     name
         Description for a reader who does not see it.
-    height
+    height, width
         In pixels.
     parts
         SVG elements.
     """
+    wide = " wide" * (width > _WIDE)
     return (
-        f'<svg class="lead-picture" viewBox="0 0 {_WIDE:g} {height:g}" role="img" '
+        f'<svg class="lead-picture{wide}" viewBox="0 0 {width:g} {height:g}" role="img" '
         f'aria-label="{escape(name)}">{"".join(parts)}</svg>'
     )
 
@@ -579,7 +582,7 @@ class Line:
         # the last has the unit, and others a number as far as there is room before it
         for tick in reversed(ticks):
             x = self.at(tick)
-            text = _tick_text(tick, unit, with_unit=tick == ticks[-1])
+            text = tick_text(tick, unit, with_unit=tick == ticks[-1])
             width = _LETTER * len(text)
             anchor = "start" if x < width / 2 else "end" if x > _WIDE - width / 2 else "middle"
             left = x - width * {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor]
@@ -603,7 +606,7 @@ class Line:
             values = [self.low, self.high]
         kept: list[float] = []
         for value in values:
-            room = _LETTER * len(_tick_text(value, "")) + 6
+            room = _LETTER * len(tick_text(value, "")) + 6
             if not kept or self.at(value) - self.at(kept[-1]) >= room:
                 kept.append(value)
         return kept
@@ -623,7 +626,8 @@ class Line:
         return [step * place for place in range(first, last + 1)]
 
 
-def _tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
+def tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
+    """Return the number at a tick in few digits, with its unit if wanted."""
     shown = scale_of(unit) * value
     is_plain = not shown or SMALLEST <= abs(shown) < LARGEST
     text = f"{shown:.3g}".replace("-", MINUS) if is_plain else number_text(shown)

@@ -1,4 +1,4 @@
-"""The answer of curves at a glance: a card per curve, with its mark and what noise alone does."""
+"""The answer of curves at a glance: all of them in one picture, their marks, and the noise."""
 
 from __future__ import annotations
 
@@ -11,8 +11,23 @@ import numpy as np
 
 from nodegraph_compare.curve.marks import within_from
 from nodegraph_compare.curve.notes import most_text
-from nodegraph_tables.answer import HERE, Answer, Card, Finding, Text, Word, dot, joined, say, svg
+from nodegraph_tables.answer import (
+    HERE,
+    MOST_CARDS,
+    Answer,
+    Card,
+    Finding,
+    Line,
+    Text,
+    Word,
+    dot,
+    joined,
+    say,
+    svg,
+    tick_text,
+)
 from nodegraph_tables.numbers import number_text, span_text
+from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,28 +38,29 @@ if TYPE_CHECKING:
     from nodegraph_compare.curve.points import Points
     from nodegraph_compare.curve.scale import Scale
 
-_HEIGHT = 92.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 8.0, 232.0, 7.0, 75.0
+_WIDTH, _HEIGHT = 440.0, 200.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 44.0, 428.0, 20.0, 172.0
 _KINDS = {
     "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee", "enough": "enough",
 }  # fmt: skip
 
 
 class _Scales(NamedTuple):
-    """From numbers to pixels, the same on all cards."""
+    """From numbers to pixels."""
 
     scale: Scale
     left: float
     right: float
-    low: float
-    high: float
+    bottom: float
+    top: float
 
     def x(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
         share = (value - self.left) / ((self.right - self.left) or 1.0)
         return np.asarray(_LEFT + (_RIGHT - _LEFT) * share)
 
     def y(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
-        share = (self.scale.along(value) - self.low) / ((self.high - self.low) or 1.0)
+        bottom, top = self.scale.along(np.array([self.bottom, self.top]))
+        share = (self.scale.along(value) - bottom) / ((top - bottom) or 1.0)
         return np.asarray(_BOTTOM - (_BOTTOM - _TOP) * np.clip(share, 0.0, 1.0))
 
 
@@ -53,9 +69,7 @@ def answer_of(curves: Curves) -> Answer:
     drawn = curves.drawn
     if not drawn:
         return Answer((f"No point has a number for {curves.axes.metric}.",))
-    scales = _scales(curves)
-    cards = tuple(_card(points, curves, scales) for points in drawn)
-    return Answer(_sentence(curves), _scope(curves), cards, findings=_findings(curves))
+    return Answer(_sentence(curves), _scope(curves), (_card(curves),), findings=_findings(curves))
 
 
 def _findings(curves: Curves) -> tuple[Finding, ...]:
@@ -70,8 +84,12 @@ def _findings(curves: Curves) -> tuple[Finding, ...]:
             title=_title(points, curves),
             verdict=False, best=(), tied=(), behind=(), first=("",), unit=axes.x,
             mean={"": int(x) if x.is_integer() else x},
-            beside={} if curves.enough is None else {"enough": {"": curves.enough}},
-            units={"enough": curves.unit},
+            beside={
+                name: {"": value}
+                for name, value in (("enough", curves.enough), ("noise", curves.floor(points)))
+                if value is not None and math.isfinite(value)
+            },
+            units={"enough": curves.unit, "noise": curves.unit},
         )
         for points, x in zip(curves.drawn, marked, strict=True)
     )  # fmt: skip
@@ -158,65 +176,108 @@ def _beside_noise(curves: Curves) -> Text:
     return say(f"{start}, which {reached}{HERE}.", number, at)
 
 
-def _card(points: Points, curves: Curves, scales: _Scales) -> Card:
+def _card(curves: Curves) -> Card:
+    axes, drawn, kinds = curves.axes, curves.drawn, curves.marked.kinds
+    several = [_KINDS[kind] for kind in dict.fromkeys(kinds.values())]
+    marked = [x for kind in dict.fromkeys(kinds.values()) for x in _marked_at(curves, kind)]
+    values = [float(points.value[points.curve].min()) for points in drawn]
+    headline = f"{_between(marked)} {axes.x}" if marked else _numbers(curves, values)
+    more = len(drawn) - MOST_CARDS
+    rest: list[tuple[str, Text]] = [("more", (f"{more} are in the table",))] if more > 0 else []
+    return Card(
+        title=f"{axes.metric} over {axes.x}",
+        headline=(headline,),
+        value=(" or ".join(several) or "lowest points",),
+        picture=_picture(curves),
+        facts=(
+            *((_title(each, curves), _fact(each, curves)) for each in drawn[:MOST_CARDS]),
+            *rest,
+        ),
+    )
+
+
+def _fact(points: Points, curves: Curves) -> Text:
+    """Return the mark of a curve, and where it comes to the noise."""
     axes, marked, floor = curves.axes, curves.marked, curves.floor(points)
     lowest = int(points.curve[np.argmin(points.value[points.curve])])
     kind = marked.kinds.get(points.label, "")
     place = marked.places.get(points.label, lowest)
-    reached = _reached(points, floor)
-    where = "not reached" if reached is None else f"reached at {reached:g} {axes.x}"
-    noise = (("Noise", (f"{number_text(floor, curves.unit)}, {where}",)),)
     at, what = f"{points.x[place]:g} {axes.x}", _KINDS.get(kind, "lowest point")
     if not kind and curves.mark != "none":
         at, what = "no knee" if curves.enough is None else "not reached", f"lowest at {at}"
-    return Card(
-        title=_title(points, curves),
-        headline=(at,),
-        value=(what,),
-        aside=(_numbers(curves, [float(points.value[place])]),),
-        picture=_picture(points, curves, place, scales),
-        facts=noise if math.isfinite(floor) else (),
-    )
+    # what all are marked for stands above them
+    what = "" if len({*marked.kinds.values()}) == 1 and kind else f", {what}"
+    text = f"{at}{what}, {_numbers(curves, [float(points.value[place])])}"
+    if not math.isfinite(floor):
+        return (text,)
+    reached = _reached(points, floor)
+    where = "not reached" if reached is None else f"reached at {reached:g}"
+    return (f"{text} (noise {number_text(floor, curves.unit)}, {where})",)
 
 
-def _picture(points: Points, curves: Curves, place: int, scales: _Scales) -> str:
-    axes, floor = curves.axes, curves.floor(points)
-    shade = ""
-    if math.isfinite(floor):
-        top = float(scales.y(np.array([floor]))[0])
-        shade = f'<rect x="0" width="240" y="{top:.1f}" height="{_BOTTOM - top:.1f}"/>'
+def _picture(curves: Curves) -> str:
+    """Return all curves over one another, with a circle at each mark."""
+    axes, drawn, scales = curves.axes, curves.drawn, _scales(curves)
+    floors = [floor for points in drawn if math.isfinite(floor := curves.floor(points))]
+    parts: list[str] = []
+    if floors:
+        top = float(scales.y(np.array([max(floors)]))[0])
+        parts.append(
+            f'<rect x="{_LEFT:g}" width="{_RIGHT - _LEFT:g}" y="{top:.1f}" '
+            f'height="{_BOTTOM - top:.1f}"/>'
+            f'<text x="{_LEFT + 6:g}" y="{_BOTTOM - 5:g}">noise</text>'
+        )
+    y = Line(scales.bottom, scales.top, log=curves.scale.logarithmic).ticks()
+    for at, tick in zip(scales.y(np.array(y)), y, strict=True):
+        parts += [
+            f'<line class="grid" x1="{_LEFT:g}" x2="{_RIGHT:g}" y1="{at:.1f}" y2="{at:.1f}"/>',
+            f'<text class="end" x="{_LEFT - 6:g}" y="{at + 4:.1f}">{tick_text(tick, curves.unit)}'
+            "</text>",
+        ]
+    x = Line(scales.left, scales.right).ticks()
+    for at, tick in zip(scales.x(np.array(x)), x, strict=True):
+        parts.append(f'<text class="middle" x="{at:.1f}" y="{_BOTTOM + 16:g}">{tick:g}</text>')
     if curves.enough is not None:
         level = float(scales.y(np.array([curves.enough]))[0])
-        shade += f'<line class="enough" x1="0" x2="240" y1="{level:.1f}" y2="{level:.1f}"/>'
-    others = (_path(other, scales, "rest") for other in curves.drawn if other is not points)
-    x, y = scales.x(points.x), scales.y(points.value)
-    curve = "".join(
-        dot(
-            round(float(x[at]), 1), round(float(y[at]), 1), "before" if at == place else "own",
-            f"{points.x[at]:g} {axes.x}: {number_text(float(points.value[at]))}",
-            6.0 if at == place else 2.5,
+        parts.append(
+            f'<line class="enough" x1="{_LEFT:g}" x2="{_RIGHT:g}" y1="{level:.1f}" '
+            f'y2="{level:.1f}"/>'
+            f'<text class="end" x="{_RIGHT:g}" y="{level - 5:.1f}">'
+            f"{curves.enough:g} is enough</text>"
         )
-        for at in sorted(points.curve.tolist(), key=lambda at: at == place)
-    )  # fmt: skip
-    ends = (
-        f'<text x="{_LEFT:g}" y="{_HEIGHT - 3:g}">{scales.left:g}</text>'
-        f'<text class="end" x="{_RIGHT:g}" y="{_HEIGHT - 3:g}">'
-        f"{scales.right:g} {escape(axes.x)}</text>"
-    )
-    name = f"{axes.metric} over {axes.x} {points.label}"
-    return svg(name, _HEIGHT, (shade, *others, _path(points, scales, ""), curve, ends))
+    unit = unit_text(curves.unit)
+    parts += [
+        f'<text x="4" y="10">\N{UPWARDS ARROW} {escape(axes.metric)}'
+        f"{f' ({escape(unit)})' if unit else ''}</text>",
+        f'<text class="end" x="{_RIGHT:g}" y="{_HEIGHT - 2:g}">{escape(axes.x)} '
+        "\N{RIGHTWARDS ARROW}</text>",
+        *(_path(points, scales) for points in drawn),
+        *(
+            _mark(points, curves, scales)
+            for points in drawn
+            if points.label in curves.marked.places
+        ),
+    ]
+    return svg(f"{axes.metric} over {axes.x}", _HEIGHT, parts, _WIDTH)
 
 
-def _path(points: Points, scales: _Scales, kind: str) -> str:
+def _mark(points: Points, curves: Curves, scales: _Scales) -> str:
+    place = curves.marked.places[points.label]
+    x, y = scales.x(points.x)[place], scales.y(points.value)[place]
+    name = f"{_title(points, curves)}: {points.x[place]:g} {curves.axes.x}"
+    return dot(round(float(x), 1), round(float(y), 1), "before", name, 5.0)
+
+
+def _path(points: Points, scales: _Scales) -> str:
     x, y = scales.x(points.x[points.curve]), scales.y(points.value[points.curve])
     pairs = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-    return f'<path class="{kind}" d="M{pairs}"/>'
+    return f'<path d="M{pairs}"/>'
 
 
 def _scales(curves: Curves) -> _Scales:
     drawn, scale = curves.drawn, curves.scale
     x = np.concatenate([points.x[points.curve] for points in drawn])
-    y = scale.along(np.concatenate([points.value[points.curve] for points in drawn]))
+    y = scale.shown(np.concatenate([points.value[points.curve] for points in drawn]))
     return _Scales(scale, float(x.min()), float(x.max()), float(y.min()), float(y.max()))
 
 
@@ -240,8 +301,8 @@ def _scope(curves: Curves) -> Text:
         f"{several}{kind}{f' ({data})' if data else ''}, each point a {point}: described, not "
         f"tested; other draws may differ{people}."
     )
-    if len(drawn) > 1:
-        parts.append("dark: the curve of the card, grey: the others")
+    if kinds := dict.fromkeys(_KINDS[kind] for kind in curves.marked.kinds.values()):
+        parts.append(f"circle: {' or '.join(kinds)}")
     return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])
 
 
