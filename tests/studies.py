@@ -44,7 +44,7 @@ FEW = {
         *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),
         *("--axis", "seed=0", "--set", "runs=30"),
     ),
-    "pipeline": ("--axis", "actor=0,1", "--only", "damage=usual,clean"),
+    "pipeline": ("--axis", "actor=0,1", "--only", "damage=usual,gaps only"),
     "spline_orders": TWO,
     "step_order": ("--axis", "actor=0,1"),
     "tracking": TWO,

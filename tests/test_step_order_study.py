@@ -32,8 +32,8 @@ def test_nothing_fails_or_is_refused(built_in: Path) -> None:
 def test_an_impulse_that_is_smoothed_before_it_is_repaired_stays(
     errors: dict[tuple[str, str], float],
 ) -> None:
-    repaired_first = errors["usual", "repair_fill_smooth"]
-    for order in ("smooth_repair_fill", "smooth_fill_repair", "fill_smooth_repair"):
+    repaired_first = errors["usual", "repair → fill → smooth"]
+    for order in ("smooth → repair → fill", "smooth → fill → repair", "fill → smooth → repair"):
         assert errors["usual", order] > 1.2 * repaired_first
 
 
