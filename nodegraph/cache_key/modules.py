@@ -207,8 +207,8 @@ class Modules:
     def _all(self, top: str) -> Iterator[At]:
         for folder in self._folders(top):
             for file in sorted(glob.glob("**/*.py", root_dir=folder, recursive=True)):
-                names = (top, *Path(file).with_suffix("").parts)
-                yield ".".join(names).removesuffix(".__init__"), ""
+                name = file.removesuffix(".py").replace(os.sep, ".")
+                yield f"{top}.{name}".removesuffix(".__init__"), ""
 
     def _folders(self, name: str) -> tuple[str, ...]:
         place = self._place(name)
@@ -301,10 +301,12 @@ def _absolute(package: str, references: Iterable[str]) -> Iterator[At]:
         module, _, name = reference.partition(":")
         if reference == ANY:
             continue
-        try:
-            yield resolve_name(module, package), "" if name == "*" else name
-        except ImportError:  # a relative import outside of any package fails when it is run
-            continue
+        if module.startswith("."):
+            try:
+                module = resolve_name(module, package)
+            except ImportError:  # outside of any package it fails when it is run
+                continue
+        yield module, "" if name == "*" else name
 
 
 @cache
