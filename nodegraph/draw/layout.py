@@ -74,12 +74,16 @@ class Area:
         Cells called ``entry`` and ``exit`` stand left and right of all others.
     wires : dict of wire to (list of point)
         They form no cycle. `arrange` fills in the points between which a wire runs.
+    named : set of wire
+        Those that end at a port which says where they begin: from another band, only their end is
+        drawn.
     corners : dict of cell to point
         Upper left corners, from `arrange`.
     """
 
     sizes: dict[Cell, Size] = field(default_factory=dict)
     wires: dict[Wire, list[Point]] = field(default_factory=dict)
+    named: set[Wire] = field(default_factory=set)
     corners: dict[Cell, Point] = field(default_factory=dict)
     width: float = 0.0
     height: float = 0.0
@@ -113,7 +117,8 @@ class Area:
         band_of = _bands_of(bands)
         for wire, way in ways.items():  # past the bands in which it neither begins nor ends
             ends = {band_of[way[0][0]], band_of[way[-1][0]]}
-            ways[wire] = [each for each in way if band_of[each[0]] in ends]
+            is_cut = wire in self.named and len(ends) > 1
+            ways[wire] = way[-1:] if is_cut else [each for each in way if band_of[each[0]] in ends]
         used = {*self.sizes, *(cell for way in ways.values() for cell, _ in way)}
         kept = [[[cell for cell in column if cell in used] for column in band] for band in bands]
         self._place([columns for band in kept if (columns := [*filter(None, band)])], sizes, ways)
@@ -138,15 +143,12 @@ class Area:
         settled = [
             _settled(band, sizes, within) for band, within in zip(bands, inside, strict=True)
         ]
-        for at, (starts, tops) in enumerate(zip(leaving, settled, strict=True)):
-            height = {(cell, offset): tops[cell] + offset for cell, offset in starts}
-            ranked = sorted(starts, key=lambda start: (starts[start] > at + 1, height[start]))
-            leaving[at] = {start: starts[start] for start in ranked}
+        leaving = _ranked(leaving, settled)
         tracks = _tracks(leaving)
-        indent = max(tracks.values(), default=0.0)
+        indent = max(tracks.values(), default=_BEFORE_HEAD if len(bands) > 1 else 0.0)
         edges: dict[Cell, tuple[float, float]] = {}
         turns: dict[_Start, _Turn] = {}
-        tops = {}
+        tops: dict[Cell, float] = {}
         top = 0.0
         for band, offsets, starts in zip(bands, settled, leaving, strict=True):
             x = indent
@@ -166,6 +168,10 @@ class Area:
         self.corners = {cell: (edges[cell][0], tops[cell]) for cell in self.sizes}
         for wire, way in ways.items():
             points = self.wires[wire] = []
+            if wire[0] != way[0]:
+                cell, port = way[0]
+                x, y = edges[cell][0], tops[cell] + sizes[cell].inputs[port]
+                points += [(x - _BEFORE_HEAD, y), (x, y)]
             for (left, port), (right, right_port) in pairwise(way):
                 start = left, sizes[left].outputs[port]
                 y, end = tops[left] + start[1], tops[right] + sizes[right].inputs[right_port]
@@ -181,6 +187,17 @@ _Start = tuple[Cell, float]
 
 def _bands_of(bands: Sequence[list[list[Cell]]]) -> dict[Cell, int]:
     return {cell: at for at, band in enumerate(bands) for column in band for cell in column}
+
+
+def _ranked(
+    leaving: Sequence[Mapping[_Start, int]], settled: Iterable[Mapping[Cell, float]]
+) -> list[dict[_Start, int]]:
+    """Sort the wires that leave each band: those into the next one first, then from above."""
+    ranked = []
+    for at, (starts, tops) in enumerate(zip(leaving, settled, strict=True)):
+        keys = {start: (last > at + 1, tops[start[0]] + start[1]) for start, last in starts.items()}
+        ranked.append({start: starts[start] for start in sorted(starts, key=keys.__getitem__)})
+    return ranked
 
 
 def _tracks(leaving: Sequence[Mapping[_Start, int]]) -> dict[_Start, float]:
@@ -505,6 +522,9 @@ def layout(picture: Picture) -> Layout:
         size = Size(each.width, each.height, inputs, dict(each.outputs.items()))
         areas[frames[each.box.name]].sizes["box", each.box.name] = size
     ways = [_way(arrow, frames) for arrow in picture.arrows]
+    for arrow, way in zip(picture.arrows, ways, strict=True):
+        if arrow.is_named and len(way) == 1:
+            areas[way[0][0]].named.add(way[0][1])
     for frame, wire in (part for way in ways for part in way):
         areas[frame].wires[wire] = []
         pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from nodegraph.draw import Arrow, Box, Picture, Socket, svg
 from nodegraph.draw.boxes import width
+from nodegraph.draw.picture import folded
 
 SVG = "{http://www.w3.org/2000/svg}"
 HOSTILE = "\"><script>alert(1)</script>&amp;\x00'\ud800]]>"
@@ -242,6 +243,20 @@ def test_a_wire_runs_past_the_lines_in_which_it_does_not_end() -> None:
     assert between
     assert beside
     assert max(beside) < min(box[0] for box in between)
+
+
+def test_an_arrow_from_another_line_into_the_list_of_the_report_is_drawn_at_its_end_alone() -> None:
+    steps = chain(20)
+    shows = tuple(Box(name, (), (Socket("in"),), kind="report") for name in ("table", "faces"))
+    arrows = (Arrow("step0", "x", "table", "in"), Arrow("step19", "x", "faces", "in"))
+    picture = folded(Picture("", (*steps.boxes, *shows), (*steps.arrows, *arrows)))
+    root = ElementTree.fromstring(svg(picture))
+    card, last = (rectangles(root)[name] for name in ("report", "step19"))
+    drawn = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
+    ((*far,),) = drawn["step0.x report.step0.x"]
+    ((*near,),) = drawn["step19.x report.step19.x"]
+    assert last[2] < min(x for x, _ in far) < card[0]
+    assert near[0][0] == pytest.approx(last[2], abs=0.2)
 
 
 def test_a_source_that_is_needed_late_stands_before_its_reader() -> None:
