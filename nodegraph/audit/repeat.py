@@ -21,7 +21,6 @@ from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.processes import Worker, WorkerEndedError
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
-from nodegraph.node.ports import Across
 from nodegraph.state import State
 from nodegraph.store import DamagedEntry, Packer, Unstorable
 
@@ -117,7 +116,8 @@ class Repeats:
     def call_here(self, case: Case, threads: int = 1) -> tuple[Outcome, str]:
         """Repeat a call in this process; return its outcome and which inputs it modified."""
         packer = self._run.packer
-        inputs = {port: _lent(value, packer) for port, value in case.call.inputs.items()}
+        # copies: of these, no node has kept anything
+        inputs = {port: packer.copy(value) for port, value in case.call.inputs.items()}
         with numeric_threads(threads):
             outcome = perform(replace(case.call, inputs=inputs))
         after = _digests(inputs, packer)
@@ -193,14 +193,6 @@ def _numba_threads(count: int) -> Iterator[None]:
         yield
     finally:
         numba.set_num_threads(before)
-
-
-def _lent(value: object, packer: Packer) -> object:
-    """Return a value for one call, whose changes do not reach later calls."""
-    if not isinstance(value, Across):
-        return packer.lend(value)
-    entries = tuple((labels, packer.lend(entry)) for labels, entry in value)
-    return replace(value, entries=entries)
 
 
 def _digests(inputs: Mapping[str, object], packer: Packer) -> dict[str, str]:

@@ -17,6 +17,7 @@ from nodegraph import node
 from nodegraph_fill.family import LEFT, make_fill
 from nodegraph_fill.filling import Filling
 from nodegraph_fill.gaps import Gaps, to_gap_end
+from nodegraph_fill.kept import kept_of, key_of
 from nodegraph_fill.streams import live_form
 from nodegraph_fill.tuning import unless_tuned
 from nodegraph_mocap import Origin, Trajectories
@@ -76,9 +77,12 @@ def along_time(
             recording = filling.recording
             if not len(gaps.start):
                 return recording
+            kept, key = kept_of(recording), key_of(method, filling, settings)
+            if key not in kept:
+                kept[key] = method(recording.positions, gaps, **settings)
             positions = recording.positions.copy()
             _, frame, marker, _ = gaps.samples
-            positions[frame, marker] = method(recording.positions, gaps, **settings)
+            positions[frame, marker] = kept[key]
             return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED)
 
         left = LEFT if one_end else _TWO_ENDS

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +12,7 @@ from pydantic import Field
 from nodegraph import Refusal, Unit
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.low_rank import Entries, LowRank
-from nodegraph_fill.tuning import Tune, is_trying
+from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
 
@@ -87,12 +86,14 @@ def bilinear(
         )
 
     matrix = TakeMatrix.of(recording)
-    shape = LowRank(matrix, _SHRINKAGE).principal(variance)
+    low_rank = LowRank.of(recording, _SHRINKAGE)
+    shape = low_rank.principal(variance)
     cosines = 1 + math.floor(2.0 * cutoff / recording.rate * recording.frames + _SLIGHT)
     basis = _Basis(shape.basis, cosines)
     straight = matrix.with_lines() - shape.middle
-    completed = _completed(basis, straight, matrix.missing)
-    return Estimate(matrix.positions(basis.nearest(completed) + shape.middle))
+    completed, unsettled = _completed(basis, straight, matrix.missing)
+    positions = matrix.positions(basis.nearest(completed) + shape.middle)
+    return Estimate(positions, unsettled=low_rank.unsettled or unsettled)
 
 
 @dataclass(frozen=True)
@@ -117,9 +118,12 @@ class _Basis:
 
 def _completed(
     basis: _Basis, straight: NDArray[np.float64], missing: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    """Return the rows with their missing entries moved from the straight lines to the least."""
-    entries = Entries(missing)
+) -> tuple[NDArray[np.float64], str]:
+    """Return the rows with their missing entries moved from the straight lines to the least.
+
+    Returned is besides what to warn of, if the rounds have not settled.
+    """
+    entries, unsettled = Entries(missing), ""
     rest = -(straight - basis.nearest(straight))[missing]
     ahead, moved = rest.copy(), np.zeros_like(rest)
     square, enough = rest @ rest, (_TOLERANCE * float(np.linalg.norm(straight))) ** 2
@@ -134,8 +138,7 @@ def _completed(
         before, square = square, rest @ rest
         ahead = rest + square / before * ahead
     else:
-        if not is_trying():
-            warnings.warn(f"not settled after {_MOST_ROUNDS} rounds", stacklevel=5)
+        unsettled = f"not settled after {_MOST_ROUNDS} rounds"
     completed = straight.copy()
     completed[missing] += moved
-    return completed
+    return completed, unsettled

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -13,8 +12,9 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-from nodegraph_fill.tuning import is_trying
+from nodegraph_fill.kept import kept_of
 from nodegraph_fill.whole_take import TakeMatrix
+from nodegraph_mocap import Trajectories
 
 _Real = TypeVar("_Real", np.float32, np.float64)
 _MOST_ROUNDS = 1000
@@ -82,10 +82,13 @@ class LowRank:
         Completed.
     precision : (P, P) array of float64
         K at the solution.
+    unsettled : str
+        What to warn of where the rounds have not settled.
     """
 
     rows: NDArray[np.float64]
     precision: NDArray[np.float64]
+    unsettled: str
 
     def __init__(
         self,
@@ -94,7 +97,7 @@ class LowRank:
         near: LowRank | None = None,
         settled: float = 1e-11,
     ) -> None:
-        self.rows = matrix.rows.copy()
+        self.rows, self.unsettled = matrix.rows.copy(), ""
         lacking = matrix.missing.any(axis=1)
         whole, some = matrix.rows[~lacking], matrix.rows[lacking]
         self._missing, self._constant = Entries(matrix.missing[lacking]), whole.T @ whole
@@ -112,6 +115,15 @@ class LowRank:
                 some = near.completed(some, self._missing.mask)
             self._solve(some, size, size * max(settled, _ROUNDING / shrinkage))
             self.rows[lacking] = some
+
+    @staticmethod
+    def of(recording: Trajectories, shrinkage: float) -> LowRank:
+        """Return the completion of a recording."""
+        kept, key = kept_of(recording), (LowRank, shrinkage)
+        if key not in kept:
+            kept[key] = LowRank(TakeMatrix.of(recording), shrinkage)
+        found: LowRank = kept[key]
+        return found
 
     def completed(
         self, rows: NDArray[np.float64], missing: NDArray[np.bool_]
@@ -166,12 +178,10 @@ class LowRank:
                 before = change
             else:
                 rows[missing.mask] = mixing.extrapolated(lower, -step)
-        if not is_trying():
-            warnings.warn(
-                f"completing the take has not settled after {_MOST_ROUNDS} rounds: the last one "
-                f"still changed a coordinate by {change:.1g} mm",
-                stacklevel=6,
-            )
+        self.unsettled = (
+            f"completing the take has not settled after {_MOST_ROUNDS} rounds: the last one "
+            f"still changed a coordinate by {change:.1g} mm"
+        )
 
 
 class Mixing:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -69,7 +68,7 @@ def ppca(recording: Trajectories, gaps: Gaps) -> Estimate:
         # nothing ever moves
         return Estimate(matrix.positions(lines))
     components = _components(lines, math.ceil(_PART * recording.rate))
-    model = _learnt(lines, matrix.missing, components)
+    model, unsettled = _learnt(lines, matrix.missing, components)
     lines[matrix.missing] = model.means(lines, Entries(matrix.missing))
 
     def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -78,7 +77,7 @@ def ppca(recording: Trajectories, gaps: Gaps) -> Estimate:
         rows[hidden.missing] = model.means(rows, entries)
         return hidden.of_gaps(matrix.positions(rows))
 
-    return Estimate(matrix.positions(lines), ends=beside)
+    return Estimate(matrix.positions(lines), ends=beside, unsettled=unsettled)
 
 
 @dataclass(frozen=True)
@@ -118,7 +117,10 @@ class _Normal:
         return np.asarray(middle - entries.inverse(self.precision)(pull))
 
 
-def _learnt(lines: NDArray[np.float64], missing: NDArray[np.bool_], components: int) -> _Normal:
+def _learnt(
+    lines: NDArray[np.float64], missing: NDArray[np.bool_], components: int
+) -> tuple[_Normal, str]:
+    """Return the distribution, and what to warn of if the rounds have not settled."""
     lacking = missing.any(axis=1)
     whole, some, entries = lines[~lacking], lines[lacking], Entries(missing[lacking])
     square, total, count = whole.T @ whole, whole.sum(axis=0), len(lines)
@@ -130,12 +132,11 @@ def _learnt(lines: NDArray[np.float64], missing: NDArray[np.bool_], components: 
         means = model.means(some, entries)
         step = means - some[entries.mask]
         if np.abs(step).max(initial=0.0) <= _SETTLED * math.sqrt(model.noise):
-            return model
+            return model, ""
         spread = model.noise * entries.inverses(model.precision)
         mixed = mixing.extrapolated(np.concatenate([means, spread.ravel()]), step)
         some[entries.mask], spread = mixed[: len(means)], mixed[len(means) :].reshape(spread.shape)
-    warnings.warn(f"not settled after {_MOST_ROUNDS} rounds", stacklevel=5)
-    return model
+    return model, f"not settled after {_MOST_ROUNDS} rounds"
 
 
 def _components(rows: NDArray[np.float64], part: int) -> int:

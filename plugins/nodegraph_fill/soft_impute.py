@@ -55,11 +55,12 @@ def soft_impute(
         the rank.
     """
     matrix = TakeMatrix.of(recording)
-    low_rank = LowRank(matrix, shrinkage)
+    low_rank = LowRank.of(recording, shrinkage)
 
     def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         hidden = matrix.hidden_ends(gaps)
         rows = low_rank.completed(matrix.rows[hidden.frame], hidden.missing)
         return hidden.of_gaps(matrix.positions(rows))
 
-    return Estimate(matrix.positions(low_rank.rows), ends=beside)
+    positions = matrix.positions(low_rank.rows)
+    return Estimate(positions, ends=beside, unsettled=low_rank.unsettled)

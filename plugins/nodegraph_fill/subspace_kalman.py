@@ -19,8 +19,8 @@ _SHRINKAGE = 0.001
 _LEAST_NOISE = 1e-5
 """Smallest noise of a coordinate, relative to the mean variance of all coordinates."""
 _LEAST_DRIFT = 1e-12
-_SETTLED, _ROUGHLY = 1e-9, 1e-3
-"""Changes at which the completion of the take ends, and that of the take with held-out gaps."""
+_ROUGHLY = 1e-3
+"""Change at which the completion of the take with held-out gaps ends."""
 
 
 @whole_take(
@@ -92,7 +92,10 @@ def _estimate(
     """Return the estimate; `near` is the completion of the same take without held-out gaps."""
     matrix = TakeMatrix.of(recording)
     # with held-out gaps only sigma depends on it
-    low_rank = LowRank(matrix, _SHRINKAGE, near, _ROUGHLY if near else _SETTLED)
+    if near:
+        low_rank = LowRank(matrix, _SHRINKAGE, near, _ROUGHLY)
+    else:
+        low_rank = LowRank.of(recording, _SHRINKAGE)
     space = _learnt(matrix, low_rank, variance)
     if not space.noise.all():
         # nothing ever moves
@@ -100,6 +103,7 @@ def _estimate(
     return replace(
         space.estimate(matrix, gaps, with_sigma=True),
         again=lambda recording, gaps: _estimate(recording, gaps, variance, low_rank),
+        unsettled=low_rank.unsettled,
     )
 
 

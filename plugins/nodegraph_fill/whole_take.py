@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -10,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import StateForm, node
-from nodegraph_fill.family import LEFT, make_fill
+from nodegraph_fill.family import CALLER, LEFT, make_fill
 from nodegraph_fill.filling import Filling
 from nodegraph_fill.gaps import Gaps
 from nodegraph_fill.held_out import calibrated
+from nodegraph_fill.kept import kept_of, key_of
 from nodegraph_fill.meet_ends import are_met, meet_ends
 from nodegraph_fill.tuning import is_trying, unless_tuned
 from nodegraph_mocap import Origin, Trajectories
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
+    Model = Callable[[Trajectories, Gaps], "Estimate"]
 
 
 @dataclass(frozen=True)
@@ -44,13 +47,16 @@ class Estimate:
     noise : (M,) array of float64, or None
         Variance of the noise of present samples, mm^2. Errors of held-out samples have it, those
         to the place itself have not: `sigma` is calibrated with it and given without. None: 0.
+    unsettled : str
+        What to warn of, if rounds have not settled.
     """
 
     positions: NDArray[np.float64]
     sigma: NDArray[np.float64] | None = None
     ends: Callable[[], Ends] | None = None
-    again: Callable[[Trajectories, Gaps], Estimate] | None = None
+    again: Model | None = None
     noise: NDArray[np.float64] | None = None
+    unsettled: str = ""
 
 
 def whole_take(
@@ -79,8 +85,9 @@ def whole_take(
         def fill(filling: Filling, gaps: Gaps, **settings: Any) -> Trajectories:
             if not len(gaps.start):
                 return filling.recording
+            key = key_of(method, filling, settings)
             model = partial(method, **settings)
-            return _filled(filling.recording, gaps, model, meets=filling.ends == "met")
+            return _filled(filling.recording, gaps, model, key, meets=filling.ends == "met")
 
         return node(
             name,
@@ -95,42 +102,87 @@ def whole_take(
     return decorate
 
 
+@dataclass(frozen=True)
+class _Samples:
+    """What an estimate has in the gaps.
+
+    Attributes
+    ----------
+    positions : (S, 3) array of float64
+        Millimetres, in the order of `Gaps.samples`.
+    sigma : (S,) array of float64, or None
+    ends : pair of (G, 3) arrays of float64, or None
+        Beside the gaps, where they were asked for.
+    again, noise, unsettled
+        As of the estimate.
+    """
+
+    positions: NDArray[np.float64]
+    sigma: NDArray[np.float64] | None
+    ends: Ends | None
+    again: Model | None
+    noise: NDArray[np.float64] | None
+    unsettled: str
+
+    @staticmethod
+    def of(estimate: Estimate, gaps: Gaps, *, meets: bool) -> _Samples:
+        _, frame, marker, _ = gaps.samples
+        ends = None
+        if meets:
+            ends = estimate.ends() if estimate.ends else gaps.beside(estimate.positions)
+        return _Samples(
+            estimate.positions[frame, marker],
+            None if estimate.sigma is None else estimate.sigma[frame, marker],
+            ends,
+            estimate.again,
+            estimate.noise,
+            estimate.unsettled,
+        )
+
+    def written(self, recording: Trajectories, gaps: Gaps, *, meets: bool) -> Trajectories:
+        """Return the recording with these samples, moved to meet the gaps' ends or not."""
+        _, frame, marker, _ = gaps.samples
+        positions, estimated = recording.positions.copy(), self.positions
+        if meets:
+            assert self.ends is not None
+            first, last = gaps.beside(recording.positions)
+            before, after = self.ends
+            estimated = meet_ends(gaps, estimated, first - before, last - after)
+        positions[frame, marker] = estimated
+        sigma = None
+        if self.sigma is not None:
+            sigma = recording.sigma
+            sigma = np.full(gaps.shape, np.nan) if sigma is None else sigma.copy()
+            sigma[frame, marker] = self.sigma
+        return recording.with_samples(
+            positions, changed=gaps.mask, origin=Origin.FILLED, sigma=sigma
+        )
+
+
 def _filled(
-    recording: Trajectories,
-    gaps: Gaps,
-    model: Callable[[Trajectories, Gaps], Estimate],
-    *,
-    meets: bool,
+    recording: Trajectories, gaps: Gaps, model: Model, key: Hashable, *, meets: bool
 ) -> Trajectories:
-    estimate = model(recording, gaps)
-    filled = _written(recording, gaps, estimate, meets=meets)
-    if estimate.sigma is None or is_trying():
+    """Return the recording filled; `key` says which model it is, with which settings."""
+    kept = kept_of(recording)
+
+    def samples(key: Hashable, estimate: Callable[[], Estimate], gaps: Gaps) -> _Samples:
+        found: _Samples | None = kept.get(key)
+        if found is None or (meets and found.ends is None):
+            found = kept[key] = _Samples.of(estimate(), gaps, meets=meets)
+        if found.unsettled and not is_trying():
+            warnings.warn(found.unsettled, stacklevel=CALLER + 2)
+        return found
+
+    found = samples(key, partial(model, recording, gaps), gaps)
+    filled = found.written(recording, gaps, meets=meets)
+    if found.sigma is None or is_trying():
         return filled
-    again = estimate.again or model
 
-    def held_out(recording: Trajectories, gaps: Gaps) -> Trajectories:
-        return _written(recording, gaps, again(recording, gaps), meets=meets)
+    def held_out(hidden: Trajectories, held: Gaps) -> Trajectories:
+        estimate = partial(found.again or model, hidden, held)
+        return samples((key, "held out"), estimate, held).written(hidden, held, meets=meets)
 
-    return calibrated(filled, held_out, recording, gaps, estimate.noise)
-
-
-def _written(
-    recording: Trajectories, gaps: Gaps, estimate: Estimate, *, meets: bool
-) -> Trajectories:
-    _, frame, marker, _ = gaps.samples
-    estimated = estimate.positions[frame, marker]
-    positions = recording.positions.copy()
-    if meets:
-        before, after = estimate.ends() if estimate.ends else gaps.beside(estimate.positions)
-        first, last = gaps.beside(recording.positions)
-        estimated = meet_ends(gaps, estimated, first - before, last - after)
-    positions[frame, marker] = estimated
-    sigma = None
-    if estimate.sigma is not None:
-        sigma = recording.sigma
-        sigma = np.full(gaps.shape, np.nan) if sigma is None else sigma.copy()
-        sigma[frame, marker] = estimate.sigma[frame, marker]
-    return recording.with_samples(positions, changed=gaps.mask, origin=Origin.FILLED, sigma=sigma)
+    return calibrated(filled, held_out, recording, gaps, found.noise)
 
 
 @dataclass(frozen=True)

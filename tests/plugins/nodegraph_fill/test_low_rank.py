@@ -7,8 +7,12 @@ import pytest
 from numpy.typing import NDArray
 
 from nodegraph_fill import low_rank
+from nodegraph_fill.bilinear import bilinear
 from nodegraph_fill.low_rank import LowRank
+from nodegraph_fill.soft_impute import soft_impute
+from nodegraph_fill.subspace_kalman import subspace_kalman
 from nodegraph_fill.whole_take import TakeMatrix
+from tests.plugins.recordings import make_recording
 
 Rows = NDArray[np.float64]
 
@@ -48,5 +52,10 @@ def test_what_begins_from_another_is_nearly_the_solution() -> None:
 
 def test_ending_early_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(low_rank, "_MOST_ROUNDS", 2)
-    with pytest.warns(UserWarning, match="has not settled after 2 rounds: the last one still "):
-        LowRank(matrix(6), 0.001)
+    rows = np.where(matrix(6).missing, np.nan, matrix(6).rows).reshape(40, -1, 3)
+    rows[np.isnan(rows).any(axis=2)] = np.nan
+    recording = make_recording(rows)
+    for fill in (soft_impute, bilinear, subspace_kalman):
+        for ends in ("as_published", "met"):
+            with pytest.warns(UserWarning, match="not settled after 2 rounds: the last one still "):
+                fill(recording, ends=ends)
