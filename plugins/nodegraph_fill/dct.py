@@ -55,16 +55,17 @@ def dct(recording: Trajectories, gaps: Gaps) -> Estimate:
 
 def _smooth(rows: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return the course through rows, (T, 3), where seen."""
-    from scipy.linalg import solveh_banded
+    from scipy.linalg.lapack import dpbsv
     from scipy.optimize import minimize_scalar
 
-    frames, squares = len(rows), _squared_bends(len(rows))
+    frames, squares = len(rows), np.asfortranarray(_squared_bends(len(rows)))
     waves = (2.0 - 2.0 * np.cos(np.pi * np.arange(frames) / frames)) ** 2
 
     def course(logarithm: float) -> NDArray[np.float64]:
         equations = 10.0**logarithm * squares
         equations[-1] += seen
-        return np.asarray(solveh_banded(equations, rows, check_finite=False))
+        # as `solveh_banded` does, which takes longer to look at what it is given
+        return np.asarray(dpbsv(equations, rows, overwrite_ab=True)[1])
 
     def score(logarithm: float) -> float:
         left = (rows - course(logarithm))[seen]

@@ -63,13 +63,16 @@ def nearest_frames(
             positions[frame[within], gaps.marker[within]] = np.nan
         origin = np.where(np.isnan(positions[..., 0]), Origin.MISSING, recording.origin)
         hidden = replace(recording, positions=positions, origin=origin, sigma=None)
-        return gaps.beside(_imputed(hidden, frames))
+        return gaps.beside(_imputed(hidden, frames, hidden.origin != recording.origin))
 
-    return Estimate(_imputed(recording, frames), ends=beside)
+    return Estimate(_imputed(recording, frames, gaps.mask), ends=beside)
 
 
-def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:
-    """Return the positions, (T, M, 3), with no sample missing of a marker that is ever present."""
+def _imputed(recording: Trajectories, frames: int, asked: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the positions, (T, M, 3), with the missing samples that are asked for, (T, M).
+
+    A marker that is never present stays missing.
+    """
     positions, present = recording.positions.copy(), recording.present
     seen = np.flatnonzero(present.any(axis=0))
     spread = np.linspace(0, len(present) - 1, min(len(present), _MOST_FRAMES)).round()
@@ -79,12 +82,12 @@ def _imputed(recording: Trajectories, frames: int) -> NDArray[np.float64]:
     middle = np.nanmean(positions[:, seen], axis=0)
     places = np.where(present[:, seen, None], positions[:, seen] - middle, 0.0)
     there = present[:, seen]
-    lacking = np.flatnonzero(~there.all(axis=1))
+    lacking, asked = np.flatnonzero(asked.any(axis=1)), asked[:, seen]
     for some in np.split(lacking, np.arange(_AT_ONCE, len(lacking), _AT_ONCE)):
         distances = _distances(places[some], there[some], places[chosen], there[chosen])
-        for marker in np.flatnonzero(~there[some].all(axis=0)):
-            wanted, has = ~there[some, marker], there[chosen, marker]
-            mean = _mean(distances[wanted][:, has], places[chosen[has], marker], frames)
+        for marker in np.flatnonzero(asked[some].any(axis=0)):
+            wanted, has = asked[some, marker], there[chosen, marker]
+            mean = _mean(distances[np.ix_(wanted, has)], places[chosen[has], marker], frames)
             positions[some[wanted], seen[marker]] = mean + middle[marker]
     return positions
 

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from nodegraph import Refusal, Unit
 from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.kept import kept_of
 from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, whole_take
 from nodegraph_mocap import Trajectories
@@ -118,7 +119,10 @@ _Group = tuple["NDArray[np.bool_]", "NDArray[np.bool_]", "NDArray[np.float64]"]
 def _each(recording: Trajectories, markers: NDArray[np.intp]) -> Iterator[_Group]:
     present = recording.present
     gappy = ~present.all(axis=0)
-    for marker, distance in zip(markers, _distances(recording, markers), strict=True):
+    kept, key = kept_of(recording), (_distances, markers.tobytes())
+    if key not in kept:
+        kept[key] = _distances(recording, markers)
+    for marker, distance in zip(markers, kept[key], strict=True):
         wanted = np.arange(present.shape[1]) == marker
         far = distance > _FAR * np.nanmean(distance)
         overlapping = (~present[~present[:, marker]]).any(axis=0)

@@ -18,6 +18,8 @@ from nodegraph_mocap.reference_shape import reference_shape
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    _Model = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
 _MOST_FRAMES = 5000
 """Frames to learn from, evenly spread over what there is: more hardly improve the fit."""
 
@@ -61,16 +63,18 @@ def ridge(
     estimate = np.full_like(recording.positions, np.nan)
     before, after = np.full((2, len(gaps.start), 3), np.nan)
     near, present = nearest_first(recording), recording.present
+    models: dict[tuple[int, bytes], _Model | None] = {}
     for gap, (marker, start, stop) in enumerate(
         zip(gaps.marker, gaps.start, gaps.stop, strict=True)
     ):
         window = slice(max(start - 1, 0), stop + 1)
         whole = np.all(present[window], axis=0)
         predictors = near[marker][whole[near[marker]]][:neighbours]
-        lesson = _frames_with(present, marker, predictors)
-        if len(predictors) and len(lesson) > 1:
-            known = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
-            model = _learnt(known, recording.positions[lesson, marker], penalty)
+        key = marker, predictors.tobytes()
+        if key not in models:
+            models[key] = _model(recording, present, marker, predictors, penalty)
+        model = models[key]
+        if model is not None:
             now = recording.positions[window][:, predictors]
             predicted = model(now.reshape(len(now), -1))
             estimate[window, marker] = predicted
@@ -87,9 +91,22 @@ def nearest_first(recording: Trajectories) -> NDArray[np.intp]:
     return np.asarray(order[:, 1:])
 
 
-def _learnt(
-    known: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float
-) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+def _model(
+    recording: Trajectories,
+    present: NDArray[np.bool_],
+    marker: int,
+    predictors: NDArray[np.intp],
+    penalty: float,
+) -> _Model | None:
+    """Return the prediction of a marker from others, None if there is nothing to learn from."""
+    lesson = _frames_with(present, marker, predictors)
+    if not len(predictors) or len(lesson) < 2:
+        return None
+    known = recording.positions[np.ix_(lesson, predictors)].reshape(len(lesson), -1)
+    return _learnt(known, recording.positions[lesson, marker], penalty)
+
+
+def _learnt(known: NDArray[np.float64], wanted: NDArray[np.float64], penalty: float) -> _Model:
     """Return the prediction of wanted, (F, 3), from rows like the known ones, (F, P)."""
     middle, output = known.mean(axis=0), wanted.mean(axis=0)
     known, wanted = known - middle, wanted - output

@@ -115,31 +115,37 @@ class States:
             hidden = matrix.hidden_ends(gaps)
             at, there = hidden.frame, self.means[hidden.frame]
             rows, lacking = matrix.rows[at] - self.middle, hidden.missing & ~matrix.missing[at]
-            for row, lost, state, covariance in zip(
-                rows, lacking, there, self.covariances[at], strict=True
-            ):
-                self._forget(row, lost, state, covariance)
+            counts = np.count_nonzero(lacking, axis=1)
+            for count in np.unique(counts):
+                some = np.flatnonzero(counts == count)
+                lost = np.nonzero(lacking[some])[1].reshape(len(some), count)
+                values = np.take_along_axis(rows[some], lost, axis=1)
+                there[some] = self._without(values, lost, there[some], self.covariances[at[some]])
             return hidden.of_gaps(self._positions(matrix, there))
 
         sigma = self._sigma(matrix, gaps) if with_sigma else None
         return Estimate(self._positions(matrix, self.means), sigma, beside)
 
-    def _forget(
+    def _without(
         self,
-        row: NDArray[np.float64],
-        lost: NDArray[np.bool_],
-        state: NDArray[np.float64],
-        covariance: NDArray[np.float64],
-    ) -> None:
-        """Take some of the coordinates from a state that they were a part of.
+        values: NDArray[np.float64],
+        lost: NDArray[np.intp],
+        states: NDArray[np.float64],
+        covariances: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Return states, (E, D), without coordinates that they were a part of, (E, L) each.
 
-        With c their rows of the basis, r their noise and y their values, ``P c' inv(r - c P c')
-        (y - c x)`` is subtracted from x.
+        With c the rows of the basis of these, r their noise and y their values,
+        ``P c' inv(r - c P c') (y - c x)`` is subtracted from x.
         """
         some = self.basis[lost]
-        gain = some @ covariance
-        off = row[lost] - some @ state
-        state -= np.linalg.solve(np.diag(self.noise[lost]) - gain @ some.T, off) @ gain
+        gain = some @ covariances
+        off = values[..., None] - some @ states[..., None]
+        rest = -gain @ some.transpose(0, 2, 1)
+        place = np.arange(lost.shape[1])
+        rest[:, place, place] += self.noise[lost]
+        shares = np.linalg.solve(rest, off).transpose(0, 2, 1)
+        return np.asarray(states - (shares @ gain)[:, 0])
 
     def _positions(self, matrix: TakeMatrix, states: NDArray[np.float64]) -> NDArray[np.float64]:
         return matrix.positions(states @ self.basis.T + self.middle)
