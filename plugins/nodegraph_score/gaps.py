@@ -10,7 +10,7 @@ import numpy as np
 
 from nodegraph import Columns, Refusal, RunningForm, Truth, node
 from nodegraph_mocap import MarkerFrame, Mask, Table, Trajectories
-from nodegraph_mocap.suspect import impulses
+from nodegraph_mocap.suspect import impulses, lengths
 from nodegraph_score.hidden_errors import columns, hidden_errors
 from nodegraph_score.take import take_of
 from nodegraph_tables import BetterEnd, Poses, TableInfo, Take, poses_of, with_info
@@ -218,23 +218,22 @@ def _table(
 
 def _suspect(jumps: NDArray[np.float64], gaps: _Gaps) -> list[str]:
     """Return the impulses of the truth in each gap; `jumps` is (M, T)."""
-    texts = []
-    for marker, first, last in zip(gaps.marker, gaps.first, gaps.last, strict=True):
-        inside = jumps[marker, first : last + 1]
-        texts.append(
-            ", ".join(
-                f"impulse in frame {first + frame} ({inside[frame]:.1f} mm)"
-                for frame in np.flatnonzero(inside)
-            )
+    texts = [""] * len(gaps.marker)
+    for gap in np.flatnonzero(_maxima(jumps, gaps)):
+        first = gaps.first[gap]
+        inside = jumps[gaps.marker[gap], first : gaps.last[gap] + 1]
+        texts[gap] = ", ".join(
+            f"impulse in frame {first + frame} ({inside[frame]:.1f} mm)"
+            for frame in np.flatnonzero(inside)
         )
     return texts
 
 
 def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
     """Return each error of each gap; `error` is (M, T, 3)."""
-    distance = np.linalg.norm(error, axis=2)
-    step = _lengths(np.diff(error, axis=1), before=1, after=0)
-    bend = _lengths(np.diff(error, n=2, axis=1), before=1, after=1)
+    distance = lengths(error)
+    step = _padded(lengths(np.diff(error, axis=1)), before=1, after=0)
+    bend = _padded(lengths(np.diff(error, n=2, axis=1)), before=1, after=1)
     return {
         "rmse": np.sqrt(_means(distance**2, gaps, 0, 0)),
         "mae": _means(distance, gaps, 0, 0),
@@ -247,10 +246,9 @@ def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.flo
     }
 
 
-def _lengths(difference: NDArray[np.float64], *, before: int, after: int) -> NDArray[np.float64]:
-    """Return the lengths of differences at the frames they belong to; NaN where there is none."""
-    lengths = np.linalg.norm(difference, axis=2)
-    return np.pad(lengths, ((0, 0), (before, after)), constant_values=np.nan)
+def _padded(values: NDArray[np.float64], *, before: int, after: int) -> NDArray[np.float64]:
+    """Return values of differences at the frames they belong to; NaN where there is none."""
+    return np.pad(values, ((0, 0), (before, after)), constant_values=np.nan)
 
 
 def _means(
