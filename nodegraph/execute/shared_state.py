@@ -11,6 +11,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -102,6 +103,7 @@ def _set_environment(original: dict[Any, Any]) -> None:
     os.environ.update({os.fsdecode(name): os.fsdecode(value) for name, value in original.items()})
 
 
+_PYTHON: Any = vars(random)["getstate"].__self__
 _WORDS = 625
 """Words of four bytes in the state of a Mersenne Twister."""
 _last_read: tuple[tuple[object, ...], tuple[object, bytes]] = ((), (None, b""))
@@ -122,13 +124,12 @@ def _random_states() -> tuple[object, bytes]:
 
 
 def _memory_of_generators() -> tuple[object, ...]:
-    python: Any = vars(random)["getstate"].__self__
-    numpy = _numpy().get_state.__self__
-    engine = _numpy().get_bit_generator()
+    numpy = _numpy()
+    engine = numpy.get_bit_generator()
     if type(engine) is not np.random.MT19937:
         return (object(),)  # the memory of other engines is not known
-    words = ctypes.string_at(engine.ctypes.state_address, 4 * _WORDS)
-    return engine, words, _memory(numpy), _memory(python), python.gauss_next
+    generator = _memory(numpy.get_state.__self__).raw
+    return engine, _words(engine).raw, generator, _memory(_PYTHON).raw, _PYTHON.gauss_next
 
 
 def _numpy() -> Any:
@@ -136,10 +137,18 @@ def _numpy() -> Any:
     return np.random
 
 
-def _memory(value: object) -> bytes:
-    """Return the bytes of an object, without its count of references."""
+@lru_cache(maxsize=1)
+def _words(engine: Any) -> ctypes.Array[ctypes.c_char]:
+    """Return the memory in which a Mersenne Twister of numpy has its state."""
+    return (ctypes.c_char * (4 * _WORDS)).from_address(engine.ctypes.state_address)
+
+
+@cache
+def _memory(generator: Any) -> ctypes.Array[ctypes.c_char]:
+    """Return the memory of a generator, without its count of references."""
     head = object.__basicsize__
-    return ctypes.string_at(id(value) + head, type(value).__basicsize__ - head)
+    size = type(generator).__basicsize__ - head
+    return (ctypes.c_char * size).from_address(id(generator) + head)
 
 
 def _set_random_states(original: tuple[object, bytes]) -> None:
@@ -181,11 +190,11 @@ def _set_streams(original: tuple[list[Any], list[bool], list[tuple[int, int] | N
 
 
 def _file(number: int) -> tuple[int, int] | None:
+    """Return the number and the device of the file that a descriptor stands for."""
     try:
-        status = os.fstat(number)
+        return os.fstat(number)[1:3]
     except OSError:
         return None
-    return status.st_dev, status.st_ino
 
 
 def _copy_descriptors() -> None:
