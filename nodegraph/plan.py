@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,7 +16,7 @@ from nodegraph.graph import Gather, Graph, GraphNode, Method
 from nodegraph.graph.axis_text import axis_text
 from nodegraph.graphfile.spec import Reference, SkipSpec
 from nodegraph.node.declaration import Declared
-from nodegraph.node.ports import Absent, Label
+from nodegraph.node.ports import Absent, Across, Label
 from nodegraph.state import State
 
 if TYPE_CHECKING:
@@ -32,65 +32,14 @@ class Output(NamedTuple):
     position: int
 
 
-@dataclass(frozen=True, slots=True)
-class Gathered:
-    """The sources of a gathering port: outputs with their labels, and combinations left out.
-
-    Attributes
-    ----------
-    axes : tuple of str
-    entries : tuple of (labels, Output)
-    absent : tuple of (labels, reason)
-    known : tuple of labels per axis
-        Every label that the graph has there, whether or not it is among the entries.
-    sources : tuple of str
-        The axes along which the data themselves differ; see `Graph.source_axes`.
-    unused : tuple of (tuple of str)
-        For each entry, the axes at all of whose labels it is the same output; empty where every
-        entry differs along all axes.
-    methods : mapping of axis to mapping of label to Declared
-        Declarations of the alternatives of an axis.
-    fields : mapping of ``axis.field`` to mapping of label to label
-        The fields of the labels of those `sources`; see `Axis.fields`.
-    synthetic : bool
-        Whether all data behind the entries are made by a generator.
-    units : mapping of axis to str
-        Of labels that have one.
-    files : tuple of str
-        Names of the files that the data are read from.
-    """
-
-    axes: tuple[str, ...]
-    entries: tuple[tuple[Combination, Output], ...]
-    absent: tuple[tuple[Combination, str], ...]
-    known: tuple[tuple[Label, ...], ...]
-    sources: tuple[str, ...]
-    unused: tuple[tuple[str, ...], ...]
-    # entries imply these
-    methods: Mapping[str, Mapping[Label, Declared]] = field(compare=False)
-    fields: Mapping[str, Mapping[Label, Label]] = field(compare=False)
-    synthetic: bool = field(compare=False)
-    units: Mapping[str, str] = field(compare=False)
-    files: tuple[str, ...] = field(compare=False)
-
-    def skipped(self) -> tuple[Absent, ...]:
-        """Return the combinations left out as a node sees them."""
-        return tuple(
-            Absent(dict(zip(self.axes, at, strict=True)), State.SKIPPED.value, reason)
-            for at, reason in self.absent
-        )
-
-
-StepInput = Output | Gathered
+StepInput = Output | Across[Output]
+"""What feeds a port: an output, or several with the labels at which they are gathered."""
 
 
 def outputs_in(inputs: Iterable[StepInput]) -> Iterator[Output]:
     """Yield every output that feeds some ports."""
     for source in inputs:
-        if isinstance(source, Gathered):
-            yield from (output for _, output in source.entries)
-        else:
-            yield source
+        yield from (source,) if isinstance(source, Output) else source.values()
 
 
 class Step(NamedTuple):  # a frozen dataclass takes four times as long to create
@@ -108,7 +57,7 @@ class Step(NamedTuple):  # a frozen dataclass takes four times as long to create
         The settings with which the function is called.
     shown : mapping
         The settings in the form in which they were written.
-    inputs : mapping of port to Output or Gathered
+    inputs : mapping of port to Output, or to Across of Output
     needed : tuple of int
         The steps that feed it, each once.
     """
@@ -255,9 +204,10 @@ class _Planner:
             if isinstance(source, Output):
                 needed[source.step] = None
             else:
-                needed |= dict.fromkeys([output.step for _, output in source.entries])
+                needed |= dict.fromkeys([output.step for output in source.values()])
         row = tuple([labels[axis] for axis in method.settings.axes])
-        call = (method.plugin, method.node.name, texts[label][row], *inputs.items())
+        fed = [(port, _comparable(source)) for port, source in inputs.items()]
+        call = (method.plugin, method.node.name, texts[label][row], *fed)
         index = self._by_call.setdefault(call, len(self._steps))
         if index == len(self._steps):
             values, shown = method.settings.values[row], method.settings.shown[row]
@@ -267,7 +217,7 @@ class _Planner:
 
     def _gathered(
         self, node: GraphNode, feed: Gather, labels: Mapping[str, Label]
-    ) -> Gathered | str:
+    ) -> Across[Output] | str:
         """Return the sources of a gathering port at one combination, or why it has none."""
         axes = self._gathered_axes(node, feed)
         entries: list[tuple[Combination, Output]] = []
@@ -287,10 +237,12 @@ class _Planner:
             return "everything that it gathers is left out"
         # a node inside a graph used as a node sees its axes under the names that they have there
         names = tuple(map(node.local_name, axes))
-        known = tuple(
-            self._labels_like(tuple(feed.sources)) if axis == feed.axis else self._labels(axis)
-            for axis in axes
-        )
+        known = {
+            name: self._labels_like(tuple(feed.sources))
+            if axis == feed.axis
+            else self._labels(axis)
+            for name, axis in zip(names, axes, strict=True)
+        }
         sources = tuple(
             name for name, axis in zip(names, axes, strict=True) if self._feeds_source(axis, feed)
         )
@@ -308,10 +260,13 @@ class _Planner:
         }
         read = [self._data_of(source.node) for source in feed.sources.values()]
         units = {name: self._unit(axis) for name, axis in zip(names, axes, strict=True)}
-        return Gathered(
+        return Across(
             names,
-            tuple(entries),
-            tuple(absent),
+            tuple((dict(zip(names, row, strict=True)), output) for row, output in entries),
+            tuple(
+                Absent(dict(zip(names, row, strict=True)), State.SKIPPED.value, reason)
+                for row, reason in absent
+            ),
             known,
             sources,
             unused,
@@ -407,10 +362,19 @@ def _applies(item: SkipSpec, labels: Mapping[str, Label]) -> bool:
     return all(axis in labels and labels[axis] in of for axis, of in item.labels.items())
 
 
+def _comparable(source: StepInput) -> object:
+    """Return what two calls have in common if one port of them is fed alike; it can be hashed."""
+    if isinstance(source, Output):
+        return source
+    entries = tuple((*labels.values(), output) for labels, output in source)
+    absent = tuple((*each.labels.values(), each.reason) for each in source.absent)
+    return source.axes, entries, absent, tuple(source.known.values()), source.sources, source.unused
+
+
 def _unused_axes(
     axes: tuple[str, ...], entries: Sequence[tuple[Combination, Output]]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return for each entry the axes that it does not depend on; see `Gathered.unused`."""
+    """Return for each entry the axes that it does not depend on; see `Across.unused`."""
     if len({output for _, output in entries}) == len(entries):
         return ()
     unused: list[list[str]] = [[] for _ in entries]
@@ -494,5 +458,5 @@ def _renumbered(step: Step, indices: Sequence[int]) -> Step:
 def _renumbered_input(source: StepInput, indices: Sequence[int]) -> StepInput:
     if isinstance(source, Output):
         return Output(indices[source.step], source.position)
-    entries = [(at, Output(indices[step], position)) for at, (step, position) in source.entries]
+    entries = [(at, Output(indices[step], position)) for at, (step, position) in source]
     return replace(source, entries=tuple(entries))

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from nodegraph.cache_key.files import FileDigests
 from nodegraph.cache_key.functions import Code, Reached
-from nodegraph.plan import Gathered, Step, StepInput
+from nodegraph.node.ports import Across
+from nodegraph.plan import Output, Step, StepInput
 from nodegraph.state import State
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, _R
     parts = [own]
     for port, source in inputs.items():
         parts.append(port)
-        if isinstance(source, Gathered):
+        if isinstance(source, Across):
             parts.extend(_gathered(source, results))
         else:
             key = results[source.step].key
@@ -61,16 +62,16 @@ def step_key(own: str, inputs: Mapping[str, StepInput], results: Mapping[int, _R
     return _joined(parts) if all(parts) else ""
 
 
-def _gathered(source: Gathered, results: Mapping[int, _Result]) -> Iterator[str]:
+def _gathered(source: Across[Output], results: Mapping[int, _Result]) -> Iterator[str]:
     facts = source.axes, source.known, source.sources, source.unused, source.methods, source.fields
     yield repr((*facts, source.synthetic, source.units, source.files))
-    for labels, output in source.entries:
+    for labels, output in source:
         result = results[output.step]
         if result.state is State.DONE:
             yield result.key and f"{labels!r} {result.key}.{output.position}"
         else:
             yield f"{labels!r} {result.root}: {result.reason}"
-    yield from (f"{labels!r} skipped: {reason}" for labels, reason in source.absent)
+    yield from (f"{each.labels!r} skipped: {each.reason}" for each in source.absent)
 
 
 def _joined(parts: list[str]) -> str:

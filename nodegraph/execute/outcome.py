@@ -13,7 +13,8 @@ from typing import Any
 from nodegraph.errors import NodegraphError, message_of, one_line, without_middle
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
-from nodegraph.plan import Gathered, Plan, Step
+from nodegraph.node.ports import Across
+from nodegraph.plan import Output, Plan, Step
 from nodegraph.state import State
 
 _READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
@@ -152,7 +153,7 @@ def skipped(plan: Plan, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome 
         another one, None is returned, so that it never depends on the order of execution.
     """
     for source in step.inputs.values():
-        needed = _missing(source, outcomes) if isinstance(source, Gathered) else source.step
+        needed = _missing(source, outcomes) if isinstance(source, Across) else source.step
         if needed is None:
             continue
         outcome = outcomes.get(needed)
@@ -166,7 +167,7 @@ def skipped(plan: Plan, step: Step, outcomes: Mapping[int, Outcome]) -> Outcome 
     return None
 
 
-def _missing(source: Gathered, outcomes: Mapping[int, Outcome]) -> int | None:
+def _missing(source: Across[Output], outcomes: Mapping[int, Outcome]) -> int | None:
     """Return a gathered step without a value, or None if any of them is known to be done."""
     known = [outcomes.get(output.step) for _, output in source.entries]
     if any(outcome is not None and outcome.state is State.DONE for outcome in known):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.node.ports import Absent, Across
-from nodegraph.plan import Gathered, Output, Step
+from nodegraph.plan import Output, Step
 from nodegraph.state import State
 from nodegraph.store import Packer
 
@@ -109,31 +111,24 @@ class Pool:
             self._partial.add(needed)
         return True
 
-    def _gather(self, source: Gathered, outcomes: Mapping[int, Outcome]) -> Across[object]:
+    def _gather(self, source: Across[Any], outcomes: Mapping[int, Outcome]) -> Across[object]:
+        # mappings of its own: a reader that changes them changes nothing for others
         entries = []
         unused: list[tuple[str, ...]] = []
-        absent = list(source.skipped())
-        for index, (combination, output) in enumerate(source.entries):
-            labels = dict(zip(source.axes, combination, strict=True))
-            outcome = outcomes[output.step]
+        absent = [replace(each, labels=dict(each.labels)) for each in source.absent]
+        for index, (at, output) in enumerate(source):
+            labels, outcome = dict(at), outcomes[output.step]
             if outcome.state is State.DONE:
                 entries.append((labels, self._lend(output)))
                 unused += source.unused[index : index + 1]
             else:
                 absent.append(Absent(labels, outcome.root.value, outcome.reason))
-        known = dict(zip(source.axes, source.known, strict=True))
-        return Across(
-            source.axes,
-            tuple(entries),
-            tuple(absent),
-            known,
-            source.sources,
-            tuple(unused),
-            source.methods,
-            source.fields,
-            source.synthetic,
-            source.units,
-            source.files,
+        return replace(
+            source,
+            entries=tuple(entries),
+            absent=tuple(absent),
+            known=dict(source.known),
+            unused=tuple(unused),
         )
 
     def _lend(self, output: Output) -> object:

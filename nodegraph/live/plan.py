@@ -11,8 +11,8 @@ from nodegraph.errors import NodegraphError, Place, Problems, listed, nearest
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.node.decorator import Node
 from nodegraph.node.live_form import RunningForm, StateForm
-from nodegraph.node.ports import Label
-from nodegraph.plan import Gathered, Output, Plan, Step, plan
+from nodegraph.node.ports import Across, Label
+from nodegraph.plan import Output, Plan, Step, StepInput, outputs_in, plan
 
 _WHOLE_TAKE = "needs the whole take"
 _NO_BOUND = "looks ahead without bound"
@@ -355,7 +355,7 @@ class _Planner:
         return [
             port
             for port, feed in step.inputs.items()
-            if any(self._is_streamed(output) or output.step in self._cut for output in _read(feed))
+            if any(self._is_streamed(each) or each.step in self._cut for each in outputs_in([feed]))
         ]
 
     def _is_streamed(self, output: Output) -> bool:
@@ -382,12 +382,12 @@ class _Planner:
         """Return why a step with these ports on the stream cannot run there, or nothing."""
         node = step.method.node
         for port in ports:
-            for output in _read(step.inputs[port]):
+            for output in outputs_in([step.inputs[port]]):
                 if reason := self._unavailable(output):
                     return f"needs {reason}"
         if node.live is None:
             return _WHOLE_TAKE
-        gathering = [port for port, feed in step.inputs.items() if isinstance(feed, Gathered)]
+        gathering = [port for port, feed in step.inputs.items() if isinstance(feed, Across)]
         whole = [port for port in ports if port not in node.streams]
         still = [port for port in node.streams if port in step.inputs and port not in ports]
         without_frames = [port for port in ports if not self._has_frames(step.inputs[port])]
@@ -401,9 +401,11 @@ class _Planner:
                 return f"has a port {affected[0]!r} that {why}"
         return ""
 
-    def _has_frames(self, feed: Output | Gathered) -> bool:
+    def _has_frames(self, feed: StepInput) -> bool:
         """Whether what feeds a port is of a type that is split into frames, and given as such."""
-        nodes = [(self._plan.steps[each.step].method.node, each.position) for each in _read(feed)]
+        nodes = [
+            (self._plan.steps[each.step].method.node, each.position) for each in outputs_in([feed])
+        ]
         return all(
             issubclass(node.outputs[position].type, self._streamable)
             and not isinstance(node.live, RunningForm)
@@ -476,13 +478,9 @@ class _Planner:
     def _cut_before(self, index: int) -> int | None:
         """Return a step that feeds this one and is cut off, if any."""
         feeds = self._plan.steps[index].inputs.values()
-        outputs = (output.step for feed in feeds for output in _read(feed))
+        outputs = (output.step for output in outputs_in(feeds))
         return next((step for step in outputs if step in self._cut), None)
 
     def _place_of_axis(self, name: str) -> Place:
         spec = self._plan.graph.spec
         return spec.axes[name].place if name in spec.axes else Place(f"--axis {name}")
-
-
-def _read(feed: Output | Gathered) -> tuple[Output, ...]:
-    return (feed,) if isinstance(feed, Output) else tuple(output for _, output in feed.entries)

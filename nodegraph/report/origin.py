@@ -11,8 +11,8 @@ import networkx as nx
 
 from nodegraph.execute import Run
 from nodegraph.graph.axis_text import axis_text
-from nodegraph.node.ports import Label
-from nodegraph.plan import Gathered, Output, Step
+from nodegraph.node.ports import Across, Label
+from nodegraph.plan import Output, Step
 from nodegraph.plugin.hook_types import Detail, Placeholder, Rendered
 from nodegraph.state import State
 
@@ -105,16 +105,17 @@ class RunOrigin:
         return None if output is None else self.run.plan.steps[output.step]
 
     @cached_property
-    def _gathered(self) -> Gathered | None:
+    def _gathered(self) -> Across[Output] | None:
         plan = self.run.plan
         axes = plan.graph.nodes[self.node].axes
         index = plan.cells[self.node][tuple(self.labels[axis] for axis in axes)]
         feeds = plan.steps[index].inputs.values()
-        return next((feed for feed in feeds if isinstance(feed, Gathered)), None)
+        return next((feed for feed in feeds if isinstance(feed, Across)), None)
 
     @cached_property
     def _outputs(self) -> dict[tuple[Label, ...], Output]:
-        return {} if self._gathered is None else dict(self._gathered.entries)
+        gathered = self._gathered or ()
+        return {tuple(labels.values()): output for labels, output in gathered}
 
     def _value(self, output: Output) -> object:
         if output not in self._values:

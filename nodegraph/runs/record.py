@@ -501,10 +501,7 @@ def _failures(steps: Iterable[RecordedStep]) -> list[Failure]:
 def _sources(run: Run, fed: StepInput) -> RecordedSource | list[RecordedSource]:
     if isinstance(fed, Output):
         return _source(run, fed, {})
-    return [
-        _source(run, output, dict(zip(fed.axes, labels, strict=True)))
-        for labels, output in fed.entries
-    ]
+    return [_source(run, output, labels) for labels, output in fed]
 
 
 def _source(run: Run, output: Output, labels: Mapping[str, object]) -> RecordedSource:

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import networkx as nx
 import pytest
 
-from nodegraph import node
+from nodegraph import Absent, Across, node
 from nodegraph.execute import Run
 from nodegraph.graph import Graph
-from nodegraph.plan import Gathered, Output, Plan
+from nodegraph.plan import Output, Plan
 from nodegraph.plan import plan as make_plan
 
 TEXT = """
@@ -114,9 +114,9 @@ def test_a_gathering_port_is_fed_in_the_order_of_the_labels(
 ) -> None:
     plan = make_plan(graph_of(TEXT))
     fed = plan.steps[plan.cells["table"][()]].inputs["scores"]
-    assert isinstance(fed, Gathered)
+    assert isinstance(fed, Across)
     assert fed.axes == ("trial", "length", "fill")
-    assert [at for at, _ in fed.entries] == list(plan.cells["error"])
+    assert [tuple(labels.values()) for labels, _ in fed] == list(plan.cells["error"])
 
 
 def test_a_gathering_port_knows_every_label_of_its_axes(graph_of: Callable[..., Graph]) -> None:
@@ -142,8 +142,8 @@ def test_a_gathering_port_knows_every_label_of_its_axes(graph_of: Callable[..., 
     known = {}
     for name in ("some", "two", "own"):
         fed = plan.steps[next(iter(plan.cells[name].values()))].inputs["scores"]
-        assert isinstance(fed, Gathered)
-        known[name] = dict(zip(fed.axes, fed.known, strict=True))
+        assert isinstance(fed, Across)
+        known[name] = fed.known
     assert known["some"] == {"length": (5, 15), "fill": ("hold", "scale", "pass")}
     assert known["two"] == {"scores": ("hold", "scale", "pass")}
     assert known["own"] == {"scores": ("mine", "hold")}
@@ -179,7 +179,7 @@ def test_a_gathering_port_knows_along_which_axes_the_data_differ(
         )
     )
     fed = plan.steps[next(iter(plan.cells["table"].values()))].inputs["scores"]
-    assert isinstance(fed, Gathered)
+    assert isinstance(fed, Across)
     assert fed.sources == sources
 
 
@@ -248,7 +248,7 @@ def test_a_gathering_port_knows_what_the_methods_declare(graph_of: Callable[...,
         """
     plan = make_plan(graph_of(text, more=(near, far)))
     gathered = plan.steps[plan.cells["table"][()]].inputs["scores"]
-    assert isinstance(gathered, Gathered)
+    assert isinstance(gathered, Across)
     adapted = "from One 2001: all of it"
     assert gathered.methods == {
         "fill": {
@@ -265,7 +265,7 @@ def test_a_gathering_port_knows_the_units_of_labels(
 ) -> None:
     plan = make_plan(graph_of(TEXT))
     (step,) = (plan.steps[at] for at in plan.cells["table"].values())
-    gathered = next(each for each in step.inputs.values() if isinstance(each, Gathered))
+    gathered = next(each for each in step.inputs.values() if isinstance(each, Across))
     assert (gathered.units, gathered.files) == ({"length": "frames"}, ())
 
 
@@ -277,9 +277,14 @@ def test_skipped_combinations_have_no_step(graph_of: Callable[..., Graph]) -> No
     assert plan.skipped["gaps"] == {(2, 15): "skip: trial = 2, length = 15"}
     assert plan.skipped["fill"][0, 5, "hold"] == "skip: trial = 0, fill = hold or pass"
     fed = plan.steps[plan.cells["table"][()]].inputs["scores"]
-    assert isinstance(fed, Gathered)
+    assert isinstance(fed, Across)
     assert len(fed.entries) == 11
-    assert dict(fed.absent)[2, 15, "scale"] == "skip: trial = 2, length = 15"
+    assert (
+        Absent(
+            {"trial": 2, "length": 15, "fill": "scale"}, "skipped", "skip: trial = 2, length = 15"
+        )
+        in fed.absent
+    )
 
 
 def test_what_reads_a_skipped_combination_is_skipped(graph_of: Callable[..., Graph]) -> None:

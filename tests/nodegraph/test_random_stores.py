@@ -12,11 +12,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from nodegraph import hookimpl
+from nodegraph import Across, hookimpl
 from nodegraph.execute import Event, HowToRun, Run, execute, open_store
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
-from nodegraph.plan import Gathered, Plan, Step, plan
+from nodegraph.plan import Plan, Step, plan
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
@@ -173,7 +173,7 @@ class Needed:
     def _is_certain(self, step: Step) -> bool:
         """Whether a step's key is known before anything is computed."""
         if step.index not in self._certain:
-            gathered = [fed for fed in step.inputs.values() if isinstance(fed, Gathered)]
+            gathered = [fed for fed in step.inputs.values() if isinstance(fed, Across)]
             entries = {output.step for fed in gathered for _, output in fed.entries}
             self._certain[step.index] = all(
                 self._is_certain(self._steps[index]) for index in step.needed
@@ -186,7 +186,7 @@ class Needed:
         if self._state(index) != "skipped":
             return index in self._stored and self._is_certain(step)
         for fed in step.inputs.values():
-            outputs = [output for _, output in fed.entries] if isinstance(fed, Gathered) else [fed]
+            outputs = fed.values() if isinstance(fed, Across) else [fed]
             steps = [output.step for output in outputs]
             if all(self._state(index) != "done" and self._is_known(index) for index in steps):
                 return True

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 import nodegraph as ng
-from nodegraph.plan import Gathered, plan
+from nodegraph import Across
+from nodegraph.plan import plan
 
 
 @pytest.mark.parametrize(
@@ -39,5 +40,5 @@ nodes:
     )
     planned = plan(ng.load(path))
     fed = planned.steps[planned.cells["table"][()]].inputs["scores"]
-    assert isinstance(fed, Gathered)
+    assert isinstance(fed, Across)
     assert fed.synthetic is synthetic
