@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from nodegraph.edit.document import Change, Document, Path, value_at
-from nodegraph.edit.uses import SECTIONS, Kind, mapping, nodes_of, pattern_of, uses
+from nodegraph.edit.uses import SECTIONS, Role, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import nearest, quoted
 from nodegraph.graphfile.keys import IDENTIFIER, IDENTIFIER_HINT, TOP_LEVEL
 from nodegraph.graphfile.nodes import label_of
@@ -109,7 +109,7 @@ def remove_node(
         readers = ", ".join(dict.fromkeys(str(use.path[1]) for use in feeding))
         message = f"{quoted(name)} feeds {readers}"
         raise document.error(document.find(feeding[0].path), message, "disconnect these first")
-    shown = {use.path[:2] for use in read if use.kind is Kind.SOURCE and not use.is_read}
+    shown = {use.path[:2] for use in read if use.role is Role.SOURCE and not use.is_read}
     for path in sorted(shown, key=str, reverse=True):
         text = unset(text, path, file=file)
     return Document(text, file).remove(("nodes", name))

@@ -43,7 +43,7 @@ class Change(NamedTuple):
 
 
 @dataclass(slots=True)
-class Node:
+class TextNode:
     """A value in the text.
 
     Attributes
@@ -56,11 +56,11 @@ class Node:
         Whether brackets enclose it.
     anchor : str
         Empty for none.
-    alias : Node or None
+    alias : TextNode or None
         The node that it stands for.
-    keys : list of Node
+    keys : list of TextNode
         Of a mapping.
-    parts : list of Node
+    parts : list of TextNode
     """
 
     start: int
@@ -68,13 +68,13 @@ class Node:
     kind: type
     is_flow: bool = False
     anchor: str = ""
-    alias: Node | None = None
+    alias: TextNode | None = None
     value: object = None
-    keys: list[Node] = field(default_factory=list)
-    parts: list[Node] = field(default_factory=list)
+    keys: list[TextNode] = field(default_factory=list)
+    parts: list[TextNode] = field(default_factory=list)
 
     @property
-    def target(self) -> Node:
+    def target(self) -> TextNode:
         """The node, or that which an alias stands for."""
         return self.alias or self
 
@@ -84,7 +84,7 @@ class Node:
             return key if isinstance(key, int) and 0 <= key < len(self.parts) else None
         return next((at for at, each in enumerate(self.keys) if each.value == key), None)
 
-    def walk(self) -> Iterator[Node]:
+    def walk(self) -> Iterator[TextNode]:
         """Yield the node and all within it."""
         pending = [self]
         while pending:
@@ -118,12 +118,12 @@ class Document:
         self._newline = first[0] if first else "\n"
         self._aliases = [node for node in self._root.walk() if node.alias]
 
-    def error(self, at: Node | int, message: str, hint: str = "") -> GraphError:
+    def error(self, at: TextNode | int, message: str, hint: str = "") -> GraphError:
         """Return an error with its place."""
         place = self._place(at if isinstance(at, int) else at.start)
         return GraphError([Problem(place, message, hint)])
 
-    def find(self, path: Path) -> Node:
+    def find(self, path: Path) -> TextNode:
         """Return the node at a path; an alias stands for what has its anchor."""
         return self._written_at(path).target
 
@@ -229,11 +229,11 @@ class Document:
             raise self.error(first, message, "change the text by hand")
         return text
 
-    def _read(self) -> Node:
+    def _read(self) -> TextNode:
         """Return the root of the tree."""
-        opened: list[Node] = []
-        anchors: dict[str, Node] = {}
-        root: Node | None = None
+        opened: list[TextNode] = []
+        anchors: dict[str, TextNode] = {}
+        root: TextNode | None = None
         events: Iterator[Any] = iter(Parser(self.text).get_event, None)
         for event in events:
             end: int = event.end_mark.index
@@ -252,25 +252,25 @@ class Document:
                     outer.parts.append(node)
                 if isinstance(event, yaml.CollectionStartEvent):
                     opened.append(node)
-        return root or Node(0, 0, str)
+        return root or TextNode(0, 0, str)
 
-    def _node(self, event: Any, anchors: dict[str, Node]) -> Node:
+    def _node(self, event: Any, anchors: dict[str, TextNode]) -> TextNode:
         start, end = event.start_mark.index, event.end_mark.index
         if isinstance(event, yaml.AliasEvent):
-            return Node(start, end, str, alias=anchors[event.anchor or ""])
+            return TextNode(start, end, str, alias=anchors[event.anchor or ""])
         if isinstance(event, yaml.ScalarEvent):
             if event.style in ("|", ">"):  # up to the last line's end
                 end = start + len(self.text[start:end].rstrip("\r\n \t"))
             value = scalar(event.value) if event.implicit[0] else event.value
-            node = Node(start, end, str, anchor=event.anchor or "", value=value)
+            node = TextNode(start, end, str, anchor=event.anchor or "", value=value)
         else:
             kind = dict if isinstance(event, yaml.MappingStartEvent) else list
-            node = Node(start, end, kind, bool(event.flow_style), event.anchor or "")
+            node = TextNode(start, end, kind, bool(event.flow_style), event.anchor or "")
         if node.anchor:
             anchors[node.anchor] = node
         return node
 
-    def _along(self, path: Path) -> list[Node]:
+    def _along(self, path: Path) -> list[TextNode]:
         """Return the nodes along a path as they are written, from the root as far as there are."""
         nodes = [self._root]
         for key in path:
@@ -281,7 +281,7 @@ class Document:
             nodes.append(outer.parts[place])
         return nodes
 
-    def _written_at(self, path: Path) -> Node:
+    def _written_at(self, path: Path) -> TextNode:
         """Return the node at a path, an alias as it stands there."""
         nodes = self._along(path)
         found = len(nodes) - 1
@@ -292,7 +292,7 @@ class Document:
             raise self.error(outer, f"{where} has no {quoted(path[found])}", hint)
         return nodes[-1]
 
-    def _key(self, path: Path) -> Node:
+    def _key(self, path: Path) -> TextNode:
         parent = self.find(path[:-1])
         place = parent.place(path[-1])
         assert place is not None
@@ -392,7 +392,7 @@ class Document:
         counts = head in ("|", "|+") and position == len(self.text)
         return "".join(f"{self._newline}{line}" for line in lines) + self._newline * counts
 
-    def _dash(self, item: Node) -> int:
+    def _dash(self, item: TextNode) -> int:
         """Return the position of the dash before an item of a list."""
         return self.text.rindex("-", 0, item.start)
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from nodegraph.edit.actions import check_new_name
 from nodegraph.edit.document import Change, Document, Path, value_at
-from nodegraph.edit.uses import Kind, Use, mapping, nodes_of, pattern_of, uses
+from nodegraph.edit.uses import Role, Use, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import quoted
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.reader import read_graph_text
@@ -111,7 +111,7 @@ class _Move:
         self._entering = [
             self._feed(use)
             for use in self._inside
-            if use.kind is Kind.SOURCE and use.name not in self._nodes
+            if use.role is Role.SOURCE and use.name not in self._nodes
         ]
 
     def texts(self) -> tuple[str, str]:
@@ -132,9 +132,9 @@ class _Move:
     def _outer(self, entry: Mapping[str, object], outputs: Mapping[str, str]) -> str:
         changes = []
         for use in self._outside:
-            if use.name not in self._nodes or use.kind is Kind.VALUE:
+            if use.name not in self._nodes or use.role is Role.VALUE:
                 continue
-            if use.kind is Kind.SOURCE:
+            if use.role is Role.SOURCE:
                 old = _text_at(self._data, use.path)
                 pattern, new = re.compile(re.escape(old)), f"{self._name}.{outputs[old]}"
             else:
@@ -187,7 +187,7 @@ class _Move:
         spec = read_graph_text(self._document.text, self._document.file, pathlib.Path())
         values: dict[str, object] = {}
         for use in self._inside:
-            if use.kind is Kind.VALUE:
+            if use.role is Role.VALUE:
                 axis = spec.axes.get(use.name)
                 known = mapping(self._data.get("inputs")).get(use.name)
                 values[use.name] = (axis.values[0] if axis.values else "") if axis else known
@@ -197,7 +197,7 @@ class _Move:
         """Return the output of the new graph for each reference to a node that goes."""
         outputs: dict[str, str] = {}
         for use in self._outside:
-            if use.kind is Kind.SOURCE and use.name in self._nodes:
+            if use.role is Role.SOURCE and use.name in self._nodes:
                 source = _text_at(self._data, use.path)
                 outputs.setdefault(source, _free(source.replace(".", "_"), outputs.values()))
         if not outputs:
@@ -235,7 +235,7 @@ class _Move:
         """Refuse if a node that stays reads one that goes, and feeds another."""
         readers: dict[str, set[str]] = {}
         for use in (*self._inside, *self._outside):
-            if use.kind is Kind.SOURCE and use.path[0] == "nodes":
+            if use.role is Role.SOURCE and use.path[0] == "nodes":
                 readers.setdefault(use.name, set()).add(str(use.path[1]))
         pending = [each for node in self._nodes for each in readers.get(node, ())]
         after: set[str] = set()
@@ -253,7 +253,7 @@ class _Move:
     def _refuse_axes_that_stay(self) -> None:
         stay = {*mapping(self._data.get("axes")), *self._data["nodes"]} - {*self._nodes}
         for use in self._inside:
-            if use.kind is Kind.AXIS and use.name in stay:
+            if use.role is Role.AXIS and use.name in stay:
                 message = f"{use.path[1]} names the axis {quoted(use.name)}, which stays outside"
                 parent = use.path[:-1] if use.is_key else use.path
                 raise self._document.error(self._document.find(parent), message)

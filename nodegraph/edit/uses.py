@@ -21,7 +21,7 @@ SECTIONS = ("inputs", "axes", "nodes")
 """Whose keys share one namespace."""
 
 
-class Kind(Enum):
+class Role(Enum):
     """What a name stands for."""
 
     SOURCE = auto()
@@ -39,19 +39,19 @@ class Use(NamedTuple):
     path : Path
         Of the text in which it stands, or of the key that it is.
     name : str
-    kind : Kind
+    role : Role
     is_key : bool
     """
 
     path: Path
     name: str
-    kind: Kind
+    role: Role
     is_key: bool = False
 
     @property
     def is_read(self) -> bool:
         """Whether a node or an output reads it, and not the report alone."""
-        return self.kind is Kind.SOURCE and self.path[0] in ("nodes", "outputs")
+        return self.role is Role.SOURCE and self.path[0] in ("nodes", "outputs")
 
 
 def pattern_of(name: str, use: Use | None = None) -> re.Pattern[str]:
@@ -76,7 +76,7 @@ def uses(data: dict[str, Any], registry: Registry) -> Iterator[Use]:
             yield from _reference((section, position), item)
             if isinstance(item, dict) and isinstance(item.get("answer"), str):
                 for match in _AT.finditer(item["answer"]):
-                    yield Use((section, position, "answer"), match[1], Kind.AXIS)
+                    yield Use((section, position, "answer"), match[1], Role.AXIS)
     for name, item in mapping(data.get("outputs")).items():
         yield from _reference(("outputs", name), item)
     for position, item in enumerate(_list(data.get("skip"))):
@@ -117,7 +117,7 @@ def shown_at(data: dict[str, Any], node: str) -> list[int]:
 
 def _node(path: Path, node: dict[str, Any], registry: Registry) -> Iterator[Use]:
     for position, axis in enumerate(_list(node.get("over"))):
-        yield from _text((*path, "over", position), axis, Kind.AXIS)
+        yield from _text((*path, "over", position), axis, Role.AXIS)
     for label, method in mapping(node.get("alternatives")).items():
         yield from _method((*path, "alternatives", label), mapping(method), registry)
     yield from _method(path, node, registry)
@@ -153,7 +153,7 @@ def _setting(path: Path, value: object, names_axes: bool) -> Iterator[Use]:
         for position, each in enumerate(value):
             yield from _setting((*path, position), each, names_axes)
     elif isinstance(value, str) and (value.startswith("$") or names_axes):
-        yield from _text(path, value, Kind.VALUE if value.startswith("$") else Kind.AXIS)
+        yield from _text(path, value, Role.VALUE if value.startswith("$") else Role.AXIS)
 
 
 def _reference(path: Path, item: object) -> Iterator[Use]:
@@ -162,18 +162,18 @@ def _reference(path: Path, item: object) -> Iterator[Use]:
             yield from _reference((*path, key), item.get(key))
         yield from _keys((*path, "at"), item.get("at"))
     elif isinstance(item, str):
-        yield from _text(path, item, Kind.SOURCE)
+        yield from _text(path, item, Role.SOURCE)
 
 
 def _keys(path: Path, item: object) -> Iterator[Use]:
     for axis in mapping(item):
         if isinstance(axis, str) and (match := _NAME.match(axis)):
-            yield Use((*path, axis), match[1], Kind.AXIS, is_key=True)
+            yield Use((*path, axis), match[1], Role.AXIS, is_key=True)
 
 
-def _text(path: Path, text: object, kind: Kind) -> Iterator[Use]:
+def _text(path: Path, text: object, role: Role) -> Iterator[Use]:
     if isinstance(text, str) and (match := _NAME.match(text)):
-        yield Use(path, match[1], kind)
+        yield Use(path, match[1], role)
 
 
 def mapping(value: object) -> dict[Any, Any]:

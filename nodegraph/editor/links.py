@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.edit.document import Document
-from nodegraph.edit.uses import Kind, mapping, nodes_of, uses
+from nodegraph.edit.uses import Role, mapping, nodes_of, uses
 from nodegraph.errors import GraphError, Problems, nearest, quoted
 from nodegraph.graph.used_graphs import UsedGraphs
 from nodegraph.graphfile import read_graph_text
@@ -168,7 +168,7 @@ class Links:
         """Return the nodes that read a node, directly or not; or those that it reads."""
         links: dict[str, set[str]] = {}
         for use in uses(self.document.data, self._registry):
-            if use.kind is Kind.SOURCE and use.path[0] == "nodes":
+            if use.role is Role.SOURCE and use.path[0] == "nodes":
                 ends = use.name, str(use.path[1])
                 source, target = ends if forward else ends[::-1]
                 links.setdefault(source, set()).add(target)
