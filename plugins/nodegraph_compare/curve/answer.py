@@ -225,7 +225,7 @@ def _picture(curves: Curves) -> str:
         parts.append(
             f'<rect x="{_LEFT:g}" width="{_RIGHT - _LEFT:g}" y="{top:.1f}" '
             f'height="{_BOTTOM - top:.1f}"/>'
-            f'<text x="{_LEFT + 6:g}" y="{_BOTTOM - 5:g}">noise</text>'
+            f'<text x="{_LEFT + 6:g}" y="{top - 4:.1f}">noise</text>'
         )
     y = Line(scales.bottom, scales.top, log=curves.scale.logarithmic).ticks()
     for at, tick in zip(scales.y(np.array(y)), y, strict=True):
