@@ -177,17 +177,16 @@ def _beside_noise(curves: Curves) -> Text:
 
 
 def _card(curves: Curves) -> Card:
-    axes, drawn, kinds = curves.axes, curves.drawn, curves.marked.kinds
-    several = [_KINDS[kind] for kind in dict.fromkeys(kinds.values())]
-    marked = [x for kind in dict.fromkeys(kinds.values()) for x in _marked_at(curves, kind)]
-    values = [float(points.value[points.curve].min()) for points in drawn]
-    headline = f"{_between(marked)} {axes.x}" if marked else _numbers(curves, values)
+    axes, drawn = curves.axes, curves.drawn
+    kinds = dict.fromkeys(curves.marked.kinds.values())
+    marked = [x for kind in kinds for x in _marked_at(curves, kind)]
+    lowest = [float(points.x[_lowest(points)]) for points in drawn]
     more = len(drawn) - MOST_CARDS
     rest: list[tuple[str, Text]] = [("more", (f"{more} are in the table",))] if more > 0 else []
     return Card(
         title=f"{axes.metric} over {axes.x}",
-        headline=(headline,),
-        value=(" or ".join(several) or "lowest points",),
+        headline=(f"{_between(marked or lowest)} {axes.x}",),
+        value=(" or ".join(_KINDS[kind] for kind in kinds) or "lowest",),
         picture=_picture(curves),
         facts=(
             *((_title(each, curves), _fact(each, curves)) for each in drawn[:MOST_CARDS]),
@@ -196,12 +195,15 @@ def _card(curves: Curves) -> Card:
     )
 
 
+def _lowest(points: Points) -> int:
+    return int(points.curve[np.argmin(points.value[points.curve])])
+
+
 def _fact(points: Points, curves: Curves) -> Text:
     """Return the mark of a curve, and where it comes to the noise."""
     axes, marked, floor = curves.axes, curves.marked, curves.floor(points)
-    lowest = int(points.curve[np.argmin(points.value[points.curve])])
     kind = marked.kinds.get(points.label, "")
-    place = marked.places.get(points.label, lowest)
+    place = marked.places.get(points.label, _lowest(points))
     at, what = f"{points.x[place]:g} {axes.x}", _KINDS.get(kind, "lowest point")
     if not kind and curves.mark != "none":
         at, what = "no knee" if curves.enough is None else "not reached", f"lowest at {at}"
