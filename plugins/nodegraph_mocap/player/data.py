@@ -324,9 +324,9 @@ def _mean_error(recording: Trajectories, truth: Trajectories) -> float | None:
 def _gaps(playback: Playback) -> list[list[object]]:
     """Return where a method has made samples: first and last second, and the marker.
 
-    Where none has, the gaps are those that are there. Only those at least half as long as the
-    longest, of too many the longest, in their order: a reader goes from one to the next. What was
-    made, or is missing, throughout a take is not a gap.
+    Of these only those at least half as long as the longest. Where no method has, all gaps that are
+    there. Of too many the longest, in the order of their middles: a reader goes from one to the
+    next. What was made, or is missing, throughout a take is not a gap.
     """
     gaps: set[tuple[float, float, str]] = set()
     recordings = [panel.shown for panel in playback.panels if isinstance(panel.shown, Trajectories)]
@@ -339,9 +339,10 @@ def _gaps(playback: Playback) -> list[list[object]]:
             if stop - start < shown.frames
         )
     longest = max((stop - start for start, stop, _ in gaps), default=0.0)
-    long = [gap for gap in sorted(gaps) if gap[1] - gap[0] >= longest / 2]
+    least = longest / 2 if are_made else 0.0
+    long = [gap for gap in sorted(gaps) if gap[1] - gap[0] >= least]
     most = sorted(long, key=lambda gap: gap[0] - gap[1])[:_MOST_GAPS]
-    return [list(gap) for gap in sorted(most)]
+    return [list(gap) for gap in sorted(most, key=lambda gap: gap[0] + gap[1])]
 
 
 def _first_second(playback: Playback) -> float:

@@ -62,7 +62,9 @@ def render_playback(playback: Playback, title: str) -> Rendered:
 
 def render_view(playback: Playback, title: str) -> Rendered:
     """Return the player with its data and notes, for a page that itself says what is played."""
-    figure = _figure(playback, title, "This playback needs JavaScript.", "playback viewed")
+    figure = _figure(
+        playback, title, "The playback is loading; it needs JavaScript.", "playback viewed"
+    )
     notes = [*playback.notes, *[_rounding(playback)] * bool(playback.panels)]
     rendered = _rendered(f"{figure}{_tagged('p', notes)}")
     return replace(rendered, styles=(*rendered.styles, script_or_style("view.css")))

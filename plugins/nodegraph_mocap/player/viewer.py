@@ -40,8 +40,8 @@ def view(values: Mapping[str, object]) -> Rendered:
     A head moves as the weights say whose names are its own, of the first that fit; otherwise its
     shapes, and those of a model, are shown one after the other. A marker set joins the markers of
     the recordings that have them and no set of their own. Marks are applied to the recording that
-    they lie beside, or the first that has their markers, and are drawn alone without one; a
-    recording that is alone can be marked.
+    they lie beside, or the first that has their markers, and are drawn alone without one; every
+    other recording can be marked, and those whose marks lie beside them.
 
     Raises
     ------
@@ -67,6 +67,7 @@ class _Files:
         self._shown: dict[str, Trajectories | Animation] = {}
         self._curves: dict[str, Weights] = {}
         self._marks: dict[str, tuple[Mark, ...]] = {}
+        self._marked_elsewhere: set[str] = set()
         for label, value in values.items():
             self._add(label, value)
         for label, value in values.items():
@@ -105,10 +106,12 @@ class _Files:
         value = self._values[label]
         if not isinstance(value, Trajectories):
             return panel
-        marks = self._marks.get(label, ())
-        named = {name for name, each in self._values.items() if isinstance(each, Marks)}
-        is_alone = len(self._recordings) == 1 and named <= {label + BESIDE}
-        return replace(panel, strip=strip_of(value), marks=marks, can_be_marked=is_alone)
+        return replace(
+            panel,
+            strip=strip_of(value),
+            marks=self._marks.get(label, ()),
+            can_be_marked=label not in self._marked_elsewhere,
+        )
 
     @property
     def _recordings(self) -> dict[str, Trajectories]:
@@ -136,6 +139,8 @@ class _Files:
             self._notes.append(f"{label}: view it with the recording that it marks.")
         else:
             self._marks[taken] = marks.marks
+            if not beside:
+                self._marked_elsewhere.add(taken)
             self._notes.append(f"{taken} is shown as it is marked in {label}.")
 
     def _joined(self, recording: Trajectories) -> Trajectories:

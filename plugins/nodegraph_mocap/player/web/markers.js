@@ -150,16 +150,30 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     }
   };
 
-  // A ring around the marker that the reader looks at, and its name.
-  const drawMarked = (pen, panel, dots, name, size, ink, width) => {
-    const marker = panel.markers.indexOf(name);
-    const [x, y] = [dots[3 * marker], dots[3 * marker + 1]];
-    if (marker < 0 || Number.isNaN(x)) return;
+  // Where a marker was seen last; NaN before its first sample.
+  const lastDot = (panel, by, marker, frame) => {
+    const dot = new Float64Array(3).fill(NaN);
+    let last = frame;
+    while (last >= 0 && !isPresent(panel, marker, last)) last -= 1;
+    if (last >= 0) projectMarker(panel, by, marker, last, dot, 0, null);
+    return dot;
+  };
+
+  // A ring around the marker that the reader looks at, and its name; dashed where it was seen last.
+  const drawMarked = (pen, panel, by, frame, dots, looked, size, ink, width) => {
+    const marker = panel.markers.indexOf(looked);
+    if (marker < 0) return;
+    const is_missing = !isPresent(panel, marker, frame);
+    const [x, y] = is_missing ? lastDot(panel, by, marker, frame) : dots.subarray(3 * marker);
+    if (Number.isNaN(x)) return;
+    const name = is_missing ? `${looked}, missing` : looked;
     pen.beginPath();
+    pen.setLineDash(is_missing ? [0.9 * size, 0.9 * size] : []);
     pen.arc(x, y, 2.8 * size, 0, 2 * Math.PI);
     pen.lineWidth = 2.5;
     pen.strokeStyle = pen.fillStyle = ink.text;
     pen.stroke();
+    pen.setLineDash([]);
     pen.font = `${3.4 * size}px system-ui, sans-serif`;
     const length = pen.measureText(name).width;
     pen.fillText(name, within(4, x - length / 2, Math.max(4, width - length - 4)), y > 8 * size ? y - 4 * size : y + 6.5 * size);
@@ -191,7 +205,7 @@ nodegraph.define("mocap/player/markers", ["mocap/player/camera"], ({ within, pro
     if (compared && choices.truth) drawTruth(pen, panel, truth, dots, by, frame, dot, ink);
     drawDots(pen, panel, dots, frame, dot, colourOf);
     if (choices.names) drawNames(pen, panel, dots, looked, dot, ink);
-    if (looked !== null) drawMarked(pen, panel, dots, looked, dot, ink, size);
+    if (looked !== null) drawMarked(pen, panel, by, frame, dots, looked, dot, ink, size);
     return dots;
   };
 

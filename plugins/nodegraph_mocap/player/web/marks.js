@@ -151,12 +151,12 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
 
   // The marks of one recording: shows it as it is marked, and lets the reader mark it.
   class Marks {
-    constructor(player, panel) {
+    constructor(player, panel, is_one_of_several) {
       Object.assign(this, { player, panel, source: { ...panel }, samples: {}, first: null, whole: false, saved: true, saving: Promise.resolve() });
       const button = (text, act) => element("button", { type: "button", onclick: act }, text);
       this.span = element("span", { class: "quiet" });
-      this.other = element("input", { list: "marks-others", "aria-label": "Other marker", placeholder: "other marker", size: 12 });
-      this.known = element("datalist", { id: "marks-others" });
+      this.known = element("datalist", { id: `marks-others-${player.study.panels.indexOf(panel)}` });
+      this.other = element("input", { list: this.known.id, "aria-label": "Other marker", placeholder: "other marker", size: 12 });
       this.undo = button("Undo", () => this.takeBack());
       this.save = button("Save marks", () => this.download());
       this.save.hidden = this.keeps; // until that fails
@@ -170,8 +170,9 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
         element("span", {}, button("From here", () => this.begin()), button("Whole take", () => this.begin(true)), this.span),
         element("span", {}, button("Bad", () => this.mark("bad")), this.other, this.known,
           button("Swap", () => this.mark("swapped")), button("Name", () => this.mark("named"))));
-      this.element = element("div", { class: "marks", role: "group", "aria-label": "Samples marked by hand" },
-        element("p", { class: "name" }, "Marked by hand"), this.hint, this.acts, this.made, this.fold);
+      const title = `Marked by hand${is_one_of_several ? ` in ${this.label}` : ""}`;
+      this.element = element("div", { class: "marks", role: "group", "aria-label": title },
+        element("p", { class: "name" }, title), this.hint, this.acts, this.made, this.fold);
       addEventListener("beforeunload", (event) => { if (!this.saved) event.preventDefault(); });
       this.trouble = this.show(panel.marks);
       this.explain();

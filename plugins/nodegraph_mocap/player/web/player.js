@@ -43,8 +43,8 @@ nodegraph.define("mocap/player", [
     }
 
     build(figure) {
-      const [marked] = this.study.panels.filter((panel) => panel.can_be_marked);
-      this.marks = marked ? new Marks(this, marked) : null;
+      const marked = this.study.panels.filter((panel) => panel.can_be_marked);
+      this.marks = marked.map((panel) => new Marks(this, panel, marked.length > 1));
       const trouble = this.study.panels.filter((panel) => panel.marks?.length && !panel.can_be_marked).flatMap((panel) => this.applyMarks(panel));
       this.panels = this.study.panels.map((panel, place) => this.built(panel, place));
       this.controls = controlsFor(this);
@@ -70,7 +70,7 @@ nodegraph.define("mocap/player", [
       this.arrange();
     }
 
-    // Of several recordings; returns why that is not possible.
+    // Of a recording that others than the file beside it mark; returns why that is not possible.
     applyMarks(panel) {
       try {
         Object.assign(panel, applied(panel, panel.marks, this.study.every).changes);
@@ -83,7 +83,8 @@ nodegraph.define("mocap/player", [
     layBelow() {
       const take = (marker) => selection.toggle("marker", marker);
       this.strips = [
-        ...[this.marks, this.hand].filter(Boolean),
+        ...this.marks,
+        ...(this.hand ? [this.hand] : []),
         ...this.study.panels.filter((panel) => panel.strip).map((panel) => stripFor(this, panel, take)),
         ...this.study.curves.filter((curves) => curves.names.length).map((curves) => curvesFor(this, curves)),
       ];
@@ -197,7 +198,8 @@ nodegraph.define("mocap/player", [
 
     visit([first, last, marker]) {
       this.pause();
-      this.marker = marker;
+      if (this.hand) selection.set({ marker });
+      else this.marker = marker;
       this.seek(Math.floor(((first + last) / 2) * this.study.rate));
     }
 

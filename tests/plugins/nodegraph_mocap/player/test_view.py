@@ -281,11 +281,13 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
     ((file, content),) = ng.get_node("write.npz")(named).content.items()
     take, kept = tmp_path / file, tmp_path / f"{file}.marks.csv"
     take.write_bytes(content)
-    with served(str(take)) as address:
+    other = tmp_path / "other.npz"
+    other.write_bytes(content)
+    with served(str(take), str(other)) as address:
         tab.goto(address)
         tab.wait_for_selector(".viewed-file")
         until(tab, PLAYER)
-        marks = tab.locator(".marks")
+        marks = tab.get_by_role("group", name=f"Marked by hand in {file}", exact=True)
         status = marks.get_by_role("status")
 
         def mark(marker: str, span: tuple[int, int] | None, kind: str, other: str = "") -> None:
@@ -333,7 +335,7 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         assert [complaint for complaint in complaints if "409" not in complaint] == []
         complaints.clear()
         kept.write_text(kept.read_text().removesuffix("nose,0,1,bad,\n"))
-        tab.evaluate(f"{PLAYER}.marks.takeBack()")
+        tab.evaluate(f"{PLAYER}.marks[0].takeBack()")
         expect(status).to_have_text(re.compile("kept in"))
         graph = tmp_path / "graph.yaml"
         graph.write_text(
@@ -346,6 +348,7 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         clean = run["clean"].value
         there = seen(tab, clean.markers)
     assert take.read_bytes() == content
+    assert not Path(f"{other}.marks.csv").exists()
     assert np.array_equal(there.origin, clean.origin)
     assert np.nanmax(np.abs(there.positions - clean.positions)) < 0.01
     run.save(tmp_path / "run")
