@@ -53,8 +53,6 @@ def portable(run: Run, names: FileNames, results: Results) -> Record:
         inputs=names.portable(full.inputs),
         counts={},
         seconds=0.0,
-        not_kept={},
-        failures=[],
         notices=[],
         steps=[_portable_step(step, names, results) for step in full.steps],
     )

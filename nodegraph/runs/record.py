@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import platform
 import sys
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
@@ -242,27 +241,6 @@ class RecordedStep:
             yield port, tuple(fed) if isinstance(fed, list) else (fed,)
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """Steps of a node that failed for the same reason.
-
-    Attributes
-    ----------
-    count : int
-        How many.
-    labels, place, trace, repeat
-        Labels, place, traceback and command of the first of them.
-    """
-
-    node: str
-    reason: str
-    count: Int
-    labels: Labels
-    place: str
-    trace: str
-    repeat: str
-
-
 @dataclass(frozen=True)
 class Record:
     """Everything about a run but its values, as ``run.json`` and a lock hold it.
@@ -283,8 +261,6 @@ class Record:
         Digests of the modules and functions that methods reach.
     versions : dict of str to str
         Versions of Python, the platform, plugins, and the distributions that methods reach.
-    not_kept : dict of str to int
-        Why results were not stored, and how many.
     """
 
     format: Int
@@ -303,10 +279,8 @@ class Record:
     left_out: list[EmptyNode]
     counts: dict[str, Int]
     seconds: Float
-    not_kept: dict[str, Int]
     skipped: list[Skipped]
     versions: dict[str, str]
-    failures: list[Failure] = field(default_factory=list)
     not_shown: list[NotShown] = field(default_factory=list)
     not_written: list[NotWritten] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
@@ -335,7 +309,6 @@ class Record:
 def record(run: Run) -> Record:
     """Return the record of a run."""
     graph = run.plan.graph
-    steps = _steps(run)
     reached = _reached(run)
     rules = {
         skip_reason(item): {axis: list(labels) for axis, labels in item.labels.items()}
@@ -372,17 +345,15 @@ def record(run: Run) -> Record:
         left_out=[EmptyNode(node, reason) for node, reason in graph.reasons_left_out().items()],
         counts=run.counts(),
         seconds=round(run.seconds, 6),
-        not_kept=dict(run.cache.not_stored) if run.cache else {},
         skipped=[
             Skipped(reason, dict(counts), rules.get(reason, {}))
             for reason, counts in run.plan.skipped_together().items()
         ],
         versions=_all_versions(graph, reached),
-        failures=_failures(steps),
         notices=[
             Notice(str(notice.place), notice.message, notice.instead) for notice in graph.notices
         ],
-        steps=steps,
+        steps=_steps(run),
     )
 
 
@@ -485,17 +456,6 @@ def _step(run: Run, step: Step, outcome: Outcome, also: list[Cell]) -> RecordedS
         files=dict(run.cache.digest_of(step).files) if run.cache else {},
         also=also,
     )
-
-
-def _failures(steps: Iterable[RecordedStep]) -> list[Failure]:
-    failed = [step for step in steps if step.state is State.FAILED]
-    counts = Counter((step.node, step.reason) for step in failed)
-    firsts = {(step.node, step.reason): step for step in reversed(failed)}
-    return [
-        Failure(node, reason, count, first.labels, first.place, first.trace, first.repeat)
-        for (node, reason), count in counts.items()
-        for first in [firsts[node, reason]]
-    ]
 
 
 def _sources(run: Run, fed: StepInput) -> RecordedSource | list[RecordedSource]:

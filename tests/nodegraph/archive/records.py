@@ -23,7 +23,6 @@ _EMPTY = Record(
     left_out=[],
     counts={},
     seconds=0.0,
-    not_kept={},
     steps=[],
     skipped=[],
     versions={},
