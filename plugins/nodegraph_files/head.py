@@ -89,8 +89,8 @@ def unit_of_mesh(path: Path, extent: float, *, assumed: str, stated: bool) -> st
     if not HEAD.includes(extent, unit):
         _warn(path, f"the mesh is {size} long in {unit}, which no head is; set `unit`?")
     elif unit != assumed:
-        wrong = f"{extent * MILLIMETRES[assumed]:.4g} mm"
-        _warn(path, f"the head would be {wrong} long in {assumed}; {unit} is taken, giving {size}")
+        wrong = f"{extent:.4g} {assumed}"
+        _warn(path, f"the head would be {wrong} long; {unit} is taken, giving {size}")
     return unit
 
 

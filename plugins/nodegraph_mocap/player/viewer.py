@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from nodegraph import Refusal, Rendered
+from nodegraph import Refusal, Rendered, listed
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
@@ -27,6 +27,7 @@ from nodegraph_mocap.player.panels import panel_of
 from nodegraph_mocap.player.spans import render_spans
 from nodegraph_mocap.player.strip import strip_of
 from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.shape_names import matched
 from nodegraph_mocap.view import AUTO
 
 _RATE = 30.0
@@ -37,8 +38,8 @@ _FRAMES = 30
 def view(values: Mapping[str, object]) -> Rendered:
     """Return the player of values by label.
 
-    A head moves as the weights say whose names are its own, of the first that fit; otherwise its
-    shapes, and those of a model, are shown one after the other. A marker set joins the markers of
+    A head or a model moves as the weights say whose names are its own, of the first that fit;
+    otherwise its shapes are shown one after the other. A marker set joins the markers of
     the recordings that have them and no set of their own. Marks are applied to the recording that
     they lie beside, or the first that has their markers, and are drawn alone without one; every
     other recording can be marked, and those whose marks lie beside them.
@@ -85,7 +86,7 @@ class _Files:
         if not self._shown and not self._curves:
             raise Refusal(f"name a recording, too: {', '.join(self._values)} is drawn over one")
         if not self._shown:
-            self._notes.append("Name a head with these shapes, too, to see it move.")
+            self._notes.append("Name a head or model with these shapes, too, to see it move.")
         check_meshes(self._shown.items())
         every = frames_apart([*self._shown.values(), *self._curves.values()])
         panels = [self._panel(label, shown, every) for label, shown in self._shown.items()]
@@ -125,9 +126,11 @@ class _Files:
         elif isinstance(value, Weights):
             self._curves[label] = value
         elif isinstance(value, BlendshapeModel):
-            self._add_model(label, value)
+            self._add_moved(label, value.names, lambda weights: _posed(value, weights))
         elif isinstance(value, Head):
-            self._add_head(label, value)
+            self._add_moved(
+                label, value.names, lambda weights: Animation(head=value, weights=weights)
+            )
 
     def _add_marks(self, label: str, marks: Marks) -> None:
         new = {mark.other for mark in marks.marks if mark.kind == "named"}
@@ -150,32 +153,46 @@ class _Files:
             return recording
         return replace(recording, marker_set=fitting)
 
-    def _add_model(self, label: str, model: BlendshapeModel) -> None:
-        weights = _one_after_another(model.names)
-        moved = np.tensordot(weights.values, model.shapes, axes=1)
-        self._shown[label] = Trajectories(
-            positions=model.neutral + moved, markers=model.markers, rate=weights.rate
-        )
-        self._add_in_turn(label, weights)
-
-    def _add_head(self, label: str, head: Head) -> None:
+    def _add_moved(
+        self,
+        label: str,
+        names: tuple[str, ...],
+        move: Callable[[Weights], Trajectories | Animation],
+    ) -> None:
         every = [(name, each) for name, each in self._values.items() if isinstance(each, Weights)]
         for name, weights in every:
             try:
-                self._shown[label] = Animation(head=head, weights=weights)
+                self._shown[label] = move(weights)
             except ValueError as error:
                 self._notes.append(f"{label} does not move as {name} says: {error}.")
             else:
                 self._notes.append(f"{label} moves as {name} says.")
                 return
-        weights = _one_after_another(head.names)
-        self._shown[label] = Animation(head=head, weights=weights)
-        self._add_in_turn(label, weights)
-
-    def _add_in_turn(self, label: str, weights: Weights) -> None:
-        if weights.names:
+        weights = _one_after_another(names)
+        self._shown[label] = move(weights)
+        if names:
             self._curves[label] = weights
             self._notes.append(f"{label}: its shapes are shown one after the other.")
+
+
+def _posed(model: BlendshapeModel, weights: Weights) -> Trajectories:
+    """Return the markers of a model that weights move.
+
+    Raises
+    ------
+    ValueError
+        If it lacks the shape of a weight.
+    """
+    shape_of = matched(weights.names, model.names)
+    without = [name for name in weights.names if name not in shape_of]
+    if without:
+        raise ValueError(
+            f"the model has no shape for the weights {listed(without)}; it has "
+            f"{listed(model.names)}"
+        )
+    shapes = model.shapes[[model.names.index(shape_of[name]) for name in weights.names]]
+    offsets = np.tensordot(weights.values, shapes, axes=1)
+    return Trajectories(positions=model.neutral + offsets, markers=model.markers, rate=weights.rate)
 
 
 def _one_after_another(names: tuple[str, ...]) -> Weights:

@@ -63,11 +63,23 @@ def test_a_head_moves_as_weights_of_its_names_say() -> None:
     both = packed({"head.glb": head, "a.csv": named}).head
     assert (len(both["panels"]), both["panels"][0]["frames"]) == (1, named.frames)
     assert [curves["label"] for curves in both["curves"]] == ["a.csv"]
-    assert "Name a head with these shapes, too" in view({"a.csv": named}).html
+    assert "Name a head or model with these shapes, too" in view({"a.csv": named}).html
     strange = replace(moving, names=tuple(f"strange {name}" for name in moving.names))
     shown = view({"head.glb": head, "a.csv": strange}).html
     assert "head.glb does not move as a.csv says: the head has no morph target" in shown
     assert "head.glb: its shapes are shown one after the other" in shown
+
+
+def test_a_model_moves_as_weights_of_its_names_say() -> None:
+    model, moving = models()["complete"], weights()["complete"]
+    count = min(len(model.names), len(moving.names))
+    named = replace(moving, names=model.names[:count][::-1], values=moving.values[:, :count])
+    read = packed({"model.npz": model, "a.csv": named})
+    expected = model.neutral + np.tensordot(named.values[:, ::-1], model.shapes[:count], axes=1)
+    assert np.abs(read.positions(0) - expected).max() < 0.01
+    assert [curves["label"] for curves in read.head["curves"]] == ["a.csv"]
+    strange = replace(named, names=tuple(f"strange {name}" for name in named.names))
+    assert "the model has no shape for the weights" in view({"m": model, "a": strange}).html
 
 
 def test_a_marker_set_joins_the_markers_of_a_recording() -> None:
