@@ -170,7 +170,7 @@ def connect(
     port
         By default the first.
     label
-        Of one of several sources of a port that gathers.
+        The label of the source, where a port gathers several.
     alternative
         The alternative whose port it is; by default that of all of them.
     registry
@@ -245,7 +245,7 @@ def add_alternative(
     text
     node
     label
-        Of the new alternative.
+        The label of the new alternative.
     method
         Its entry: ``{"use": "fill.ridge", "with": {"neighbours": 8}}``.
     file

@@ -59,7 +59,7 @@ class TextNode:
     alias : TextNode or None
         The node that it stands for.
     keys : list of TextNode
-        Of a mapping.
+        The keys of a mapping.
     parts : list of TextNode
     """
 

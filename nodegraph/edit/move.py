@@ -40,9 +40,9 @@ def move_to_graph(
     text
     nodes
     name
-        Of the node that takes their place.
+        The name of the node that takes their place.
     path
-        Of the new graph file, from the folder of this: ``parts/clean.yaml``.
+        The new graph file, from the folder of this: ``parts/clean.yaml``.
     registry
         Loaded plugins, which tell the types of ports; by default those that are installed.
     file
@@ -71,7 +71,7 @@ class _Feed(NamedTuple):
     ----------
     use : Use
     path : Path
-        Of the whole reference.
+        The place of the whole reference.
     source : str
         The reference as JSON.
     """

@@ -37,7 +37,7 @@ class Use(NamedTuple):
     Attributes
     ----------
     path : Path
-        Of the text in which it stands, or of the key that it is.
+        The place of the text in which it stands, or of the key that it is.
     name : str
     role : Role
     is_key : bool

@@ -31,7 +31,7 @@ class Edits:
     ----------
     registry
     path
-        Of the file.
+        The graph file.
     """
 
     def __init__(self, registry: Registry, path: pathlib.Path) -> None:

@@ -26,7 +26,7 @@ class Links:
     ----------
     text
     path
-        Of the file.
+        The graph file.
     registry
 
     Attributes

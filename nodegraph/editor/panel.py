@@ -52,7 +52,7 @@ def panel_of(text: str, name: str, registry: Registry, path: Path) -> Data:
     name
     registry
     path
-        Of the file.
+        The graph file.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class Running:
     graph
         As the user named it.
     folder
-        Of the run.
+        The folder of the run.
     registry
     store
         Folder of stored results; None for the default.

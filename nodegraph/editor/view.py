@@ -60,7 +60,7 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
     ----------
     text
     path
-        Of the file.
+        The graph file.
     registry
     """
     places = Places(text, path.name)

@@ -126,7 +126,7 @@ class Across(Generic[T_co]):
     synthetic : bool
         Whether all data behind the values are made by a generator, not recorded.
     units : mapping of axis to str
-        Of labels that have one: that of the settings that take them.
+        Units of the labels that have one: those of the settings that take them.
     files : tuple of str
         Names of the files that the data are read from; a sample's name for one that is shipped.
     """

@@ -164,7 +164,7 @@ class Fact:
     value : number, str, sequence of str, or mapping of str to (mapping of str to number)
         A mapping is a table: a row per key, whose columns all rows have.
     unit : str
-        Of a number.
+        The unit of a number.
 
     Raises
     ------

@@ -134,7 +134,7 @@ class Progress:
     to_go : float or None
         Estimated seconds to the end.
     states : dict of step to StepState
-        Of the steps that have begun or ended.
+        States of the steps that have begun or ended.
     failures : list of str
         The first failures.
     unreadable : int

@@ -63,7 +63,7 @@ class Combination(NamedTuple):
     Attributes
     ----------
     labels : str
-        Of the axes along which the node has several; else its name.
+        Labels of the axes along which the node has several; else its name.
     address : str
         The query of its value; empty without one.
     state : str
@@ -85,7 +85,7 @@ class Combinations:
     run
         Its name.
     states
-        Of all nodes.
+        States of the steps of all nodes.
     query
         ``node``, and ``state`` and labels as far as they are chosen.
 

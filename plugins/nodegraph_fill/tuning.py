@@ -82,7 +82,7 @@ def marks_of(hints: Mapping[str, Any], defaults: Mapping[str, object]) -> Mappin
     hints
         The annotations of settings, with their marks.
     defaults
-        Of the same settings.
+        The defaults of the same settings.
 
     Raises
     ------

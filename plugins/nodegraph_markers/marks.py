@@ -78,7 +78,7 @@ class _Take:
     Attributes
     ----------
     samples : Counter of str
-        Those that were marked, by kind of mark.
+        Number of marked samples, by kind of mark.
     """
 
     def __init__(self, recording: Trajectories) -> None:

@@ -58,7 +58,7 @@ class Panel(Value):
     radius : float
         Millimetres from the middle to the picture's edge that hold what there is to see.
     strip : Strip or None
-        Of a recording, what is to be seen over its time.
+        The strip of a recording: what is to be seen over its time.
     marks : tuple of Mark
         Of a recording, what a person has said of its samples: it is shown with them applied.
     can_be_marked : bool

@@ -66,7 +66,7 @@ def distance(
     reference
         T frames, or one.
     unit
-        Of coordinates: ``none`` for shapes that were scaled to one size.
+        The unit of coordinates: ``none`` for shapes that were scaled to one size.
 
     Returns
     -------

@@ -82,7 +82,7 @@ def answer_of(rows: Sequence[Row]) -> Answer:
     Parameters
     ----------
     rows
-        Of the table, the first of what came.
+        Rows of the table, the first of what came.
     """
     names = ("before", "after", "added rmse", "rmse")
     line = line_of([float(row[name]) for row in rows for name in names])

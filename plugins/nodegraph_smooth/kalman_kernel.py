@@ -61,7 +61,7 @@ def gains(frames: int, order: int, density: float) -> tuple[Floats, Floats, Floa
     gain : (T, d, d) array
         ``F^-1 (I + Q M)^-1``: the state is ``inverse[t] e + gain[t] x[t+1]``.
     variance : (T,) array
-        Of the position, all frames being known.
+        Variance of the position, all frames being known.
     """
     step, noise = transition(order, density)
     back = np.linalg.inv(step)

@@ -187,7 +187,7 @@ class Finding(Value):
     mean, low, high, p : mapping of str to float
         Of each method: the number that decides, its interval, and the p of its difference.
     unit : str
-        Of the means.
+        The unit of the means.
     reference : str
         The method to which the others' differences have intervals; empty without one.
     apart : mapping of str to (float, float)
@@ -195,7 +195,7 @@ class Finding(Value):
     beside : mapping of str to mapping of str to float
         Of each method: the means of what else is asked, by its name.
     units : mapping of str to str
-        Of these.
+        Units of these means.
     """
 
     group: Mapping[str, Label]

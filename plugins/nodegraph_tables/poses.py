@@ -30,7 +30,7 @@ class Poses(Value):
         float32, (32 frames at most, 16 markers at most, 3), mm: spread evenly over the frames and
         over `markers`. NaN where missing; empty where what is scored has none, as weights.
     frames : int
-        Of the recording.
+        Number of frames of the recording.
     rate : float
         Hz.
     """

@@ -294,7 +294,7 @@ def solve_weights(
     Returns
     -------
     weights : Weights
-        Of all the model's shapes, in its order.
+        Weights of all the model's shapes, in its order.
     residuals : Table
         A row per frame: ``markers`` that were used and how many of those that both have are
         ``missing``; over the used ones the distance in mm from where the weights put them, as
