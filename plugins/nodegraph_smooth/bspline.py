@@ -128,8 +128,7 @@ def curve_into(
     from nodegraph_smooth import weights_kernel
 
     rows = first_rows(order, ends)
-    places = runs.marker, runs.start, runs.stop
-    if weights_kernel.curve_into(smoothed, positions, middle(order), *places, rows):
+    if weights_kernel.curve_into(smoothed, positions, middle(order), *runs, rows):
         for length, alike in runs.subset(runs.length < 2 * len(rows)).by_length():
             every = all_rows(order, ends, length)
             weights_kernel.rows_into(smoothed, positions, alike.marker, alike.start, every)

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import Refusal, Window
 from nodegraph_mocap import MarkerFrame, Trajectories
-from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_mocap.frame_ranges import RunsOfTrue, runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,19 +28,10 @@ Method = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
 """Smooths runs of one length, (L, G, 3) mm relative to their first samples, along their frames."""
 
 
-@dataclass(frozen=True)
-class Runs:
-    """Runs of present samples of one marker, ordered by marker and then by time.
+class Runs(RunsOfTrue):
+    """Runs of present samples of one marker."""
 
-    Attributes
-    ----------
-    marker, start, stop : (R,) arrays of int
-        Frames ``start`` to ``stop - 1`` of the marker are present, the frames around are not.
-    """
-
-    marker: NDArray[np.intp]
-    start: NDArray[np.intp]
-    stop: NDArray[np.intp]
+    __slots__ = ()
 
     @staticmethod
     def of(recording: Trajectories) -> Runs:

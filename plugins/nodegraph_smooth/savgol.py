@@ -121,8 +121,7 @@ def _fit_into(
 
     rows = _rows(reach, degree)
     middle, first = rows[reach, reach + 1 :], rows[: reach + 1]
-    places = runs.marker, runs.start, runs.stop
-    if weights_kernel.curve_into(fitted, positions, middle, *places, first):
+    if weights_kernel.curve_into(fitted, positions, middle, *runs, first):
         for length, alike in runs.subset(runs.length <= len(rows)).by_length():
             every = rows if length == len(rows) else np.eye(length)
             weights_kernel.rows_into(fitted, positions, alike.marker, alike.start, every)
