@@ -330,8 +330,11 @@ class Verdict(Value):
 
     @property
     def behind(self) -> list[int]:
-        """The methods that are clearly worse than the best by every rule, if there is a verdict."""
-        if not self.stands:
+        """The methods that are clearly worse than the best by every rule, if there is a verdict.
+
+        None where methods follow one another: there each is judged by what it changes.
+        """
+        if not self.stands or np.isfinite(self.p_of_step).any():
             return []
         others = [other.worse_than_best for other in self.by_rule.values()]
         return [p for p in self.worse_than_best if all(p in other for other in others)]

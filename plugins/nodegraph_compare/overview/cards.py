@@ -198,13 +198,13 @@ def legend(verdicts: Verdicts) -> str:
 def _dots(verdicts: Verdicts) -> str:
     told = [group for group in verdicts.groups if group.told]
     line = line_of(verdicts)
-    if not told or len(verdicts.methods) < 2:
-        return ""
-    if verdicts.is_sequence:
+    if verdicts.is_sequence and any(group.stands for group in verdicts.groups):
         return (
             f"Percentages: to the {verdicts.compare} before; dots: hollow where it begins, "
             "blue clearly better than before, orange clearly worse, grey not clearly changed."
         )
+    if not told or len(verdicts.methods) < 2:
+        return ""
     others = "; ringed: not certain to be worse" * any(group.tied for group in told)
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     baseline = "" if verdicts.baseline is None else f"; hollow: {verdicts.baseline}"
