@@ -12,12 +12,11 @@ from nodegraph_tables.comparisons import (
     differences,
     name_differences,
 )
-from nodegraph_tables.figures import StoredFigure, render_figure, render_stored_figure
+from nodegraph_tables.figures import StoredFigure, figure_files, render_figure, render_stored_figure
 from nodegraph_tables.info import BetterEnd, TableInfo, Take, info_of, with_info
 from nodegraph_tables.poses import Poses, difference, poses_of
-from nodegraph_tables.storage import figure_files, lend_table
 from nodegraph_tables.style import figure_text
-from nodegraph_tables.types import Figure, Table
+from nodegraph_tables.types import Figure, Table, lend_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

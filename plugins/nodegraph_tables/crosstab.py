@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import TYPE_CHECKING
 
+from nodegraph import Grid
 from nodegraph_tables.cells import ALL, cells_at, columns_of
 from nodegraph_tables.info import info_of
 
@@ -170,3 +171,26 @@ def _head(table: pd.DataFrame, name: str, text: str) -> str:
     """Return a label along the top, with its axis where it is a number."""
     is_number = table[name].dtype.kind in "iuf"
     return f"{name} {text}" if is_number and text != ALL else text
+
+
+def grid_of(table: pd.DataFrame, title: str) -> Grid | None:
+    """Return the crosstab of a table as text; None for a table without one."""
+    crossed = crosstab(table)
+    if crossed is None:
+        return None
+    cells = {
+        (row, column): cell
+        for column, cells in enumerate(crossed.columns, 1)
+        for row, cell in enumerate(cells)
+    }
+    heads = ("\n".join(head) for head in crossed.heads)
+    return Grid(
+        f"{title} [{crossed.unit}]" if crossed.unit else title,
+        (", ".join(crossed.side), *heads),
+        tuple(
+            (", ".join(labels), *(cells[row, at].text for at in range(1, 1 + len(crossed.heads))))
+            for row, labels in enumerate(crossed.rows)
+        ),
+        best=tuple(place for place, cell in cells.items() if cell.best),
+        tied=tuple(place for place, cell in cells.items() if cell.tied),
+    )

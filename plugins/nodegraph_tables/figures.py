@@ -94,6 +94,12 @@ def store_figure(figure: Figure) -> StoredFigure:
     return StoredFigure(_rounded(svg), pdf)
 
 
+def figure_files(figure: Figure) -> tuple[bytes, bytes]:
+    """Return the drawing of a figure, as SVG and as PDF."""
+    drawing = store_figure(figure)
+    return drawing.svg, drawing.pdf
+
+
 def _saved(figure: Figure, format: str, box: Bbox) -> bytes:
     file = BytesIO()
     undated = {"Date": None} if format == "svg" else {"CreationDate": None}

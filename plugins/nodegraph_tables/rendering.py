@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from nodegraph import Rendered
 from nodegraph_tables.answer import answer_html, in_authors_words, lead_style
 from nodegraph_tables.cells import CellText, Column, columns_of
-from nodegraph_tables.grid import grid_of
+from nodegraph_tables.crosstab import grid_of
 from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.latex import latex_of, without_constants
 from nodegraph_tables.style import SHARE
