@@ -48,6 +48,7 @@ def without_foreign_code(rendered: Rendered) -> Rendered:
 
     A script or style sheet stays if it is, to the letter, a file ``.js`` or ``.css`` of an
     installed package, or a constant of a module that is imported, as those of ``--plugin`` are.
+    Scripts need each other: without one of them none stays.
 
     Returns
     -------
@@ -58,7 +59,7 @@ def without_foreign_code(rendered: Rendered) -> Rendered:
         rendered,
         html=passive(rendered.html),
         lead=passive(rendered.lead),
-        scripts=tuple(filter(_is_own, rendered.scripts)),
+        scripts=rendered.scripts if all(map(_is_own, rendered.scripts)) else (),
         styles=tuple(filter(_is_own, rendered.styles)),
     )
     return rendered if kept == rendered else kept

@@ -403,7 +403,8 @@ def _without_foreign_code(path: Path, study: Study) -> Study:
     if count:
         warnings.warn(
             f"{path}: {number_of(count, 'result')} with scripts, styles or elements that could "
-            "act on the rest of the page and are of no installed package; shown without them",
+            "act on the rest of the page and are of no installed package, or of another version of "
+            "it; shown without them until the graph is run again",
             stacklevel=3,
         )
     return replace(study, sections=tuple(sections), graph_svg=folded, graph_unfolded_svg=unfolded)
