@@ -98,7 +98,6 @@ def pairs_within(
     return start, point[:count], squared[:count]
 
 
-@kernel()
 def nearest_first(places: Floats, points: Floats, gate: float) -> Integers:
     """Return the point of each place, (A,), -1 for none: the nearest pair of all first, and so on.
 
@@ -107,12 +106,23 @@ def nearest_first(places: Floats, points: Floats, gate: float) -> Integers:
     places, points, gate
         As for `pairs_within`.
     """
-    of_place, free = np.full(len(places), -1), np.ones(len(points), np.bool_)
-    start, point, squared = pairs_within(places, points, gate, of_place < 0, free)
+    every = np.ones(max(len(places), len(points)), np.bool_)
+    start, point, squared = pairs_within(
+        places, points, gate, every[: len(places)], every[: len(points)]
+    )
+    # numba takes as long to compile its own sort as all else of a tracker
+    return taken_in_order(start, point, np.argsort(squared, kind="stable"), len(points))
+
+
+@kernel()
+def taken_in_order(start: Integers, point: Integers, order: Integers, points: int) -> Integers:
+    """Return the point of each place, where pairs whose place and point are free become links."""
+    of_place, free = np.full(len(start) - 1, -1), np.ones(points, np.bool_)
     place = np.empty(len(point), np.int64)
-    for row in range(len(places)):
-        place[start[row] : start[row + 1]] = row
-    for pair in np.argsort(squared, kind="mergesort"):
+    for row in range(len(of_place)):
+        for pair in range(start[row], start[row + 1]):
+            place[pair] = row
+    for pair in order:
         if of_place[place[pair]] < 0 and free[point[pair]]:
             of_place[place[pair]] = point[pair]
             free[point[pair]] = False

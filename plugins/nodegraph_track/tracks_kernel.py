@@ -45,7 +45,7 @@ def next_tracks(
         Written: the name of the track that has each point, -1 for none.
     """
     of_point = _inverse(of_track, len(points))
-    most = len(of_track) + (0 if is_known else np.count_nonzero(of_point < 0))
+    most = len(of_track) + (0 if is_known else len(points))
     name, seen, length = np.empty(most, np.int64), np.empty(most, np.int64), np.ones(most, np.int64)
     place, last, jump = np.empty((most, 3)), np.empty((most, 3)), np.zeros((most, 3))
     steps, size, opened = np.zeros((most, 3, 3)), 0, tracks.opened
