@@ -55,7 +55,7 @@ def kernel(*written: str, **options: object) -> Callable[[_Function], _Function]
 
 
 def _lock(dispatcher: Any, written: Collection[str]) -> None:
-    """Make all arrays but some read-only to a kernel, whether they are or not."""
+    """Make all arrays but some read-only to a kernel, and all numbers variable."""
     names = list(signature(dispatcher.py_func).parameters)
     compiled, known = dispatcher.compile, set[tuple[Any, ...]]()
 
@@ -80,7 +80,8 @@ def _locked(kind: Any) -> Any:
     if isinstance(kind, numba.types.BaseTuple):
         parts = [_locked(part) for part in kind]
         return numba.types.BaseTuple.from_types(parts, getattr(kind, "instance_class", None))
-    return kind
+    # for each number that another kernel writes as an argument, it would be compiled anew
+    return numba.types.unliteral(kind)
 
 
 def _keep(dispatcher: Any) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.integer]
 
 compiled = partial(kernel, fastmath={"contract"})
-inlined = partial(kernel, fastmath={"contract"}, forceinline=True)
+inlined = partial(kernel, fastmath={"contract"}, forceinline=True, no_cpython_wrapper=True)
 
 Vector = tuple[float, float, float]
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-inlined = partial(kernel, forceinline=True)
+inlined = partial(kernel, forceinline=True, no_cpython_wrapper=True)
 
 
 @kernel("repaired")

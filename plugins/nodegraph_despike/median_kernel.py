@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
     Integers = NDArray[np.integer]
 
-inlined = partial(kernel, forceinline=True)
+inlined = partial(kernel, forceinline=True, no_cpython_wrapper=True)
 
 _TIE = 1.0 + 1e-9
 """Sums this close are equal, so that rounding does not choose between them."""

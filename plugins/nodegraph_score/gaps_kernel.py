@@ -13,7 +13,7 @@ from nodegraph import kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-inlined = partial(kernel, forceinline=True)
+inlined = partial(kernel, forceinline=True, no_cpython_wrapper=True)
 
 FRAMES, PRESENT, SQUARES, SUM, LARGEST, X, Y, Z = range(8)
 """What is kept of a marker: of its gap, and its error in the frame before."""

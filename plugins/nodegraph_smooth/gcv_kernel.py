@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-inlined = partial(kernel, forceinline=True)
+inlined = partial(kernel, forceinline=True, no_cpython_wrapper=True)
 
 LEAST, MOST = 1e-4, 1e10
 """Between which lambda is looked for: goes through the samples; the limit of what is accurate."""

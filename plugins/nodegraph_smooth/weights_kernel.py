@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.integer]
 
 compiled = partial(kernel, fastmath={"contract"})
-inlined = partial(kernel, fastmath={"contract"}, forceinline=True)
+inlined = partial(kernel, fastmath={"contract"}, forceinline=True, no_cpython_wrapper=True)
 
 BLOCK = 2048
 """Numbers that are worked on at a time: what a pass has touched, the next finds in the cache."""

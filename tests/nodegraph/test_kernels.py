@@ -161,6 +161,20 @@ def test_one_compilation_serves_for_arrays_that_may_be_written_to_and_that_may_n
     assert [len(function.signatures) for function in compiled] == [1, 1]
 
 
+def test_one_compilation_serves_for_every_number_that_a_kernel_passes_on(cache: Path) -> None:
+    @kernel()
+    def scaled(value: float, factor: int) -> float:
+        return factor * value
+
+    @kernel()
+    def scaled_twice(value: float) -> float:
+        return scaled(value, 2) + scaled(value, 3)
+
+    compiled: Any = scaled
+    assert scaled_twice(1.0) == 5.0
+    assert len(compiled.signatures) == 1
+
+
 def test_nothing_is_written_to_an_array_that_is_read_only() -> None:
     with pytest.raises(TypingError, match="Cannot modify readonly array"):
         add(Sums(np.zeros(2), read_only(np.zeros(2))), np.ones(2))
