@@ -13,7 +13,8 @@ from bisect import bisect_right, insort
 from collections import Counter
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise, takewhile
+from functools import lru_cache
+from itertools import accumulate, pairwise, takewhile
 from math import inf
 from typing import NamedTuple
 
@@ -21,7 +22,7 @@ import networkx as nx
 
 from nodegraph.draw.boxes import Shape, shape, shortened, width
 from nodegraph.draw.frames import Frame, frames_of, label_of
-from nodegraph.draw.picture import Arrow, Picture
+from nodegraph.draw.picture import Picture
 
 Point = tuple[float, float]
 Cell = tuple[str, Hashable]
@@ -327,8 +328,10 @@ def _ordered(
     for column in columns:
         _stack(column, sizes, tops)
     best, fewest = [list(column) for column in columns], _crossings(gaps, tops)
+    still = 0
     for sweep in range(_SWEEPS):
         near = sides[sweep % 2]
+        before = [list(column) for column in columns]
         for column in reversed(columns) if sweep % 2 else columns:
             means = {
                 cell: sum(tops[other] + offset for other, offset in near[cell]) / len(near[cell])
@@ -338,6 +341,9 @@ def _ordered(
             ranked = iter(sorted(means, key=means.__getitem__))
             column[:] = [next(ranked) if cell in means else cell for cell in column]
             _stack(column, sizes, tops)
+        still = still + 1 if columns == before else 0
+        if still == 2:  # neither direction moves anything
+            break
         count = _crossings(gaps, tops)
         if count < fewest:
             best, fewest = [list(column) for column in columns], count
@@ -364,25 +370,37 @@ def _settled(
     tops: dict[Cell, float] = {}
     for column in columns:
         _stack(column, sizes, tops)
-    near: dict[Cell, list[tuple[float, float, Cell]]] = {cell: [] for cell in tops}
+    # numbers in place of cells, whose names are hashed anew at each look
+    numbers = {cell: at for at, cell in enumerate(tops)}
+    heights = list(tops.values())
+    near: list[list[tuple[float, float, int]]] = [[] for _ in heights]
     for piece in pieces:
         weight = 1.0 if "bend" in (piece.left[0], piece.right[0]) else _DIRECT
         level = piece.left_offset - piece.right_offset
-        near[piece.right].append((weight, level, piece.left))
-        near[piece.left].append((weight, -level, piece.right))
+        left, right = numbers[piece.left], numbers[piece.right]
+        near[right].append((weight, level, left))
+        near[left].append((weight, -level, right))
+    weights = [sum([weight for weight, _, _ in each]) for each in near]
+    stacks = []
+    for column in columns:
+        steps = accumulate((_step(*pair, sizes) for pair in pairwise(column)), initial=0.0)
+        stacks.append(([numbers[cell] for cell in column], [*steps][: len(column)]))
     for sweep in range(4 * _SWEEPS):
         moved = 0.0
-        for column in reversed(columns) if sweep % 2 else columns:
+        for cells, offsets in reversed(stacks) if sweep % 2 else stacks:
             wanted = []
-            for cell in column:
-                weight = sum(weight for weight, _, _ in near[cell])
-                mean = sum(weight * (tops[other] + level) for weight, level, other in near[cell])
-                wanted.append((weight, mean / weight) if weight else (0.01, tops[cell]))
-            for cell, top in zip(column, _apart(column, sizes, wanted), strict=True):
-                moved = max(moved, abs(top - tops[cell]))
-                tops[cell] = top
+            for cell in cells:
+                weight = weights[cell]
+                mean = 0.0
+                for part, level, other in near[cell]:
+                    mean += part * (heights[other] + level)
+                wanted.append((weight, mean / weight) if weight else (0.01, heights[cell]))
+            for cell, top in zip(cells, _apart(offsets, wanted), strict=True):
+                moved = max(moved, abs(top - heights[cell]))
+                heights[cell] = top
         if moved < _STILL:
             break
+    tops = dict(zip(tops, heights, strict=True))
     _straighten(columns, sizes, pieces, tops)
     least = min(tops.values(), default=0.0)
     return {cell: top - least for cell, top in tops.items()}
@@ -459,16 +477,18 @@ def _step(upper: Cell, lower: Cell, sizes: Mapping[Cell, Size]) -> float:
     return sizes[upper].height + (0.0 if upper[0] == lower[0] == "bend" else _BETWEEN_CELLS)
 
 
-def _apart(
-    column: Sequence[Cell], sizes: Mapping[Cell, Size], wanted: Iterable[tuple[float, float]]
-) -> list[float]:
+def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> list[float]:
     """Return the tops closest to those wanted, in least squares, of cells that stand apart.
 
     Cells that would overlap form a block at their common mean (pool adjacent violators).
+
+    Parameters
+    ----------
+    offsets
+        How far each cell is below the first when nothing is between them but the least distance.
+    wanted
+        For each cell a weight and a top.
     """
-    offsets = [0.0]
-    for upper, lower in pairwise(column):
-        offsets.append(offsets[-1] + _step(upper, lower, sizes))
     blocks: list[tuple[float, float, int]] = []
     for offset, (weight, top) in zip(offsets, wanted, strict=False):
         mean, count = top - offset, 1
@@ -511,19 +531,70 @@ def layout(picture: Picture) -> Layout:
     ValueError
         If arrows form a cycle.
     """
-    frames = _drawable_frames(picture)
-    shapes = _shapes(picture, frames)
+    links = tuple(
+        [
+            _Link(each.source, each.source_port, each.target, each.target_port)
+            for each in picture.arrows
+        ]
+    )
+    shapes = _shapes(picture, _drawable_frames(tuple(box.name for box in picture.boxes), links))
+    outlines = tuple(
+        [
+            (
+                each.box.name,
+                each.width,
+                each.height,
+                tuple(each.inputs.items()),
+                tuple(each.outputs.items()),
+            )
+            for each in shapes
+        ]
+    )
+    corners, frames, routes, wide, high = _placed(outlines, links)
+    return Layout(tuple(zip(shapes, corners, strict=True)), frames, routes, wide, high)
+
+
+class _Link(NamedTuple):
+    source: str
+    source_port: str
+    target: str
+    target_port: str
+
+    @property
+    def is_named(self) -> bool:
+        """Whether the port at which it ends is named after the output at which it begins."""
+        return self.target_port == f"{self.source}.{self.source_port}"
+
+
+_Heights = tuple[tuple[str, float], ...]
+_Outline = tuple[str, float, float, _Heights, _Heights]
+"""The name of a box, its width and height, and the heights of its inputs and of its outputs."""
+
+_KEPT = 4
+"""Layouts that are kept: a graph is drawn after each of its edits, most of which move nothing."""
+
+
+@lru_cache(_KEPT)
+def _placed(
+    outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
+) -> tuple[
+    tuple[Point, ...],
+    tuple[tuple[Frame, Point, Point], ...],
+    tuple[Sequence[Point], ...],
+    float,
+    float,
+]:
+    """Return the corners of boxes, and the other attributes of `Layout`."""
+    frames = _drawable_frames(tuple(name for name, *_ in outlines), links)
     around = {frame[:depth] for frame in frames.values() for depth in range(1, len(frame) + 1)}
     areas = {
         frame: Area() for frame in [(), *sorted(around, key=lambda frame: (len(frame), frame))]
     }
-    for each in shapes:
-        inputs: Mapping[Hashable, float] = dict(each.inputs.items())
-        size = Size(each.width, each.height, inputs, dict(each.outputs.items()))
-        areas[frames[each.box.name]].sizes["box", each.box.name] = size
-    ways = [_way(arrow, frames) for arrow in picture.arrows]
-    for arrow, way in zip(picture.arrows, ways, strict=True):
-        if arrow.is_named and len(way) == 1:
+    for name, wide, high, inputs, outputs in outlines:
+        areas[frames[name]].sizes["box", name] = Size(wide, high, dict(inputs), dict(outputs))
+    ways = [_way(link, frames) for link in links]
+    for link, way in zip(links, ways, strict=True):
+        if link.is_named and len(way) == 1:
             areas[way[0][0]].named.add(way[0][1])
     for frame, wire in (part for way in ways for part in way):
         areas[frame].wires[wire] = []
@@ -541,15 +612,15 @@ def layout(picture: Picture) -> Layout:
         size = outer.sizes["frame", frame]
         drawn.append((frame, (x, y), (size.width, size.height)))
         origins[frame] = x + PADDING, y + _HEAD
-    boxes = []
-    for each in shapes:
-        frame = frames[each.box.name]
-        boxes.append((each, _moved(areas[frame].corners["box", each.box.name], origins[frame])))
+    corners = []
+    for name, *_ in outlines:
+        frame = frames[name]
+        corners.append(_moved(areas[frame].corners["box", name], origins[frame]))
     routes = tuple(
         [_moved(point, origins[frame]) for frame, wire in way for point in areas[frame].wires[wire]]
         for way in ways
     )
-    return Layout(tuple(boxes), tuple(drawn), routes, areas[()].width, areas[()].height)
+    return tuple(corners), tuple(drawn), routes, areas[()].width, areas[()].height
 
 
 def _shapes(picture: Picture, frames: Mapping[str, Frame]) -> list[Shape]:
@@ -567,21 +638,21 @@ def _shapes(picture: Picture, frames: Mapping[str, Frame]) -> list[Shape]:
     ]
 
 
-def _way(arrow: Arrow, frames: Mapping[str, Frame]) -> list[tuple[Frame, Wire]]:
+def _way(link: _Link, frames: Mapping[str, Frame]) -> list[tuple[Frame, Wire]]:
     """Return the wires of an arrow: out of the source's frames, and into those of the target."""
-    source, target = frames[arrow.source], frames[arrow.target]
+    source, target = frames[link.source], frames[link.target]
     same = (a == b for a, b in zip(source, target, strict=False))
     common = sum(takewhile(bool, same))
-    line = (arrow.source, arrow.source_port)  # which all arrows that leave this port share
+    line = (link.source, link.source_port)  # which all arrows that leave this port share
 
     def begin(depth: int) -> End:
         if depth == len(source):
-            return ("box", arrow.source), arrow.source_port
+            return ("box", link.source), link.source_port
         return ("frame", source[: depth + 1]), line
 
     def end(depth: int) -> End:
         if depth == len(target):
-            return ("box", arrow.target), arrow.target_port
+            return ("box", link.target), link.target_port
         return ("frame", target[: depth + 1]), line
 
     outwards = range(len(source), common, -1)
@@ -607,20 +678,21 @@ def _moved(point: Point, by: Point) -> Point:
     return point[0] + by[0], point[1] + by[1]
 
 
-def _drawable_frames(picture: Picture) -> dict[str, Frame]:
+@lru_cache(_KEPT)
+def _drawable_frames(names: tuple[str, ...], links: tuple[_Link, ...]) -> dict[str, Frame]:
     """Return the frames around boxes, without those that arrows leave and enter again.
 
     Such a frame could stand neither left nor right of what the arrows pass on the way.
     """
-    links = nx.DiGraph([(arrow.source, arrow.target) for arrow in picture.arrows])
-    if not nx.is_directed_acyclic_graph(links):
-        cycle = [source for source, _ in nx.find_cycle(links)]
+    whole = nx.DiGraph([(link.source, link.target) for link in links])
+    if not nx.is_directed_acyclic_graph(whole):
+        cycle = [source for source, _ in nx.find_cycle(whole)]
         raise ValueError(f"arrows form a cycle: {' -> '.join([*cycle, cycle[0]])}")
-    frames = frames_of(box.name for box in picture.boxes)
+    frames = frames_of(names)
     while True:
         cells: dict[Frame, nx.DiGraph[Cell]] = {}
-        for arrow in picture.arrows:
-            for frame, ((source, _), (target, _)) in _way(arrow, frames):
+        for link in links:
+            for frame, ((source, _), (target, _)) in _way(link, frames):
                 cells.setdefault(frame, nx.DiGraph()).add_edge(source, target)
         cyclic: set[Cell] = {
             cell

@@ -103,11 +103,6 @@ class Arrow:
     fixed: str = ""
     gathered: str = ""
 
-    @property
-    def is_named(self) -> bool:
-        """Whether the port at which it ends is named after the output at which it begins."""
-        return self.target_port == f"{self.source}.{self.source_port}"
-
     def __str__(self) -> str:
         notes = [f"at {self.fixed}"] if self.fixed else []
         notes += ["truth"] * self.truth
