@@ -6,9 +6,10 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from html import escape
 
-from nodegraph.draw.picture import Box, Socket
+from nodegraph.draw.picture import Alternative, Box, Socket
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 # Advance widths in em of DejaVu Sans, the widest of the usual system fonts, rounded up: a box
@@ -23,22 +24,29 @@ _MONOSPACE = 0.61
 _BOLD = 1.1
 
 
+_cached = lru_cache(10_000)  # the same names, lengths and lines stand at many boxes
+
+
+@_cached
 def clean(text: str) -> str:
     """Return the text on one line, without the characters that XML cannot hold."""
     return " ".join(_NOT_XML.sub("\ufffd", text).split())
 
 
+@_cached
 def escaped(text: str) -> str:
     """Return the text as XML, for content and for quoted attributes."""
     return escape(clean(text), quote=True)
 
 
+@_cached
 def shortened(text: str, longest: int = 42) -> str:
     """Return the text, cut with an ellipsis if it is longer than some characters."""
     text = clean(text)
     return text if len(text) <= longest else text[: longest - 1].rstrip() + "…"
 
 
+@_cached
 def width(text: str, size: float, *, bold: bool = False, monospace: bool = False) -> float:
     """Return about how wide a text is, in the unit of its font size."""
     narrow = _MONOSPACE if monospace else 0.64
@@ -54,6 +62,11 @@ CHIP_HEIGHT = 19.0
 INSET = 12.0
 _CHIP_INSET = 8.0
 _CHIP_GAP = 5.0
+_ROW_GAP = 2.0
+_ROW = CHIP_HEIGHT + _ROW_GAP
+_STATE = 60.0
+"""Room for how far the combinations of an alternative are, at the end of its row."""
+_LONGEST_IN_ROW = 24
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
@@ -77,14 +90,23 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Chip:
-    """A small label with a frame; its place is the upper left corner."""
+    """A small label with a frame; its place is the upper left corner.
+
+    Attributes
+    ----------
+    texts : tuple of (str, float)
+        Each with the distance of its start, or of its middle on an axis, from the corner.
+    label : str
+        Of an alternative.
+    """
 
     style: str
-    text: str
+    texts: tuple[tuple[str, float], ...]
     x: float
     y: float
     width: float
-    hint: str = ""
+    hint: str
+    label: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,18 +162,25 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
         hint = clean(text) if shortened(text) != clean(text) else ""
         texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
     chips: list[Chip] = []
+    rows = [_row(each) for each in box.alternatives]
+    inner = max([inner, *(wide for _, wide in rows)])
+    first_row = y + _CHIP_GAP
+    if rows:
+        y = first_row + len(rows) * _ROW - _ROW_GAP
     limit = max(inner, _WIDEST_ROW)
-    for style, labels in (("alternative", box.alternatives), ("axis", box.axes)):
-        x, top = limit + 1.0, y - CHIP_HEIGHT
-        for text in labels:
-            short = shortened(text, 24 if style == "alternative" else 42)
-            wide = width(short, _SIZES["chip"], bold=style == "axis") + 2 * _CHIP_INSET
-            if x + wide > limit:
-                x, top = 0.0, top + CHIP_HEIGHT + _CHIP_GAP
-            chips.append(Chip(style, short, INSET + x, top, wide, text))
-            x += wide + _CHIP_GAP
-            y = top + CHIP_HEIGHT
+    x, top = limit + 1.0, y - CHIP_HEIGHT
+    for text in box.axes:
+        short = shortened(text)
+        wide = width(short, _SIZES["chip"], bold=True) + 2 * _CHIP_INSET
+        if x + wide > limit:
+            x, top = 0.0, top + CHIP_HEIGHT + _CHIP_GAP
+        chips.append(Chip("axis", ((short, wide / 2),), INSET + x, top, wide, text))
+        x += wide + _CHIP_GAP
+        y = top + CHIP_HEIGHT
     inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
+    for at, (each, (parts, _)) in enumerate(zip(box.alternatives, rows, strict=True)):
+        row = first_row + at * _ROW
+        chips.append(Chip("alternative", parts, INSET, row, inner, str(each), each.label))
     rule = y + 7.0
     lows = [rule]
     places: list[dict[str, float]] = []
@@ -172,6 +201,17 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
         lows.append(y)
     wide, high = inner + 2 * INSET, max(lows) + 6.0
     return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
+
+
+def _row(alternative: Alternative) -> tuple[tuple[tuple[str, float], ...], float]:
+    """Return the texts of the row of an alternative, and how wide it is with its state."""
+    parts = []
+    x = _CHIP_INSET
+    for text in filter(None, alternative):
+        short = shortened(text, _LONGEST_IN_ROW)
+        parts.append((short, x))
+        x += width(short, _SIZES["chip"]) + _CHIP_GAP
+    return tuple(parts), x + _STATE
 
 
 def _common(fixed: Mapping[str, Sequence[str]]) -> list[str]:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from nodegraph.draw.boxes import shortened
-from nodegraph.draw.picture import Arrow, Box, Kind, Picture, Socket, folded
+from nodegraph.draw.picture import Alternative, Arrow, Box, Kind, Picture, Socket, folded
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
+from nodegraph.graph.model import Method
 from nodegraph.graphfile.spec import Reference
+from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port
 
 _MOST_METHODS = 12
@@ -41,6 +43,7 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
 def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
     """Return the picture of a graph: its whole nodes, or their wired ports and first methods.
 
+    A whole node has its settings that differ from the default; an alternative always has its own.
     An axis stands at each node whose settings name it, with its labels at the first of them; an
     axis with one label is not drawn.
     """
@@ -63,8 +66,7 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         if whole:
             read |= {(node.name, port.name) for port in node.first.node.outputs}
             fed |= {(node.name, port.name) for port in _inputs(node)}
-        most = len(node.methods) if whole else _MOST_METHODS
-        boxes.append(replace(_box(graph, node, read, fed, most), axes=tuple(axes)))
+        boxes.append(replace(_box(graph, node, read, fed, whole=whole), axes=tuple(axes)))
     return Picture(graph.title, tuple(boxes), tuple(arrows.values()))
 
 
@@ -127,7 +129,8 @@ def _box(
     node: GraphNode,
     read: set[tuple[str, str]],
     fed: set[tuple[str, str]],
-    most_methods: int,
+    *,
+    whole: bool,
 ) -> Box:
     described = node.first.node
     inputs = [
@@ -136,16 +139,46 @@ def _box(
         if (node.name, port.name) in fed
     ]
     outputs = [socket_of(port) for port in described.outputs if (node.name, port.name) in read]
-    labels = list(node.methods) if node.has_alternatives else []
-    more = [f"and {len(labels) - most_methods} more"] if len(labels) > most_methods else []
+    settings = {label: _settings(method) for label, method in node.methods.items()}
+    common = {
+        name: value
+        for name, value in next(iter(settings.values())).items()
+        if all(each.get(name) == value for each in settings.values())
+    }
+    alternatives = [
+        Alternative(label, _text({name: each[name] for name in each if name not in common}))
+        for label, each in settings.items()
+        if node.has_alternatives
+    ]
+    if not whole and len(alternatives) > _MOST_METHODS:
+        rest = len(alternatives) - _MOST_METHODS
+        alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
+    lines = [] if node.has_alternatives else [described.name]
+    if whole:
+        lines += filter(None, [_text(common)])
     return Box(
         node.name,
-        lines=() if node.has_alternatives else (described.name,),
+        lines=tuple(lines),
         inputs=tuple(inputs),
         outputs=tuple(outputs),
-        alternatives=(*labels[:most_methods], *more),
+        alternatives=tuple(alternatives),
         kind=_kind(graph, node),
     )
+
+
+def _settings(method: Method) -> dict[str, str]:
+    """Return the settings of a method that are equal at all labels, and differ from the default."""
+    found = {}
+    for name in method.places:
+        shown = {value_text(settings[name]) for settings in method.settings.shown.values()}
+        value = next(iter(method.settings.values.values()))[name]
+        if len(shown) == 1 and value != method.node.settings[name].default:
+            found[name] = shown.pop()
+    return found
+
+
+def _text(settings: Mapping[str, str]) -> str:
+    return ", ".join(f"{name}: {value}" for name, value in settings.items())
 
 
 def _inputs(node: GraphNode) -> Collection[Port]:

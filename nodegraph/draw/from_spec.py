@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from nodegraph.draw.from_graph import socket_of
-from nodegraph.draw.picture import Arrow, Box, Picture, Socket
+from nodegraph.draw.picture import Alternative, Arrow, Box, Picture, Socket
 from nodegraph.errors import Problems, UnknownNodeError
 from nodegraph.graph.used_graphs import UsedGraphs
 from nodegraph.graphfile.spec import GraphSpec, NodeSpec, Reference
@@ -79,6 +79,6 @@ def _box(
         lines=() if node.has_alternatives else uses,
         inputs=tuple(inputs.values()),
         outputs=tuple(outputs.values()),
-        alternatives=uses if node.has_alternatives else (),
+        alternatives=tuple(map(Alternative, uses)) if node.has_alternatives else (),
         kind="report" if is_reported else "node" if inputs else "input",
     )

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 Kind = Literal["node", "input", "report"]
 
@@ -47,6 +47,23 @@ class Socket:
         return self.type.startswith("Truth[")
 
 
+class Alternative(NamedTuple):
+    """One of the methods that are compared at a box.
+
+    Attributes
+    ----------
+    label : str
+    settings : str
+        Those of its own that differ from the default: ``neighbours: 40``.
+    """
+
+    label: str
+    settings: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.label} {self.settings}".rstrip()
+
+
 @dataclass(frozen=True, slots=True)
 class Box:
     """A drawn node.
@@ -58,8 +75,7 @@ class Box:
     lines : tuple of str
         Shown below the name, for instance the method that the node uses.
     inputs, outputs : tuple of Socket
-    alternatives : tuple of str
-        Labels of the methods that are compared here.
+    alternatives : tuple of Alternative
     axes : tuple of str
         Axes that its settings name, with their labels where they are first drawn:
         ``length: 5, 15, 45``.
@@ -71,7 +87,7 @@ class Box:
     lines: tuple[str, ...] = ()
     inputs: tuple[Socket, ...] = ()
     outputs: tuple[Socket, ...] = ()
-    alternatives: tuple[str, ...] = ()
+    alternatives: tuple[Alternative, ...] = ()
     axes: tuple[str, ...] = ()
     kind: Kind = "node"
 

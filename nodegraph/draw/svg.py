@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
 
@@ -46,6 +47,7 @@ _COLOURS = ("#5b6675", "#00756b", "#8430b0", "#b8225f", "#3d7a1f", "#2f5fd0", "#
 """Sizes, and light colours for programs that do not read `picture.css`."""
 
 
+@lru_cache(10_000)
 def number(value: float) -> str:
     """Return a length with one decimal, or none if it is whole."""
     return f"{round(value, 1) + 0.0:.1f}".removesuffix(".0")
@@ -305,12 +307,21 @@ def _text(text: Text) -> str:
 
 
 def _chip(chip: Chip) -> str:
-    words = _LOOK.get(f"chip {chip.style} text", _LOOK["chip text"])
+    looks = (
+        _LOOK.get(f"chip {chip.style} text", _LOOK["chip text"]),
+        f'class="note" {_LOOK["note"]}',
+    )
+    anchor = "" if chip.label else ' text-anchor="middle"'
+    texts = [
+        f'<text {look} x="{number(chip.x + x)}" y="{number(chip.y + 13.3)}"{anchor}>'
+        f"{escaped(text)}</text>"
+        for look, (text, x) in zip(looks, chip.texts, strict=False)
+    ]
+    name = f' data-alternative="{escaped(chip.label)}"' if chip.label else ""
     return (
-        f'<g class="chip {chip.style}">{tag("title", chip.hint)}'
+        f'<g class="chip {chip.style}"{name}>{tag("title", chip.hint)}'
         f"<rect {_LOOK[f'chip {chip.style}']}"
         f' x="{number(chip.x)}" y="{number(chip.y)}" width="{number(chip.width)}"'
         f' height="{number(CHIP_HEIGHT)}" rx="{5 if chip.style == "alternative" else 9.5}"/>'
-        f'<text {words} x="{number(chip.x + chip.width / 2)}" y="{number(chip.y + 13.3)}"'
-        f' text-anchor="middle">{escaped(chip.text)}</text></g>'
+        f"{''.join(texts)}</g>"
     )

@@ -167,6 +167,7 @@ class Running:
             "is_over": is_over,
             "state": "not begun" if is_over else "starting",
             "nodes": {},
+            "alternatives": {},
             "seconds": 0.0,
             "to_go": None,
             "failures": [],

@@ -104,6 +104,8 @@ class EventLog:
         self._begun: dict[int, float] = {}
         if listeners:
             steps = Counter(step.node for step in plan.steps)
+            labelled = (step for step in plan.steps if step.method.label)
+            alternatives = Counter(f"{step.node}={step.method.label}" for step in labelled)
             self._emit(
                 EventKind.PLANNED,
                 None,
@@ -111,6 +113,7 @@ class EventLog:
                     "format": FORMAT,
                     "steps": self._steps,
                     "nodes": {name: steps[name] for name in plan.graph.nodes},
+                    "alternatives": alternatives,
                     "title": plan.graph.title,
                     "began": datetime.now().astimezone().isoformat(timespec="milliseconds"),
                     **about,

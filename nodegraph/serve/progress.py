@@ -19,7 +19,7 @@ WAITING, RUNNING = "waiting", "running"
 """The states of steps that have not ended; in an unfinished run, unneeded steps are waiting."""
 
 Counts = dict[str, Counter[str]]
-"""The number of steps of each node by state."""
+"""The number of steps by state: of each node, and of each alternative, such as ``fill=muscle``."""
 
 IN_ORDER = (
     State.FAILED, RUNNING, State.REFUSED, State.SKIPPED, State.DONE, State.STORED, State.UNNEEDED,
@@ -68,15 +68,20 @@ class StepState(NamedTuple):
 
 
 def counts_of(states: Iterable[StepState]) -> defaultdict[str, Counter[str]]:
-    """Return how many combinations of each node are in each state."""
+    """Return how many combinations of each node and alternative are in each state."""
     counts: defaultdict[str, Counter[str]] = defaultdict(Counter)
     for each in states:
-        counts[each.cell.node][each.state] += 1
+        _count(counts, each, 1)
     return counts
 
 
+def _count(counts: defaultdict[str, Counter[str]], state: StepState, steps: int) -> None:
+    for name in {state.cell.node, state.cell.group}:
+        counts[name][state.state] += steps
+
+
 class NodeState(TypedDict):
-    """The states of the steps of a node together, as plain data.
+    """The states of the steps of a node or an alternative together, as plain data.
 
     Attributes
     ----------
@@ -96,7 +101,7 @@ class NodeState(TypedDict):
 
 
 def node_state(counts: Mapping[str, int]) -> NodeState:
-    """Return the states of the steps of a node together."""
+    """Return the states of the steps of a node or an alternative together."""
     known = {str(state): counts[state] for state in IN_ORDER if counts.get(state)}
     total = sum(known.values())
     texts = [f"{count:,} {state}" for state, count in known.items()]
@@ -109,6 +114,14 @@ def node_state(counts: Mapping[str, int]) -> NodeState:
         "mark": str(next((state for state in _MARKED if state in known), State.DONE)),
         "settled": 1 - open_steps / max(total, 1),
     }
+
+
+def states_of(counts: Counts) -> dict[str, dict[str, NodeState]]:
+    """Return the states of the nodes, and those of the alternatives."""
+    states: dict[str, dict[str, NodeState]] = {"nodes": {}, "alternatives": {}}
+    for name, each in counts.items():
+        states["alternatives" if "=" in name else "nodes"][name] = node_state(each)
+    return states
 
 
 def failures_of(states: Iterable[StepState]) -> list[str]:
@@ -153,16 +166,6 @@ class Progress:
         default_factory=lambda: defaultdict(Counter), repr=False
     )
 
-    @property
-    def nodes(self) -> dict[str, int]:
-        """The number of steps of each node."""
-        nodes = self.planned.get("nodes")
-        return {
-            str(name): steps
-            for name, steps in (nodes.items() if isinstance(nodes, dict) else ())
-            if isinstance(steps, int)
-        }
-
     def read(self, line: bytes) -> None:
         """Take a line of the file of events."""
         try:
@@ -183,7 +186,7 @@ class Progress:
         self.last, self.seconds = kind, seconds
 
     def counts(self, *, is_over: bool = False) -> Counts:
-        """Return the number of steps of each node by state.
+        """Return the number of steps of each node and alternative by state.
 
         Parameters
         ----------
@@ -191,12 +194,20 @@ class Progress:
             Whether nothing is running any more, whatever the events say.
         """
         counts: Counts = {}
-        for node in {**self.nodes, **self._counts}:
-            states = Counter(self._counts[node])
+        kinds = [self.planned.get(kind) for kind in ("nodes", "alternatives")]
+        planned = {
+            str(name): steps
+            for kind in kinds
+            if isinstance(kind, dict)
+            for name, steps in kind.items()
+            if isinstance(steps, int)
+        }
+        for name in {**planned, **self._counts}:
+            states = Counter(self._counts[name])
             if is_over:
                 del states[RUNNING]
-            states[WAITING] = max(0, self.nodes.get(node, 0) - states.total())
-            counts[node] = +states
+            states[WAITING] = max(0, planned.get(name, 0) - states.total())
+            counts[name] = +states
         return counts
 
     def _settle(self, event: Mapping[str, Any], state: str) -> None:
@@ -204,8 +215,8 @@ class Progress:
         now = StepState(cell, state, str(event.get("reason", "")), str(event.get("place", "")))
         before = self.states.get(index)
         if before is not None:
-            self._counts[before.cell.node][before.state] -= 1
-        self._counts[cell.node][state] += 1
+            _count(self._counts, before, -1)
+        _count(self._counts, now, 1)
         self.states[index] = now
         if len(self.failures) < MOST_FAILURES:
             self.failures += failures_of([now])

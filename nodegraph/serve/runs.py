@@ -12,7 +12,8 @@ from pathlib import Path
 from threading import Lock, RLock
 from typing import Any
 
-from nodegraph.draw.from_graph import drawing_for_page
+from nodegraph.draw import svg
+from nodegraph.draw.from_graph import MOST_ON_A_PAGE, picture_of
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run, RunSettings, open_store
 from nodegraph.execute.outcome import Outcome
@@ -33,7 +34,7 @@ from nodegraph.serve.progress import (
     StepState,
     counts_of,
     failures_of,
-    node_state,
+    states_of,
 )
 from nodegraph.state import State
 
@@ -119,12 +120,11 @@ class OpenRun:
             counts: Counts = progress.counts(is_over=self._state.is_final)
             failures = progress.failures
         else:
-            known = counts_of(self.states())
-            counts = {node: known[node] for node in record.nodes}
+            counts = {node: Counter() for node in record.nodes} | counts_of(self.states())
             failures = failures_of(self.states())
         return {
             "state": self._state,
-            "nodes": {node: node_state(states) for node, states in counts.items()},
+            **states_of(counts),
             "seconds": round(progress.seconds, 1),
             "to_go": progress.to_go,
             "failures": failures,
@@ -231,10 +231,12 @@ class OpenRun:
     def drawing(self) -> dict[str, str]:
         """Return the graph as SVG, or a message that says why it is not drawn."""
         try:
-            drawing = drawing_for_page(self.graph(), fold=False)
+            graph = self.graph()
         except NodegraphError as error:
             return {"drawing": "", "message": f"The graph is not drawn: {error}"}
-        return {"drawing": drawing, "message": "" if drawing else "The graph is too large to draw."}
+        if len(graph.nodes) > MOST_ON_A_PAGE:
+            return {"drawing": "", "message": "The graph is too large to draw."}
+        return {"drawing": svg(picture_of(graph, whole=True), sockets=True), "message": ""}
 
     def described(self, node: str) -> str:
         """Return the methods of a node and its place in the graph; empty if they are unknown."""

@@ -1,6 +1,7 @@
 // Runs of the file: what would be computed, start, stop, and the states of the run on the cards.
 nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { Card, how_far }, editor) => {
   const MOST = 8; // lines of a list
+  const many = (count) => count.toLocaleString("en");
   const part = (id) => document.getElementById(id);
   const holder = part("run-state");
   const dialog = part("start");
@@ -30,10 +31,10 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     editor.say("");
     const { nodes, steps, missing, changes, warnings } = preview;
     part("start-what").textContent = missing
-      ? `${missing} of ${steps} steps are not stored, and are computed as far as something needs them.`
-      : `All ${steps} steps are stored.`;
+      ? `${many(missing)} of ${many(steps)} steps are not stored, and are computed as far as something needs them.`
+      : `All ${many(steps)} steps are stored.`;
     part("start-nodes").tBodies[0].replaceChildren(...nodes.map(([node, ...counts]) => element("tr", null,
-      element("th", { scope: "row" }, node), counts.map((count) => element("td", { class: "number" }, count)))));
+      element("th", { scope: "row" }, node), counts.map((count) => element("td", { class: "number" }, many(count))))));
     part("start-why").hidden = !changes.length;
     part("start-why").querySelector("ul").replaceChildren(...few(changes));
     part("start-warnings").replaceChildren(...few(warnings));
@@ -66,7 +67,7 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     const earlier = editor.known.run.is_current ? "" : "before: ";
     for (const card of cards) {
       const node = snapshot.nodes[card.name] ?? (is_going() && earlier === "" ? { mark: "waiting", text: "waiting", settled: 0 } : null);
-      if (node) card.show({ ...node, text: `${earlier}${node.text}` });
+      if (node) card.show({ ...node, text: `${earlier}${node.text}` }, snapshot.alternatives);
     }
   };
 

@@ -58,7 +58,7 @@ nodegraph.define("progress", ["page", "states"], ({ element, svg }, { Card, how_
     }
 
     show(snapshot) {
-      for (const card of this.cards) if (snapshot.nodes[card.name]) card.show(snapshot.nodes[card.name]);
+      for (const card of this.cards) if (snapshot.nodes[card.name]) card.show(snapshot.nodes[card.name], snapshot.alternatives);
       this.legend(Object.values(snapshot.nodes).map(({ mark }) => mark));
       this.table(snapshot.nodes);
       const failures = this.part.querySelector(".served-failures");

@@ -17,6 +17,28 @@ nodegraph.define("states", ["page"], ({ svg }) => {
     return `${state}, ${ended} of ${all} steps after ${duration(seconds)}${rest}`;
   };
 
+  // An alternative, whose row has room for a few words; the rest is said on hover.
+  class Row {
+    constructor(row, node) {
+      this.row = row;
+      this.name = `${node}=${row.dataset.alternative}`;
+      this.title = row.querySelector("title");
+      this.text = this.title.textContent;
+      const frame = row.querySelector("rect");
+      const [x, y, width] = ["x", "y", "width"].map((name) => Number(frame.getAttribute(name)));
+      this.count = svg("text", { class: "count", x: x + width - 6, y: y + 13.3 });
+      row.append(this.count);
+    }
+
+    show({ mark, text, counts, settled: share }) {
+      this.row.dataset.state = mark;
+      this.title.textContent = text ? `${this.text}: ${text}` : this.text;
+      const [state, count] = Object.entries(counts)[0] ?? [];
+      const reached = share < 1 && state !== "failed" ? `${settled(counts)} of ${total(counts)}` : `${count} ${state}`;
+      this.count.textContent = text && reached;
+    }
+  }
+
   class Card {
     constructor(box) {
       this.box = box;
@@ -27,9 +49,11 @@ nodegraph.define("states", ["page"], ({ svg }) => {
       this.count = svg("text", { class: "count", x: this.width, y: -5 });
       this.meter = svg("rect", { class: "meter", y: Number(frame.getAttribute("height")) - 4, height: 4, rx: 2 });
       box.append(this.meter, this.count);
+      this.rows = [...box.querySelectorAll("[data-alternative]")].map((row) => new Row(row, this.name));
     }
 
-    show({ mark, text, settled: share }) {
+    show({ mark, text, settled: share }, alternatives) {
+      for (const row of this.rows) row.show(alternatives[row.name] ?? { mark, text: "", counts: {}, settled: 0 });
       this.box.dataset.state = mark;
       this.title.textContent = `${this.name}: ${text}`;
       this.meter.setAttribute("width", share < 1 ? this.width * share : 0);

@@ -31,7 +31,10 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
       capture: {use: read.number}
       gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
       again: {use: gaps.cut, in: gaps.gappy, with: {length: $once, seed: $trial}}
-      fill: {in: again.gappy, alternatives: [fill.hold, fill.scale]}
+      fill:
+        in: again.gappy
+        with: {max_gap: 9}
+        alternatives: {hold: {use: fill.hold}, cube: {use: fill.scale, with: {power: 3}}}
       error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
       table: {use: compare.table, in: error}
     report: [table]
@@ -40,7 +43,7 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     assert boxes["gaps"].axes == ("length: 5, 15", "trial: 0 … 19 (20)")
     assert boxes["again"].axes == ("trial",)  # labels are said once, and an axis of one label not
     assert boxes["fill"].axes == ()
-    assert boxes["fill"].alternatives == ("hold", "scale")
+    assert [*map(str, boxes["fill"].alternatives)] == ["hold", "cube power: 3"]
     kinds = {name: box.kind for name, box in boxes.items()}
     assert kinds == {
         "capture": "input", "gaps": "node", "again": "node", "fill": "node", "error": "node",
@@ -51,6 +54,8 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     assert [socket.name for socket in boxes["again"].outputs] == ["gappy"]
     whole = {box.name: box for box in picture_of(graph_of(text), whole=True).boxes}
     assert [socket.name for socket in whole["again"].outputs] == ["gappy", "truth", "hidden"]
+    lines = [(), ("max_gap: 9",), ("gaps.cut",), ("gaps.cut", "length: 1")]
+    assert [boxes["fill"].lines, *(whole[n].lines for n in ("fill", "gaps", "again"))] == lines
 
 
 def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -> None:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 
-from nodegraph.draw import Arrow, Box, Picture, Socket, pdf
+from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket, pdf
 
 HOSTILE = "\"><script>&amp;\x00'\ud800]]> $x_1$ \\frac"
 
 
 def test_a_picture_is_one_page_and_the_same_every_time() -> None:
     ports = (Socket(HOSTILE, HOSTILE),)
-    boxes = (Box(HOSTILE, (HOSTILE,), ports, ports, (HOSTILE,), (HOSTILE,)), Box("b.c", (), ports))
+    alternatives = (Alternative(HOSTILE, HOSTILE),)
+    boxes = (
+        Box(HOSTILE, (HOSTILE,), ports, ports, alternatives, (HOSTILE,)),
+        Box("b.c", (), ports),
+    )
     arrow = Arrow(HOSTILE, HOSTILE, "b.c", HOSTILE, truth=True, gathers=True, fixed=HOSTILE)
     picture = Picture(HOSTILE, boxes, (arrow,))
     drawn = pdf(picture)

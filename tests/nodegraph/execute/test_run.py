@@ -120,7 +120,8 @@ def test_events_come_in_order(run_of: Callable[..., Run]) -> None:
     assert planned.pop("settings")["graph"] == "toy.yaml"
     assert Path(planned.pop("folder")).is_dir()
     nodes = dict.fromkeys("abcd", 1)
-    assert planned == {"format": 1, "steps": 4, "nodes": nodes, "title": "toy.yaml"}
+    about = {"alternatives": {}, "title": "toy.yaml"}
+    assert planned == {"format": 1, "steps": 4, "nodes": nodes, **about}
     assert events[4].detail["reason"] == "-1.0 is negative"
     counts = {state: count for state, count in events[-1].detail.items() if count}
     assert counts == {"done": 1, "refused": 1, "failed": 1, "skipped": 1}

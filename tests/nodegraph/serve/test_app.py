@@ -104,12 +104,16 @@ def states_in(page: str) -> Any:
 def test_a_graph_has_the_states_of_its_steps(opened: Opened) -> None:
     page = shown(opened().get("/values?run=toy"))
     assert 'data-box="fill"' in page
-    states = states_in(page)["nodes"]
+    assert 'data-alternative="hold"' in page
+    known = states_in(page)
+    states = {**known["nodes"], **known["alternatives"]}
     assert [(name, each["mark"], each["text"]) for name, each in states.items()] == [
         ("a", "done", "2 done"),
         ("fill", "refused", "1 of 4 refused, 3 done"),
         ("error", "skipped", "1 of 4 skipped, 3 done"),
         ("table", "done", "1 done"),
+        ("fill=hold", "done", "2 done"),
+        ("fill=<u>", "refused", "1 of 2 refused, 1 done"),
     ]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.serve.progress import EventFile
+from nodegraph.serve.progress import EventFile, states_of
 
 
 def line(kind: str, **more: object) -> bytes:
@@ -17,7 +17,9 @@ def line(kind: str, **more: object) -> bytes:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     path = tmp_path / "events.jsonl"
-    path.write_bytes(line("planned", nodes={"a": 1, "fill": 3}, title="toy"))
+    path.write_bytes(
+        line("planned", nodes={"a": 1, "fill": 3}, alternatives={"fill=hold": 2}, title="toy")
+    )
     return path
 
 
@@ -26,7 +28,7 @@ def append(path: Path, *lines: bytes) -> None:
         file.writelines(lines)
 
 
-def test_steps_are_counted_by_node_and_state(path: Path) -> None:
+def test_steps_are_counted_by_node_alternative_and_state(path: Path) -> None:
     events = EventFile(path)
     assert events.update()
     assert not events.update()
@@ -39,7 +41,11 @@ def test_steps_are_counted_by_node_and_state(path: Path) -> None:
     assert progress.counts() == {
         "a": {"stored": 1},
         "fill": {"waiting": 1, "running": 1, "failed": 1},
+        "fill=hold": {"waiting": 1, "failed": 1},
     }
+    assert states_of(progress.counts())["alternatives"]["fill=hold"]["text"] == (
+        "1 of 2 failed, 1 waiting"
+    )
     assert progress.counts(is_over=True)["fill"] == {"waiting": 2, "failed": 1}
     assert progress.failures == ["fill(fill=hold): too far"]
     assert (progress.left, progress.to_go, progress.last) == (2, 4, "progress")
