@@ -103,6 +103,7 @@ class _Panel:
             if all(name in other for other in schemas)
         }
         written = mapping(value_at(self._data, (*path, "with")))
+        shared = mapping(self._entry.get("with")) if len(path) > 2 else {}
         known = [*mapping(self._data.get("axes")), *mapping(self._data.get("inputs"))]
         forms = {
             name: {
@@ -121,6 +122,7 @@ class _Panel:
                 "name": name,
                 "path": [*path, "with", name],
                 "value": flow(written[name]) if name in written else "",
+                "shared": flow(shared[name]) if name in shared else "",
                 "variables": [f"${each}" for each in known],
                 **form,
             }

@@ -86,7 +86,7 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
         problem = Problem(Place(path.name), message)
         return View(None, places.problems([problem], is_error=True), "", message, nodes)
     drawing = _drawn(picture_of(graph, whole=True))
-    reason = "" if drawing else f"too many nodes to draw: {len(graph.nodes):,}"
+    reason = "" if drawing else _too_many(len(graph.nodes), path.name)
     return View(graph, places.problems(graph.notices, is_error=False), drawing, reason, nodes)
 
 
@@ -97,6 +97,14 @@ def unchecked_view_of(text: str) -> View:
         "the picture is that of before"
     )
     return View(None, [], "", reason, outline_of(text).nodes())
+
+
+def _too_many(nodes: int, name: str) -> str:
+    return (
+        f"{nodes:,} nodes, of which at most {_MOST_BOXES:,} are drawn here. The text can be edited "
+        f"and run all the same; `nodegraph draw {name} -o graph.svg` draws all into a file. "
+        "Nodes that repeat are fewer as an axis or as alternatives."
+    )
 
 
 def _drawn(picture: Picture) -> str:

@@ -60,9 +60,9 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
     part("undo").disabled = !can_undo;
     part("redo").disabled = !can_redo;
     part("save").disabled = is_saved;
-    part("reason").textContent = reason;
     say(notice);
-    picture.draw(svg, known.wrong);
+    picture.draw(svg, known.wrong, reason);
+    part("reason").textContent = part("picture").textContent === reason ? "" : reason;
     show_problems(problems);
     choose(chosen, { scroll: "" });
     ask(theirs);

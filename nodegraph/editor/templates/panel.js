@@ -32,9 +32,9 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     const known = [...item.words, ...item.variables];
     const attributes = { id, onchange: save, "aria-describedby": `${id}-about` };
     const field = item.is_closed
-      ? element("select", attributes, option("", "(default)"), known.map((word) => option(word)),
+      ? element("select", attributes, option("", item.shared ? `(${item.shared}, as in all alternatives)` : "(default)"), known.map((word) => option(word)),
         item.value && !known.includes(item.value) ? option(item.value) : null)
-      : element("input", { ...attributes, list: `${id}-list`, autocomplete: "off", spellcheck: "false" });
+      : element("input", { ...attributes, list: `${id}-list`, placeholder: item.shared, autocomplete: "off", spellcheck: "false" });
     field.value = item.value;
     return element("div", { class: "editor-field" },
       element("label", { for: id }, item.name), field,
@@ -83,8 +83,9 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
       const explain = () => { about.textContent = node.rivals.find(({ use }) => use === field.value)?.about ?? ""; };
       const add = async () => {
         if (!field.value || !await edit("add_alternative", { node: node.name, use: field.value })) return;
-        const sections = holder.querySelectorAll("[data-alternative]");
-        sections[sections.length - 1]?.scrollIntoView({ block: "nearest" });
+        const added = [...holder.querySelectorAll("[data-alternative]")].pop();
+        added?.scrollIntoView({ block: "nearest" });
+        added?.querySelector("input, select")?.focus({ preventScroll: true });
       };
       explain();
       parts.push(element("div", { class: "editor-field editor-method" },

@@ -124,9 +124,10 @@ nodegraph.define("picture", [], () => {
         if (!factor) settle();
       },
       // Show another picture, with the names of nodes that have mistakes; without one, the last stays, and
-      // looks as if it were behind.
-      draw: (svg, wrong) => {
-        holder.classList.toggle("stale", !svg);
+      // looks as if it were behind, or the reason stands in its place.
+      draw: (svg, wrong, reason) => {
+        if (!svg && !shown) holder.replaceChildren(reason);
+        holder.classList.toggle("stale", !svg && shown !== "");
         if (svg && svg !== shown) {
           const focused = document.activeElement?.dataset?.box;
           shown = holder.innerHTML = svg;

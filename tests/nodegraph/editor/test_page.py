@@ -347,6 +347,7 @@ def test_a_study_is_made_from_an_empty_file_by_keys(page: Page, path: Path) -> N
     page.get_by_label("Another method beside it").select_option("fill.muscle")
     page.get_by_text("Add a rival").press("Enter")
     until(page, has_text("muscle: {use: fill.muscle}"))
+    until(page, "document.activeElement.id.includes('alternatives-muscle-with')")
     add(page, "score.gaps", "gaps_2")
     assert page.get_by_label("estimate", exact=True).input_value() == "linear"
     truth = page.get_by_label("truth", exact=True)
