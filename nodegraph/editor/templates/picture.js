@@ -14,6 +14,7 @@ nodegraph.define("picture", [], () => {
     let scale = 0; // none: as wide as the pane, unless words became too small
     let drawn = 0; // the scale at which it is drawn while another is shown
     let settling = 0;
+    let fixed = null; // a point of the window, and what of the picture is there while that changes its size
     const boxes = () => [...holder.querySelectorAll("[data-box]")];
     const has = (box, name) => box.dataset.box === name || box.dataset.box.startsWith(`${name}.`);
     const show = () => {
@@ -54,19 +55,26 @@ nodegraph.define("picture", [], () => {
       const picture = holder.querySelector("svg");
       if (!picture || !scale) return;
       const { scrollLeft, scrollTop } = holder;
-      drawn = 0;
       picture.style.transform = picture.style.willChange = "";
       picture.style.minWidth = picture.style.maxWidth = `${scale * width_of(picture)}px`;
-      holder.scrollTo(scrollLeft, scrollTop);
+      if (drawn) keep_point(picture);
+      else holder.scrollTo(scrollLeft, scrollTop);
+      drawn = 0;
+    };
+    const keep_point = (picture) => {
+      const { left, top } = picture.getBoundingClientRect();
+      holder.scrollBy(left + fixed.right * scale - fixed.x, top + fixed.down * scale - fixed.y);
     };
     const scale_now = (picture) => picture.getBoundingClientRect().width / width_of(picture);
     // A picture that changes its size is a layer that is stretched, and is drawn anew once it keeps it:
-    // to lay out all its words at each step would take many frames. A point of the window stays.
+    // to lay out all its words at each step would take many frames. A point of it stays where it is in
+    // the window, at the latest in the end: a stretched layer may have no room yet to be scrolled.
     const zoom_to = (wanted, x, y) => {
       const picture = holder.querySelector("svg");
       const width = width_of(picture);
       const before = picture.getBoundingClientRect();
       const now = before.width / width;
+      if (!drawn || fixed.x !== x || fixed.y !== y) fixed = { x, y, right: (x - before.left) / now, down: (y - before.top) / now };
       drawn ||= now;
       scale = Math.max(LEAST, Math.min(wanted, MOST));
       const style = getComputedStyle(holder);
@@ -75,9 +83,7 @@ nodegraph.define("picture", [], () => {
       picture.style.willChange = "transform";
       picture.style.transformOrigin = "0 0";
       picture.style.transform = `translateX(${left(scale) - left(drawn)}px) scale(${scale / drawn})`;
-      const after = picture.getBoundingClientRect();
-      const move = (from, to, point) => to + (point - from) * scale / now - point;
-      holder.scrollBy(move(before.left, after.left, x), move(before.top, after.top, y));
+      keep_point(picture);
       clearTimeout(settling);
       settling = setTimeout(settle, SETTLED);
     };
