@@ -78,6 +78,10 @@ class Edits:
         """Write a setting as YAML, or remove it if that is empty."""
         if not value.strip():
             return edit.unset(text, path, file=self._file)
+        document = Document(text, self._file)
+        listed = value_at(document.data, path[:3])
+        if isinstance(listed, list) and "alternatives" in path[2:-1]:  # names have no settings
+            text = document.put(path[:3], {label_of(str(use)): {"use": use} for use in listed})
         return edit.set_value(text, path, read_value(str(path[-1]), value), file=self._file)
 
     def _add_node(self, text: str, *, name: str, use: str, after: str) -> str:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from nodegraph.edit.document import Document, flow, value_at
+from nodegraph.edit.document import Document, flow
 from nodegraph.edit.uses import mapping, shown_at
 from nodegraph.editor.completion import ABOUT_PASS, is_closed, words_of
 from nodegraph.editor.links import Data, Links
@@ -86,23 +86,26 @@ class _Panel:
         """Yield the methods, each with a form, and that of the settings which they share."""
         path = ["nodes", self._name]
         alternatives = self._entry.get("alternatives")
-        for label, method in mapping(alternatives).items():
+        methods = mapping(alternatives)
+        if isinstance(alternatives, list):
+            methods = {label_of(str(use)): {"use": use} for use in alternatives}
+        for label, method in methods.items():
             used = self._links.of(method if mapping(method).get("use") else label)
-            yield self._section(str(label), [*path, "alternatives", label], used[:1])
+            yield self._section(str(label), [*path, "alternatives", label], used[:1], method)
         if alternatives is None:
-            yield self._section("", path, self._used[:1])
+            yield self._section("", path, self._used[:1], self._entry)
         elif self._used:
-            yield self._section("all alternatives", path, self._used)
+            yield self._section("all alternatives", path, self._used, self._entry)
 
-    def _section(self, title: str, path: list[str], used: list[Node]) -> Data:
-        """Return the form of the settings that all of these nodes have."""
+    def _section(self, title: str, path: list[str], used: list[Node], entry: object) -> Data:
+        """Return the form of the settings that all of these nodes have; the entry sets some."""
         schemas = [settings_schema(node) for node in used]
         common = {
             name: schema
             for name, schema in (schemas[0] if schemas else {}).items()
             if all(name in other for other in schemas)
         }
-        written = mapping(value_at(self._data, (*path, "with")))
+        written = mapping(mapping(entry).get("with"))
         shared = mapping(self._entry.get("with")) if len(path) > 2 else {}
         known = [*mapping(self._data.get("axes")), *mapping(self._data.get("inputs"))]
         forms = {
@@ -129,7 +132,7 @@ class _Panel:
             for name, form in forms.items()
         ]
         about = [used[0].name, used[0].summary] if len(used) == 1 else []
-        if value_at(self._data, (*path, "use")) == PASS:
+        if mapping(entry).get("use") == PASS:
             about = [PASS, ABOUT_PASS]
         return {
             "title": title,

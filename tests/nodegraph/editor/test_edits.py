@@ -40,6 +40,14 @@ def lines(view: Any) -> set[str]:
             {"  gaps:    {use: gaps.cut, in: capture}"},
         ),
         (
+            "set",
+            {"path": ["nodes", "fill", "alternatives", "muscle", "with", "max_gap"], "value": "9"},
+            {
+                "    alternatives: {linear: {use: fill.linear}, muscle: {use: fill.muscle, "
+                "with: {max_gap: 9}}}"
+            },
+        ),
+        (
             "connect",
             {"node": "error", "port": "estimate", "source": "gaps.gappy"},
             {
@@ -170,7 +178,8 @@ nodes:
 
 def test_a_panel_has_forms_and_what_fits(editor: Editor) -> None:
     panel = editor.get("/node?name=fill").data
-    (shared,) = panel["sections"]
+    *own, shared = panel["sections"]
+    assert [each["title"] for each in own] == ["linear", "muscle"]
     settings = {each["name"]: each for each in shared["settings"]}
     assert settings["ends"]["words"] == ["as_published", "met"]
     assert (settings["ends"]["is_closed"], settings["max_gap"]["is_closed"]) == (True, False)
