@@ -57,6 +57,7 @@ def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
     cards = tuple(
         Card(
             label, (_span(values, unit),),
+            aside=(f"range over {', '.join(verdicts.within)}",) if np.ptp(values) > 0.0 else (),
             facts=tuple(
                 (
                     group_title(verdicts, group, every),
