@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import partial, wraps
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -21,8 +21,10 @@ from hypothesis import strategies as st
 from nodegraph.cache_key import Code, Reached
 from tests.texts import any_text
 
-from .conftest import Folder
 from .toys import Function, Kind, Pair, Rule, far, near, over, with_default
+
+if TYPE_CHECKING:  # it imports modules by names, and functions of this module would lead to all
+    from .conftest import Folder
 
 CODE = Code([])
 

@@ -123,20 +123,12 @@ def test_a_node_that_cannot_be_imported_is_called_here(
     assert run_of(text, more=[local], how=ONE)["b"].value == os.getpid()
 
 
-def test_large_values_go_both_ways(study: Callable[..., Run]) -> None:
-    text = """
-        axes: {seed: [1, 2, 3]}
-        nodes:
-          a: {use: away.pair, with: {seed: $seed, rows: 60000}}
-          b: {use: away.cut, in: a}
-          c: {use: away.size, in: b.kept}
-        """
-    assert [value for _, value in study(text, ONE)["c"]] == 3 * [60000 * 36 * 8]
-
-
-def test_warnings_and_errors_of_nodes_come_back(study: Callable[..., Run]) -> None:
+def test_large_values_warnings_and_errors_come_back(study: Callable[..., Run]) -> None:
     text = """
         nodes:
+          large: {use: away.pair, with: {rows: 60000}}
+          cut: {use: away.cut, in: large}
+          size: {use: away.size, in: cut.kept}
           x: {use: away.pid}
           pair: {use: away.pair}
           warns: {use: away.warns, in: x}
@@ -145,10 +137,13 @@ def test_warnings_and_errors_of_nodes_come_back(study: Callable[..., Run]) -> No
           lies: {use: away.lies, in: x}
           writes: {use: away.writes, in: pair}
         """
-    here, there = (outcomes(study(text, how)) for how in (HowToRun("serial"), ONE))
+    runs = [study(text, how) for how in (HowToRun("serial"), ONE)]
+    assert [run["size"].value for run in runs] == 2 * [60000 * 36 * 8]
+    here, there = map(outcomes, runs)
     assert {name: outcome.state for name, outcome in there.items()} == {
-        "x": "done", "pair": "done", "warns": "done", "refuses": "refused", "fails": "failed",
-        "lies": "failed", "writes": "failed",
+        "large": "done", "cut": "done", "size": "done", "x": "done", "pair": "done",
+        "warns": "done", "refuses": "refused", "fails": "failed", "lies": "failed",
+        "writes": "failed",
     }  # fmt: skip
     assert {name: outcome.reason for name, outcome in there.items()} == {
         name: outcome.reason for name, outcome in here.items()
@@ -160,15 +155,15 @@ def test_warnings_and_errors_of_nodes_come_back(study: Callable[..., Run]) -> No
 
 def test_a_process_that_ends_fails_its_step_alone(study: Callable[..., Run]) -> None:
     text = """
-        axes: {k: {count: 4}}
+        axes: {k: {count: 2}}
         nodes:
           x: {use: away.pid, with: {mark: $k}}
           exits: {use: away.exits, in: {from: x, at: {k: 0}}}
           killed: {use: away.killed, in: {from: x, at: {k: 1}}}
           after: {use: away.warns, in: x}
         """
-    run = study(text, TWO)
-    assert run.counts() == {**run.counts(), "done": 8, "failed": 2}
+    run = study(text, ONE)
+    assert run.counts() == {**run.counts(), "done": 4, "failed": 2}
     ended = outcomes(run)
     assert ended["exits"].reason == "the process that computed it ended with exit status 3"
     by_signal = "the process that computed it was ended by signal SIGKILL (out of memory?)"
