@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
 
 import pytest
 from playwright.sync_api import Page
@@ -463,18 +462,22 @@ def test_a_graph_with_mistakes_is_mended_in_the_picture(page: Page) -> None:
 
 
 @needs_axe
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_readers_with_disabilities_can_use_it(page: Page, scheme: Literal["light", "dark"]) -> None:
-    page.emulate_media(color_scheme=scheme)
-    assert violations(page) == []
+def test_readers_with_disabilities_can_use_it(page: Page) -> None:
+    def assert_nothing_is_found() -> None:
+        page.emulate_media(color_scheme="dark")
+        assert violations(page, rules=("color-contrast",)) == []
+        page.emulate_media(color_scheme="light")
+        assert violations(page) == []
+
+    assert_nothing_is_found()
     put_cursor(page, "fill.muscle")
     page.keyboard.type("s")
     page.keyboard.press("Escape")
     until(page, "document.querySelector('#problems li.error')")
     until(page, "document.querySelector('#panel h2')?.textContent === 'fill'")
-    assert violations(page) == []
+    assert_nothing_is_found()
     for opens, dialog in (("#add", "search"), ("#axes-open", "axes"), ("#move-open", "move")):
         page.click(opens)
         until(page, f"document.getElementById({dialog!r}).open")
-        assert violations(page) == []
+        assert_nothing_is_found()
         page.keyboard.press("Escape")

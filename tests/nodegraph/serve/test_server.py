@@ -109,9 +109,9 @@ def test_cards_show_states_and_lead_to_values_while_a_run_goes_on(folder: Path, 
         going.close()
         tab.goto(f"{host}/values?run=toy")
         assert cards(tab)["error"] == ("1 of 4 skipped, 3 done", "skipped")
-        for scheme in ("light", "dark"):
-            tab.emulate_media(color_scheme=scheme)
-            assert violations(tab) == []
+        assert violations(tab) == []
+        tab.emulate_media(color_scheme="dark")
+        assert violations(tab, rules=("color-contrast",)) == []
         borders = tab.evaluate(
             "[...document.querySelectorAll('.served-legend .frame')].map((frame) => { const"
             " { strokeDasharray, strokeWidth } = getComputedStyle(frame);"
