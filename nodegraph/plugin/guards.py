@@ -149,11 +149,7 @@ def _facts(owner: object, value: object) -> tuple[Fact, ...]:
     return tuple(expect(fact, Fact) for fact in expect(value, Iterable))
 
 
-def _no_facts(*arguments: object) -> tuple[Fact, ...]:
-    return ()
-
-
-def _no_sentences(*arguments: object) -> tuple[str, ...]:
+def _no_items(*arguments: object) -> tuple[object, ...]:
     return ()
 
 
@@ -167,11 +163,11 @@ _RULES: Mapping[type, Mapping[str, _Rule]] = {
         "take_apart": _Rule("take_apart of {}"),
         "put_together": _Rule("put_together of {}", _restored),
         "lend": _Rule("lend of {}", _of_its_type, deepcopy, "a copy is lent"),
-        "compare": _Rule("the comparison of {}", _sentences, _no_sentences),
-        "conclude": _Rule("the conclusion of {}", _sentences, _no_sentences),
+        "compare": _Rule("the comparison of {}", _sentences, _no_items),
+        "conclude": _Rule("the conclusion of {}", _sentences, _no_items),
         "numbers": _Rule("the numbers of {}", str, lambda value: ""),
         "data": _Rule("the data of {}", Mapping, lambda value: {}),
-        "facts": _Rule("the facts of {}", _facts, _no_facts),
+        "facts": _Rule("the facts of {}", _facts, _no_items),
         "stream": _Rule("the stream of {}", Streamable),
         "live_view": _Rule("the view of {} on a stream", LiveView, _nothing, "it is not shown"),
         "detail": _Rule("the view of blocks of {}", Detail, _nothing, "it is not shown"),

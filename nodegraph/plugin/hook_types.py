@@ -43,14 +43,22 @@ def expect(value: object, hint: object) -> Any:
     return value
 
 
-def check_fields(record: object) -> None:
-    """Raise TypeError, naming the field, if one is not of its annotated type."""
-    kind: type = type(record)
-    for name, hint in _hints(kind).items():
-        try:
-            expect(getattr(record, name), hint)
-        except TypeError as error:
-            raise TypeError(f"{kind.__name__}.{name}: {error}") from None
+class CheckedRecord:
+    """A record whose fields are checked when it is made.
+
+    Raises
+    ------
+    TypeError
+        If a field is of another type, with its name.
+    """
+
+    def __post_init__(self) -> None:
+        kind: type = type(self)
+        for name, hint in _hints(kind).items():
+            try:
+                expect(getattr(self, name), hint)
+            except TypeError as error:
+                raise TypeError(f"{kind.__name__}.{name}: {error}") from None
 
 
 @cache
@@ -82,7 +90,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Rendered:
+class Rendered(CheckedRecord):
     """A value as it appears: HTML for the report, text for a terminal, files beside the report.
 
     Attributes
@@ -114,8 +122,6 @@ class Rendered:
 
     Raises
     ------
-    TypeError
-        If a field is of another type.
     ValueError
         If a suffix is not like these, or differs from another in case only; or if a script or a
         style contains the tag that would end it in a page.
@@ -134,7 +140,7 @@ class Rendered:
     kind: Literal["", "table", "figure"] = ""
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         for suffix, content in self.files.items():
             if not isinstance(suffix, str) or not isinstance(content, bytes):
                 raise TypeError(f"Rendered.files[{suffix!r}]: expected a suffix and its bytes")
@@ -154,7 +160,7 @@ class Rendered:
 
 
 @dataclass(frozen=True)
-class Fact:
+class Fact(CheckedRecord):
     """One fact of a value: ``Fact("rate", 60.0, "Hz")``.
 
     Attributes
@@ -165,19 +171,11 @@ class Fact:
         A mapping is a table: a row per key, whose columns all rows have.
     unit : str
         The unit of a number.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
     """
 
     name: str
     value: int | float | str | Sequence[str] | Mapping[str, Mapping[str, int | float]]
     unit: str = ""
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     @property
     def text(self) -> str:
@@ -313,7 +311,7 @@ class Provenance(Protocol):
 
 
 @dataclass(frozen=True)
-class Detail:
+class Detail(CheckedRecord):
     """Shows one block of a comparison: what each method made of it.
 
     It is that of the type of the first input of the steps that scored the blocks.
@@ -332,11 +330,6 @@ class Detail:
         The module of a script whose ``show(element, packed, context)`` draws what was packed.
     scripts, styles : tuple of str
         JavaScript and CSS that the view needs.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
     """
 
     pack: Callable[
@@ -347,12 +340,9 @@ class Detail:
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
 
 @dataclass(frozen=True)
-class Viewer:
+class Viewer(CheckedRecord):
     """Shows values of some types together on a page, as a reader looks at files.
 
     Attributes
@@ -365,23 +355,15 @@ class Viewer:
         What ends the name of a file beside a viewed one, such as ``.marks.csv``: scripts of the
         page write it through the module ``server``, ``keep(label, text)``, and what it holds is
         viewed with the file. Empty where nothing is kept.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
     """
 
     types: tuple[type, ...]
     view: Callable[[Mapping[str, Any]], Rendered]
     beside: str = ""
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
 
 @dataclass(frozen=True)
-class Format:
+class Format(CheckedRecord):
     """Reads values of one type from files of one format.
 
     Attributes
@@ -400,8 +382,6 @@ class Format:
 
     Raises
     ------
-    TypeError
-        If a field is of another type.
     ValueError
         If there are no suffixes, or one is not of that form.
     """
@@ -413,14 +393,14 @@ class Format:
     recognizes: Callable[[bytes], bool] = lambda start: False
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         for suffix in self.suffixes or ("",):
             if not isinstance(suffix, str) or suffix[:1] != "." or suffix != suffix.lower():
                 raise ValueError(f"Format.suffixes: {suffix!r} is not of the form '.c3d'")
 
 
 @dataclass(frozen=True)
-class Command:
+class Command(CheckedRecord):
     """A command of the command line: ``nodegraph NAME``.
 
     Attributes
@@ -434,19 +414,11 @@ class Command:
         ``call(arguments)`` runs the command with an `argparse.Namespace` and returns the exit
         status: 0, or 1 if something failed. The message of a `nodegraph.NodegraphError` is
         printed, and the status is 2.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
     """
 
     help: str
     add_arguments: Callable[[ArgumentParser], None]
     call: Callable[[Namespace], int]
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from nodegraph.plugin.hook_types import Detail, Fact, Provenance, Rendered, check_fields
+from nodegraph.plugin.hook_types import CheckedRecord, Detail, Fact, Provenance, Rendered
 from nodegraph.plugin.streaming import LiveView, Streamable
 
 
 @dataclass(frozen=True)
-class Kind:
+class Kind(CheckedRecord):
     """All that a plugin knows of one type: how its values are shown, stored, compared, streamed.
 
     Everything but the type is optional. Of several plugins, the last that knows something of a
@@ -60,8 +60,6 @@ class Kind:
 
     Raises
     ------
-    TypeError
-        If a field is of another type.
     ValueError
         If there is only one of `take_apart` and `put_together`.
     """
@@ -84,7 +82,7 @@ class Kind:
     specimens: Callable[[], Mapping[str, object]] | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        super().__post_init__()
         if (self.take_apart is None) != (self.put_together is None):
             raise ValueError("Kind: take_apart and put_together belong together")
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from nodegraph.plugin.hook_types import check_fields
+from nodegraph.plugin.hook_types import CheckedRecord
 
 JUMP = 1000
 """A source whose numbers jump by more has restarted; at a smaller jump, frames are missing."""
@@ -35,7 +35,7 @@ class Frame(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Streamable:
+class Streamable(CheckedRecord):
     """Splits values of one type into frames and joins them again.
 
     A payload is an array, or a NamedTuple of arrays and None. A payload of which windows are
@@ -52,11 +52,6 @@ class Streamable:
         ``join(header, payloads)`` returns the value; the payloads may be none.
     missing : callable
         ``missing(header)`` returns the payload of a frame that never arrived.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
     """
 
     header: Callable[[Any], object]
@@ -64,12 +59,9 @@ class Streamable:
     join: Callable[[Any, Sequence[Any]], object]
     missing: Callable[[Any], object]
 
-    def __post_init__(self) -> None:
-        check_fields(self)
-
 
 @dataclass(frozen=True)
-class LiveView:
+class LiveView(CheckedRecord):
     """Shows values of one type on the page of a stream, frame by frame.
 
     Attributes
@@ -87,11 +79,6 @@ class LiveView:
         ``close()`` is called when nothing more is drawn there.
     scripts, styles : tuple of str
         JavaScript and CSS that the view needs.
-
-    Raises
-    ------
-    TypeError
-        If a field is of another type.
     """
 
     begin: Callable[[Mapping[str, Any]], object]
@@ -99,9 +86,6 @@ class LiveView:
     module: str
     scripts: tuple[str, ...] = ()
     styles: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
 
 @runtime_checkable
