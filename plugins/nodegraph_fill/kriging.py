@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph_fill.gaps import Gaps
+from nodegraph_fill.kept import kept_of
 from nodegraph_fill.matern import Courses, Matern
 from nodegraph_fill.ridge import nearest_first
 from nodegraph_fill.tuning import Tune
@@ -125,9 +126,13 @@ class _Processes:
 
     @staticmethod
     def of(recording: Trajectories, neighbours: int) -> _Processes:
-        courses = _courses(recording)
-        own = [courses.fitted(marker) for marker in range(len(recording.markers))]
-        return _Processes(own, nearest_first(recording), neighbours)
+        kept = kept_of(recording)
+        if _Processes not in kept:
+            courses = _courses(recording)
+            own = [courses.fitted(marker) for marker in range(len(recording.markers))]
+            kept[_Processes] = own, nearest_first(recording)
+        own, near = kept[_Processes]
+        return _Processes(own, near, neighbours)
 
     def estimate(self, recording: Trajectories, gaps: Gaps) -> Estimate:
         """Return the estimate of some gaps of the take, or of the take with more gaps."""
