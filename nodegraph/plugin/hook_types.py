@@ -281,8 +281,11 @@ class Provenance(Protocol):
         the axis need. The first call of a node may have compiled it, too.
         """
 
-    def uses(self, axis: str) -> Mapping[Label, str]:
-        """Return the full names of the methods by label of an axis: ``fill.ridge``."""
+    def summaries(self, axis: str) -> Mapping[Label, str]:
+        """Return the first lines of the documentation of the methods by label of an axis.
+
+        `pass` has none, and neither has an axis that is no node with alternatives.
+        """
 
     def meaning(self, axis: str) -> str:
         """Return the meaning of the settings that take an axis's values; empty if unknown."""

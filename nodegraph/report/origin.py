@@ -11,6 +11,7 @@ import networkx as nx
 
 from nodegraph.execute import Run
 from nodegraph.graph.axis_text import axis_text
+from nodegraph.graph.methods import PASS
 from nodegraph.node.ports import Across, Label
 from nodegraph.plan import Output, Step
 from nodegraph.plugin.hook_types import Detail, Placeholder, Rendered
@@ -64,12 +65,16 @@ class RunOrigin:
                     times[step.labels[axis]].append(sum(outcome.seconds for outcome in counted))
         return dict(times)
 
-    def uses(self, axis: str) -> dict[Label, str]:
-        """Return the full names of the methods by label of an axis."""
+    def summaries(self, axis: str) -> dict[Label, str]:
+        """Return the first lines of the documentation of the methods by label of an axis."""
         node = self.run.plan.graph.nodes.get(axis)
         if node is None or not node.has_alternatives:
             return {}
-        return {label: method.node.name for label, method in node.methods.items()}
+        return {
+            label: method.node.summary
+            for label, method in node.methods.items()
+            if method.node.name != PASS
+        }
 
     def meaning(self, axis: str) -> str:
         """Return the meaning of the settings that take an axis's values."""

@@ -260,7 +260,7 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
     verb = "share" if several else "has"
     start = f"{HERE} {verb} the {EXTREME[metric.better]} mean {metric.name}{where} ({HERE})"
     if len(told) == 1:
-        others = not_certain(verdicts, told[0])
+        others = not_certain(verdicts, told[0], told[0].tied)
         behind = len(told[0].behind)
         rest = f"; {'the other' if behind == 1 else f'the other {behind}'} clearly behind"
         return say(f"{start}; not certain: {HERE}{rest * bool(behind)}.", names, number, others)
@@ -606,6 +606,9 @@ def scope_words(verdicts: Verdicts) -> Text:
     ]
     several = sum(group.stands for group in groups) > 1
     end = "" if metric.better == "none" else f", {metric.better} is better"
+    clusters = any(group.scope.kind == "clusters" for group in groups)
+    over = f"{verdicts.units.removeprefix('synthetic ')}{' and groups' * bool(verdicts.overall)}"
+    geometric = f" (geometric mean over {over})" if clusters and verdicts.ratio else ""
     unit = unit_text(metric.unit)
     held = _held(verdicts) if groups else ""
     return joined(
@@ -613,7 +616,7 @@ def scope_words(verdicts: Verdicts) -> Text:
         [
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
-            f"{number_name(verdicts, unit)}{end}.",
+            f"{number_name(verdicts, unit)}{geometric}{end}.",
             "Each verdict is wrong in up to 5 % of such studies." * several,
         ],
     )
@@ -635,6 +638,8 @@ def _held(verdicts: Verdicts) -> str:
     count = "one" if scope.clusters == 1 else str(scope.clusters)
     kind = "synthetic recording" if recordings.synthetic else "recording"
     of = f"{count} {kind}{'s' * (scope.clusters != 1)}"
+    if recordings.actors and scope.clusters > 1:
+        of += " of one actor" if recordings.actors == 1 else f" of {recordings.actors} actors"
     described = ", ".join(filter(None, [of, recordings.names, sizes]))
     further = scope_text(scope).replace("this recording", "it")
     if not judged and verdicts.metric.better == "none":

@@ -11,6 +11,7 @@ from nodegraph_compare.left_out import narrowed
 from nodegraph_compare.question import EXTREME
 from nodegraph_compare.words import (
     UNCLEAR,
+    behind_text,
     beside_text,
     change_of,
     change_text,
@@ -20,6 +21,7 @@ from nodegraph_compare.words import (
     method_words,
     next_text,
     not_certain,
+    over_all_text,
     plain_names,
     reason_text,
     scope_text,
@@ -42,7 +44,7 @@ from nodegraph_tables.answer import (
 from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
     from nodegraph_compare.verdict import Verdict, Verdicts
 
@@ -201,14 +203,22 @@ def _rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
         best = listing(method_words(verdicts, group.best))
         end = EXTREME[verdicts.metric.better].capitalize()
         yield end, joined(" ", [best, joined(", ", _value(verdicts, group, group.best[0]))])
-    elif verdicts.is_sequence:
+        return
+    if verdicts.is_sequence:
         yield from _step_rows(verdicts, group)
-    elif group.told:
-        if group.tied:
-            yield "Not certain", not_certain(verdicts, group)
-        if group.behind:
-            yield "Behind", _behind(verdicts, group)
-    elif group.tied:
+        return
+    if over_all := over_all_text(verdicts, group):
+        yield "Best over all", over_all
+    if group.told:
+        tied, behind = (
+            [place for place in places if place != verdicts.best_over_all]
+            for places in (group.tied, group.behind)
+        )
+        if tied:
+            yield "Not certain", not_certain(verdicts, group, tied)
+        if behind:
+            yield "Behind", _behind(verdicts, group, behind)
+    elif group.tied and not over_all:
         yield "Next", next_text(verdicts, group)
 
 
@@ -222,18 +232,15 @@ def _step_rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
         yield str(verdicts.methods[step]), (Word(f"{mean}, {sign}{by}", "number"), clear)
 
 
-def _behind(verdicts: Verdicts, group: Verdict) -> Text:
-    nearest = min(group.behind, key=lambda place: abs(group.to_best_of(place)))
-    (name,) = method_words(verdicts, [nearest])
-    difference, mean = group.to_best_of(nearest), float(group.mean[group.best[0]])
-    share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
-    by = Word(f"{signed(difference, verdicts.metric.unit, mean)}{share}", "number")
-    count = len(group.behind)
-    if count > 1 and not group.tied:
+def _behind(verdicts: Verdicts, group: Verdict, places: Sequence[int]) -> Text:
+    nearest = min(places, key=lambda place: abs(group.to_best_of(place)))
+    distance = behind_text(verdicts, group, nearest)
+    count = len(places)
+    if count > 1 and count == len(group.known) - len(group.best):
         every = "both" if count == 2 else f"all {count}"
-        return say(f"{every} others, next best: {HERE} {HERE}", name, by)
+        return say(f"{every} others, next best: {HERE}", distance)
     rest = f" and {count - 1} more" if count > 1 else ""
-    return say(f"{HERE} {HERE}{rest}", name, by)
+    return say(f"{HERE}{rest}", distance)
 
 
 def _baseline(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:

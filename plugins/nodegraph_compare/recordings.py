@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nodegraph import Value, listed
+from nodegraph_compare.actors import ACTOR
 from nodegraph_tables import info_of
 from nodegraph_tables.numbers import SPACE
 
@@ -31,12 +32,15 @@ class Recordings(Value):
         Their names.
     synthetic : bool
         Whether all are made by a generator.
+    actors : int
+        How many they are of; 0 where no field of an axis says who is recorded.
     seconds, markers, rates : tuple of float
         The least and the most of them; once where they are the same, none where they are unknown.
     """
 
     files: tuple[str, ...] = ()
     synthetic: bool = False
+    actors: int = 0
     seconds: Span = ()
     markers: Span = ()
     rates: Span = ()
@@ -66,10 +70,12 @@ class Recordings(Value):
 def recordings_of(scores: Across[Table]) -> Recordings:
     """Return what the recordings behind tables of scores say of themselves."""
     every = {poses for table in scores.values() if (poses := info_of(table).poses) is not None}
+    actors = [of for name, of in scores.fields.items() if name.endswith(f".{ACTOR}")]
     moving = [poses for poses in every if poses.frames > 1]
     return Recordings(
         scores.files,
         scores.synthetic,
+        len({actor for of in actors for actor in of.values()}),
         _span(round(poses.frames / poses.rate, 1) for poses in moving),
         _span(len(poses.markers) for poses in every if poses.markers),
         _span(poses.rate for poses in moving),

@@ -486,6 +486,14 @@ class Verdicts(Value):
         return all(group.ratio for group in self.groups)
 
     @property
+    def best_over_all(self) -> int | None:
+        """The method with the best mean over all groups, if the verdict on these names one."""
+        of_all = self.overall
+        if of_all is None or self.is_sequence or not of_all.marks or len(of_all.best) > 1:
+            return None
+        return of_all.best[0]
+
+    @property
     def every(self) -> tuple[Verdict, ...]:
         """Verdicts of the groups, then that over all of them."""
         return self.groups if self.overall is None else (*self.groups, self.overall)

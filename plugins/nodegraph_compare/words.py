@@ -305,9 +305,9 @@ def times_text(verdicts: Verdicts, axis: int) -> str:
     return f"{verdicts.within[axis].capitalize()}: {listed(list(labels))}."
 
 
-def not_certain(verdicts: Verdicts, group: Verdict) -> Text:
-    """Return the methods that are not certain to be worse than the best, the nearest first."""
-    order = sorted(group.tied, key=lambda place: abs(group.to_best_of(place)))
+def not_certain(verdicts: Verdicts, group: Verdict, places: Iterable[int]) -> Text:
+    """Return methods that are not certain to be worse than the best, the nearest first."""
+    order = sorted(places, key=lambda place: abs(group.to_best_of(place)))
     texts = [_not_certain(verdicts, group, place) for place in order[:_MOST_NAMES]]
     more = len(order) - len(texts)
     rest = say(f"{HERE} more", Word(str(more), "number")) if more > 0 else ()
@@ -331,6 +331,25 @@ def _not_certain(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:
         return _within(verdicts, group, place)
     return (*start, f", which may be chance among {len(group.known)} methods")
+
+
+def over_all_text(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return how far the best over all groups is from the best of one; empty where it is this."""
+    place = verdicts.best_over_all
+    if place is None or place in group.best or not group.stands:
+        return ()
+    if place not in group.behind:
+        return (*_not_certain(verdicts, group, place), ", not certain")
+    return (*behind_text(verdicts, group, place), ", clearly behind")
+
+
+def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return how far a method is from the best, in its unit and as a share."""
+    (name,) = method_words(verdicts, [place])
+    difference, mean = group.to_best_of(place), float(group.mean[group.best[0]])
+    share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
+    by = f"{signed(difference, verdicts.metric.unit, mean)}{share}"
+    return say(f"{HERE} {HERE}", name, Word(by, "number"))
 
 
 def next_text(verdicts: Verdicts, group: Verdict) -> Text:

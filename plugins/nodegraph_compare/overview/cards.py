@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,31 +15,42 @@ from nodegraph_compare.words import (
     group_title,
     has_panels,
     method_words,
+    over_all_text,
     varying,
 )
 from nodegraph_tables.answer import (
+    HERE,
     MOST_CARDS,
+    Word,
     cards_html,
     few,
     html_of,
+    joined,
     lead_of_parts,
     listing,
+    say,
 )
 from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
     from nodegraph_tables.answer import Answer
 
 _MOST_COLUMNS = 6
 _MOST_NAMES = 3
 _MOST_ROWS = 60
+_SOURCE = re.compile(r"\s*\([^()]*\)\.$")
 
 
 def answer_html(
-    answer: Answer, verdicts: Verdicts, name: str, meanings: Mapping[str, str]
+    answer: Answer,
+    verdicts: Verdicts,
+    name: str,
+    meanings: Mapping[str, str],
+    summaries: Mapping[Label, str],
 ) -> Markup:
     """Return the answer, and the verdicts of all groups.
 
@@ -54,6 +66,8 @@ def answer_html(
         Distinguishes its parts from those of another on one page.
     meanings
         What the labels of an axis are.
+    summaries
+        What methods do, by their labels, in a sentence.
     """
     if line_of(verdicts) is None:
         inside = ""
@@ -63,7 +77,19 @@ def answer_html(
         inside = _tabs(answer, verdicts, name, meanings)
     else:
         inside = cards_html(answer.cards)
-    return lead_of_parts(answer, inside, legend(verdicts))
+    return lead_of_parts(answer, _described(answer, summaries) + inside, legend(verdicts))
+
+
+def _described(answer: Answer, summaries: Mapping[Label, str]) -> str:
+    """Return what each method does that stands out in the sentence; its source is left out."""
+    named = [word for word in answer.sentence if isinstance(word, Word) and word.kind == "strong"]
+    texts = [
+        say(f"{HERE}: {_SOURCE.sub('.', summaries[label])}", Word(label, "method"))
+        for label in dict.fromkeys(word.method for word in named)
+        if summaries.get(label)
+    ]
+    inside = html_of(joined(" ", texts))
+    return f'<p class="lead-methods">{inside}</p>' if texts else ""
 
 
 def _tabs(answer: Answer, verdicts: Verdicts, name: str, meanings: Mapping[str, str]) -> str:
@@ -166,13 +192,15 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
     if not group.best:
         return escape(span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit))
     mean = span_text([group.mean[group.best[0]]], unit)
+    over_all = html_of(over_all_text(verdicts, group))
+    more = f"<div><small>{over_all}</small></div>" if over_all else ""
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
         first = html_of(listing(method_words(verdicts, group.best)))
-        return f"<small>{why}; first: {first} {escape(mean)}</small>"
+        return f"<small>{why}; first: {first} {escape(mean)}</small>{more}"
     others = f", {len(group.tied)} not certain" if group.tied else ""
     names = html_of(listing(best_words(verdicts, group.best)))
-    return f"{names} <small>{escape(mean)}{others}</small>"
+    return f"{names} <small>{escape(mean)}{others}</small>{more}"
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:
@@ -186,13 +214,18 @@ def _table(heads: str, rows: Sequence[str]) -> str:
 
 
 def legend(verdicts: Verdicts) -> str:
-    """Return what the dots of the cards are, and what is suspect."""
+    """Return what the dots of the cards are, when none is clearly best, and what is suspect."""
+    groups = [group for group in verdicts.groups if group.stands and not verdicts.is_sequence]
+    unclear = any(not group.told for group in groups)
+    texts = ["None clearly best: no other is clearly worse than the first." * unclear]
     if len(verdicts.groups) > MOST_CARDS:
-        several = any(group.told and group.tied for group in verdicts.groups)
-        return "Not certain: how many others are not certain to be worse." * several
-    suspect = any(group.suspects_matter for group in verdicts.groups)
-    doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
-    return " ".join(filter(None, [_dots(verdicts), doubt]))
+        several = any(group.told and group.tied for group in groups)
+        texts.append("Not certain: how many others are not certain to be worse." * several)
+    else:
+        suspect = any(group.suspects_matter for group in verdicts.groups)
+        doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
+        texts += [_dots(verdicts), doubt]
+    return " ".join(filter(None, texts))
 
 
 def _dots(verdicts: Verdicts) -> str:

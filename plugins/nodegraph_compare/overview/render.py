@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def render_overview(overview: Overview, title: str) -> Rendered:
     """Return the verdicts alone, as a notebook shows them."""
-    lead = answer_html(overview.answer, with_units(overview.verdicts), title, {})
+    lead = answer_html(overview.answer, with_units(overview.verdicts), title, {}, {})
     return Rendered(lead, styles=(lead_style(),), answer=overview.answer.lines)
 
 
@@ -50,7 +50,8 @@ def render_overview_in_run(overview: Overview, title: str, origin: Provenance) -
     meanings = {axis: origin.meaning(axis) for axis in verdicts.within}
     named = with_units(verdicts)
     told = in_authors_words(overview.answer, origin.answer)
-    lead = answer_html(told, named, name, meanings) if is_lead else ""
+    summaries = origin.summaries(verdicts.compare)
+    lead = answer_html(told, named, name, meanings, summaries) if is_lead else ""
     answer = told.lines if is_lead else ()
     styles = (lead_style(), *_web(".css"))
     if not verdicts.groups:

@@ -53,6 +53,7 @@ def source(*, value: float = 1.0) -> float:
 
 @node("origin.up")
 def up(value: float) -> float:
+    """Add one."""
     return value + 1.0
 
 
@@ -141,8 +142,8 @@ def test_the_time_of_a_method_is_that_of_all_steps_that_it_alone_needs() -> None
 def test_methods_have_times_names_and_commands(origin: Provenance) -> None:
     assert set(origin.seconds("fill")) == {"up", "down"}
     assert not origin.seconds("trial")
-    assert not origin.uses("trial")
-    assert origin.uses("fill") == {"up": "origin.up", "down": "origin.down"}
+    assert not origin.summaries("trial")
+    assert origin.summaries("fill") == {"up": "Add one.", "down": ""}
     command = origin.command({"trial": 2, "fill": "up"})
     assert "--until score" in command
     assert "trial=2" in command

@@ -55,7 +55,7 @@ class Bakery:
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
         return {recipe: [0.001 * 3**at] * 4 for at, recipe in enumerate(RECIPES)}
 
-    def uses(self, axis: str) -> Mapping[Label, str]:
+    def summaries(self, axis: str) -> Mapping[Label, str]:
         return {}
 
     def meaning(self, axis: str) -> str:

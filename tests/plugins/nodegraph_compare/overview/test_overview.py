@@ -77,8 +77,8 @@ class Bakery:
     def seconds(self, axis: str) -> Mapping[Label, Sequence[float]]:
         return {"plain": [3.0, 0.002, 0.002, 0.002, 0.002], "rich": [0.2] * 5, "vegan": [0.1] * 3}
 
-    def uses(self, axis: str) -> Mapping[Label, str]:
-        return {"plain": "bake.plain"}
+    def summaries(self, axis: str) -> Mapping[Label, str]:
+        return {"plain": "Bake with <flour> alone (Child, 1961).", "burnt": "Bake for long."}
 
     def meaning(self, axis: str) -> str:
         return "Gas, or <coal>." if axis == "oven" else ""
@@ -165,6 +165,8 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     assert "<script" not in lead
     assert text.startswith("It depends on heat. One method for all: rich , never more than ")
     assert " Best: plain for 180 K (" in text
+    assert "plain : Bake with &lt;flour&gt; alone." in text
+    assert "Bake for long" not in text
     assert lead.count("<article") == 2
     assert lead.count('class="best"') == 2
     assert lead.count('class="tied"') == 1
@@ -250,6 +252,10 @@ def test_several_axes_have_an_answer_for_each_label_of_the_first() -> None:
     assert section.lead.count(" checked") == 1
     assert text_of(section.lead).count("Provisional, as of 5 kitchens.") == 1
     assert section.lead.count("<article") == 6
+    # on each card of the cool oven, how far the best over all is behind the best there
+    text = text_of(section.lead)
+    assert text.count("Best over all rich +0.548 g (39 %), clearly behind") == 3
+    assert text.count("Behind rich") == 0
 
 
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
@@ -388,6 +394,7 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     lead = rendered(compared(many, within=("heat",)).overview).lead
     assert "<article" not in lead
     assert lead.count("<tr>") == 13
+    assert len(re.findall(r"rich \+[^,]*, clearly behind", text_of(lead))) == 1
 
 
 def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:

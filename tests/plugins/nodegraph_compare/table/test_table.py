@@ -443,7 +443,7 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
         "8 synthetic faces: holds for further faces of this generator; untested on people."
     )
     scope = plain(tuple(rest))
-    assert "Mean rmse (mm) of a typical synthetic face, lower is better." in scope
+    assert "synthetic face (geometric mean over faces and groups), lower is better." in scope
     assert "Each verdict is wrong in up to 5 % of such studies." in scope
     assert "recording" not in scope
 
