@@ -170,9 +170,10 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
         element("span", {}, button("From here", () => this.begin()), button("Whole take", () => this.begin(true)), this.span),
         element("span", {}, button("Bad", () => this.mark("bad")), this.other, this.known,
           button("Swap", () => this.mark("swapped")), button("Name", () => this.mark("named"))));
-      const title = `Marked by hand${is_one_of_several ? ` in ${this.label}` : ""}`;
-      this.element = element("div", { class: "marks", role: "group", "aria-label": title },
-        element("p", { class: "name" }, title), this.hint, this.acts, this.made, this.fold);
+      this.name = `Marked by hand${is_one_of_several ? ` in ${this.label}` : ""}`;
+      this.title = element("p", { class: "name" });
+      this.element = element("div", { class: "marks", role: "group", "aria-label": this.name },
+        this.title, this.hint, this.acts, this.made, this.fold);
       addEventListener("beforeunload", (event) => { if (!this.saved) event.preventDefault(); });
       this.trouble = this.show(panel.marks);
       this.explain();
@@ -281,6 +282,11 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
       this.span.textContent = `${marker}, ${this.whole ? "whole take" : placeOf([marker, start, frames])}`;
       this.acts.hidden = !has_marker;
       this.hint.hidden = has_marker;
+      // of several that wait for a marker, the first says so for all; where another has it, none does
+      const is_waiting = !has_marker && this.made.hidden;
+      const speaker = this.player.marks.find(({ panel }) => panel.markers.includes(marker)) ?? this.player.marks[0];
+      this.element.hidden = is_waiting && this !== speaker;
+      this.title.textContent = is_waiting ? "Marked by hand" : this.name;
     }
 
     explain() {
