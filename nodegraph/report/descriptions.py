@@ -10,7 +10,7 @@ from nodegraph.report.study import MethodRow, SettingRow
 
 
 @dataclass(frozen=True, slots=True)
-class Use:
+class MethodUse:
     """A method in a node of the graph, with the settings that differ from their defaults."""
 
     name: str
@@ -27,7 +27,7 @@ class Description:
         Its full name.
     row : MethodRow
         Its texts.
-    uses : tuple of Use
+    uses : tuple of MethodUse
         Where the graph has it.
     defaults : tuple of SettingRow
         The settings that have their defaults everywhere.
@@ -35,7 +35,7 @@ class Description:
 
     use: str
     row: MethodRow
-    uses: tuple[Use, ...]
+    uses: tuple[MethodUse, ...]
     defaults: tuple[SettingRow, ...]
 
     @property
@@ -56,7 +56,7 @@ def descriptions(methods: Iterable[MethodRow]) -> tuple[Description, ...]:
 
 def _description(use: str, rows: list[MethodRow]) -> Description:
     uses = [
-        Use(
+        MethodUse(
             f"{row.node}={row.label}" if row.label else row.node,
             tuple(setting for setting in row.settings if not setting.default),
         )
