@@ -51,7 +51,10 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     events.onmessage = ({ data }) => {
       const before = snapshot?.state;
       snapshot = JSON.parse(data);
-      if (snapshot.is_over) events.close();
+      if (snapshot.is_over) {
+        events.close();
+        part("run-said").open = snapshot.state !== "finished";
+      }
       if (snapshot.state !== before) announce(`Run: ${snapshot.state}. ${snapshot.answer}`);
       show();
     };

@@ -30,12 +30,12 @@ nodegraph.define("states", ["page"], ({ svg }) => {
       row.append(this.count);
     }
 
-    show({ mark, text, counts, settled: share }) {
+    show({ mark, text, counts }) {
       this.row.dataset.state = mark;
       this.title.textContent = text ? `${this.text}: ${text}` : this.text;
-      const [state, count] = Object.entries(counts)[0] ?? [];
-      const reached = share < 1 && state !== "failed" ? `${settled(counts)} of ${total(counts)}` : `${count} ${state}`;
-      this.count.textContent = text && reached;
+      const [state, ...others] = Object.keys(counts);
+      const is_said = state === "failed" || !(others.length || state === "waiting");
+      this.count.textContent = !text ? "" : is_said ? `${counts[state]} ${state}` : `${settled(counts)} of ${total(counts)}`;
     }
   }
 
@@ -53,7 +53,7 @@ nodegraph.define("states", ["page"], ({ svg }) => {
     }
 
     show({ mark, text, settled: share }, alternatives) {
-      for (const row of this.rows) row.show(alternatives[row.name] ?? { mark, text: "", counts: {}, settled: 0 });
+      for (const row of this.rows) row.show(alternatives[row.name] ?? { mark, text: "", counts: {} });
       this.box.dataset.state = mark;
       this.title.textContent = `${this.name}: ${text}`;
       this.meter.setAttribute("width", share < 1 ? this.width * share : 0);
