@@ -90,9 +90,8 @@ def test_real_recordings_end_with_a_table(studies: Studies) -> None:
     names = ("animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d")
     takes = ",".join(str(DATA / name) for name in names)
     only = ("--only", "length=15", "--only", "terms=ends_met", "--only", "condition=usual")
-    fills = ("--only", f"fill={','.join(sorted(FILLS))}")
-    folder = studies.run("fill", "--axis", f"recording={takes}", *only, *fills)
-    assert {fill for fill, _ in errors_of(folder)} == FILLS
+    folder = studies.run("fill", "--axis", f"recording={takes}", *only)
+    assert {fill for fill, _ in errors_of(folder)} >= FILLS
 
 
 @needs_recordings
