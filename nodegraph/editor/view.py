@@ -101,7 +101,7 @@ def unchecked_view_of(text: str) -> View:
 
 def _too_many(nodes: int, name: str) -> str:
     return (
-        f"{nodes:,} nodes, of which at most {_MOST_BOXES:,} are drawn here. The text can be edited "
+        f"{nodes:,} nodes: more than {_MOST_BOXES:,} are not drawn here. The text can be edited "
         f"and run all the same; `nodegraph draw {name} -o graph.svg` draws all into a file. "
         "Nodes that repeat are fewer as an axis or as alternatives."
     )

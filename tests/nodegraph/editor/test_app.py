@@ -107,7 +107,7 @@ def test_a_graph_too_large_to_draw_says_so(editor: Editor) -> None:
     nodes = [f"  n{number}: {{use: fill.linear, in: capture}}\n" for number in range(1000)]
     view = editor.edit(text=GRAPH.replace("report:", "".join(nodes) + "report:"))
     assert (view["problems"], view["svg"]) == ([], "")
-    assert "1,004 nodes, of which at most 1,000 are drawn here" in view["reason"]
+    assert "1,004 nodes: more than 1,000 are not drawn here" in view["reason"]
 
 
 def test_what_the_disk_has_meanwhile_is_not_overwritten(editor: Editor, path: Path) -> None:
