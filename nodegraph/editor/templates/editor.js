@@ -104,6 +104,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
       say(answer.message);
       return false;
     }
+    if (response.ok && "text" in body) known.text = body.text; // what was typed meanwhile goes on from it
     receive(answer);
     if (response.status === 409 && !("text" in body)) say("The text has changed meanwhile; do it again.");
     if (answer.refused) say(answer.refused);

@@ -76,6 +76,27 @@ def test_what_is_typed_is_drawn_undone_and_saved(page: Page, path: Path) -> None
     assert not page.is_disabled("#save")
 
 
+def test_what_is_typed_before_the_last_edit_is_answered_goes_on_from_it(page: Page) -> None:
+    page.evaluate(
+        """() => {
+          const ask = window.fetch;
+          window.fetch = async (...request) => {
+            const answer = await ask(...request);
+            if (request[0] === "/edit") await new Promise((done) => { window.release = done; });
+            window.fetch = request[0] === "/edit" ? ask : window.fetch;
+            return answer;
+          };
+        }"""
+    )
+    put_cursor(page, "[5, 15")
+    page.keyboard.type(", 4")
+    until(page, "window.release")
+    page.keyboard.type("5")
+    page.evaluate("window.release()")
+    until(page, "document.querySelector('#picture').textContent.includes('length: 5, 15, 45')")
+    assert not page.evaluate("document.getElementById('conflict').open")
+
+
 def test_a_mistake_stands_at_its_place_until_it_is_mended(page: Page) -> None:
     put_cursor(page, "fill.muscle")
     page.keyboard.type("s")
