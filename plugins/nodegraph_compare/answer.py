@@ -606,9 +606,11 @@ def scope_words(verdicts: Verdicts) -> Text:
     ]
     several = sum(group.stands for group in groups) > 1
     end = "" if metric.better == "none" else f", {metric.better} is better"
-    clusters = any(group.scope.kind == "clusters" for group in groups)
-    over = f"{verdicts.units.removeprefix('synthetic ')}{' and groups' * bool(verdicts.overall)}"
-    geometric = f" (geometric mean over {over})" if clusters and verdicts.ratio else ""
+    are_clusters = any(group.scope.kind == "clusters" for group in groups)
+    over = verdicts.units.removeprefix("synthetic ") if are_clusters else "recordings"
+    over += " and groups" * (verdicts.overall is not None)
+    is_geometric = verdicts.ratio and any(group.scope.clusters > 1 for group in groups)
+    geometric = f" (geometric mean over {over})" * is_geometric
     unit = unit_text(metric.unit)
     held = _held(verdicts) if groups else ""
     return joined(

@@ -456,7 +456,7 @@ def test_a_number_of_two_actors_is_of_a_recording_of_theirs() -> None:
     verdicts = table_of(Across(axes, tuple(entries), sources=("actor",))).overview.verdicts
     scope = plain(scope_words(verdicts))
     assert "holds for further gaps in these 2 recordings, not for others." in scope
-    assert "Mean rmse (mm) of a typical recording, lower is better." in scope
+    assert "of a typical recording (geometric mean over recordings), lower is better." in scope
 
 
 def test_a_baseline_without_any_number_gives_no_differences() -> None:
