@@ -30,4 +30,5 @@ def test_pipeline_plans_one_step_a_node_and_gathers_the_stages() -> None:
     assert len(planned.steps) == len(graph.nodes) == 10
     figure = next(step for step in planned.steps if step.node == "fig9")
     stages = figure.inputs["recordings"]
-    assert [at for at, _ in stages.entries] == [("captured",), ("recovered",), ("smooth",)]  # type: ignore[union-attr]
+    names = ("captured", "recovered", "smooth")
+    assert [at for at, _ in stages.entries] == [{"recordings": name} for name in names]  # type: ignore[union-attr]
