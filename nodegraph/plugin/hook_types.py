@@ -282,9 +282,10 @@ class Provenance(Protocol):
         """
 
     def summaries(self, axis: str) -> Mapping[Label, str]:
-        """Return the first lines of the documentation of the methods by label of an axis.
+        """Return the first lines of the documentation of methods that labels of an axis name.
 
-        `pass` has none, and neither has an axis that is no node with alternatives.
+        A label names a method that begins with its name, such as `savgol_4`; others have none, and
+        neither have `pass` and an axis that is no node with alternatives.
         """
 
     def meaning(self, axis: str) -> str:

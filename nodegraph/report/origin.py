@@ -66,7 +66,7 @@ class RunOrigin:
         return dict(times)
 
     def summaries(self, axis: str) -> dict[Label, str]:
-        """Return the first lines of the documentation of the methods by label of an axis."""
+        """Return the first lines of the documentation of methods that labels of an axis name."""
         node = self.run.plan.graph.nodes.get(axis)
         if node is None or not node.has_alternatives:
             return {}
@@ -74,6 +74,7 @@ class RunOrigin:
             label: method.node.summary
             for label, method in node.methods.items()
             if method.node.name != PASS
+            and str(label).startswith(method.node.name.rpartition(".")[2])
         }
 
     def meaning(self, axis: str) -> str:

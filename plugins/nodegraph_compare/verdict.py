@@ -487,9 +487,14 @@ class Verdicts(Value):
 
     @property
     def best_over_all(self) -> int | None:
-        """The method with the best mean over all groups, if the verdict on these names one."""
+        """The method with the best mean over all groups, if the verdict on these names one.
+
+        None where some groups have further methods.
+        """
         of_all = self.overall
         if of_all is None or self.is_sequence or not of_all.marks or len(of_all.best) > 1:
+            return None
+        if any(group.known != of_all.known for group in self.groups):
             return None
         return of_all.best[0]
 
