@@ -31,7 +31,7 @@ def survival(q: Numbers, means: int, freedom: float) -> Numbers:
     """
     scale, weight = _scales(freedom)
     parts = np.array_split(q, range(_AT_A_TIME, len(q), _AT_A_TIME))
-    p = [_of_normals(np.multiply.outer(part, scale), means) @ weight for part in parts]
+    p = [_mean(_of_normals(np.multiply.outer(part, scale), means), weight) for part in parts]
     return np.where(q == 0.0, 1.0, np.clip(np.concatenate(p), 0.0, 1.0))
 
 
@@ -68,4 +68,12 @@ def _of_normals(w: Numbers, means: int) -> Numbers:
     within = np.minimum(ndtr(_Z - w[..., np.newaxis]) / below, 1.0)
     with np.errstate(divide="ignore"):  # of a range of 0
         powers = -np.expm1((means - 1) * np.log1p(-within))  # no difference of nearly equal numbers
-    return np.asarray(powers @ (weight / weight.sum()))
+    return _mean(powers, weight / weight.sum())
+
+
+def _mean(values: Numbers, weight: Numbers) -> Numbers:
+    """Return a weighted mean over the last axis, to the same bit however many there are.
+
+    A product of matrices adds in another order for another number of rows.
+    """
+    return np.asarray((values * weight).sum(axis=-1))

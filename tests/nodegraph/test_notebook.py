@@ -85,7 +85,7 @@ def test_a_run_shows_how_its_steps_ended_and_why(run: Run) -> None:
         assert text in read.texts
     shown = " ".join(read.texts)
     assert re.search(
-        r"fill \(strict.fails\) -1.0 is negative \(conftest.py:\d+\) k=-1, fill=fails", shown
+        r"fill \(strict.fails\) -1.0 is negative \(toys.py:\d+\) k=-1, fill=fails", shown
     )
     assert "fill (strict.positive) -1.0 is negative k=-1, fill=positive" in shown
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 _MOST_COLUMNS = 6
 _MOST_NAMES = 3
 _MOST_ROWS = 60
-_SOURCE = re.compile(r"\s*\([^()]*\)\.$")
+_SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
 def answer_html(

@@ -94,7 +94,7 @@ def without_keys(earlier: Record) -> Record:
 
 def test_versions_and_edited_functions_are_named(why_of: WhyOf) -> None:
     def older(earlier: Record) -> Record:
-        [hold] = [name for name in earlier.units if name.endswith("conftest")]
+        [hold] = [name for name in earlier.units if name.endswith("toys")]
         return replace(
             without_keys(earlier),
             units={**earlier.units, hold: "another"},
@@ -103,7 +103,7 @@ def test_versions_and_edited_functions_are_named(why_of: WhyOf) -> None:
 
     [_, changes, _] = why_of(TEXT, TEXT, "c", older)
     assert any(text.startswith("fill.hold: platform was Plan 9, now ") for text in changes)
-    assert any(text.endswith("conftest was edited") for text in changes)
+    assert any(text.endswith("toys was edited") for text in changes)
 
 
 def test_code_is_not_compared_across_versions_of_python(why_of: WhyOf) -> None:

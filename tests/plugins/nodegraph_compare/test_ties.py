@@ -102,10 +102,10 @@ def test_rounding_makes_no_minimum_no_knee_and_reaches_the_floor(noise: float) -
     frame = curve(sweep(*values), level, x="markers", metric="mse", mark="minimum").table
     assert frame["local minimum"].tolist() == [False] * 4 + [True, False]
     assert frame["below floor"].tolist() == [False] * 4 + [True, False]
-    assert ", not reached." in info_of(frame).answer.lines[-1]  # more markers are above it again
+    assert "not reached)." in info_of(frame).answer.lines[-1]  # more markers are above it again
     falling = sweep(0.9, 0.5 * (1 + noise), 0.5, 0.3 * (1 + noise))
     reaching = curve(falling, level, x="markers", metric="mse", mark="minimum").table
-    assert ", reached at 3 markers." in info_of(reaching).answer.lines[-1]
+    assert "reached at 3)." in info_of(reaching).answer.lines[-1]
     flat = curve(
         sweep(0.3, 0.2 * (1 + noise), 0.1), x="markers", metric="mse", mark="minimum"
     ).table
