@@ -11,7 +11,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -128,8 +127,8 @@ def _memory_of_generators() -> tuple[object, ...]:
     engine = numpy.get_bit_generator()
     if type(engine) is not np.random.MT19937:
         return (object(),)  # the memory of other engines is not known
-    generator = _memory(numpy.get_state.__self__).raw
-    return engine, _words(engine).raw, generator, _memory(_PYTHON).raw, _PYTHON.gauss_next
+    words = ctypes.string_at(engine.ctypes.state_address, 4 * _WORDS)
+    return engine, words, _fields(numpy.get_state.__self__), _fields(_PYTHON), _PYTHON.gauss_next
 
 
 def _numpy() -> Any:
@@ -137,18 +136,10 @@ def _numpy() -> Any:
     return np.random
 
 
-@lru_cache(maxsize=1)
-def _words(engine: Any) -> ctypes.Array[ctypes.c_char]:
-    """Return the memory in which a Mersenne Twister of numpy has its state."""
-    return (ctypes.c_char * (4 * _WORDS)).from_address(engine.ctypes.state_address)
-
-
-@cache
-def _memory(generator: Any) -> ctypes.Array[ctypes.c_char]:
+def _fields(generator: Any) -> bytes:
     """Return the memory of a generator, without its count of references."""
     head = object.__basicsize__
-    size = type(generator).__basicsize__ - head
-    return (ctypes.c_char * size).from_address(id(generator) + head)
+    return ctypes.string_at(id(generator) + head, type(generator).__basicsize__ - head)
 
 
 def _set_random_states(original: tuple[object, bytes]) -> None:

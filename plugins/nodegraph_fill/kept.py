@@ -21,7 +21,7 @@ def kept_of(recording: Trajectories) -> dict[Hashable, Any]:
 
 
 def key_of(
-    method: Callable[..., object], filling: Filling, settings: Mapping[str, object]
+    method: Callable[..., object], filling: Filling, settings: Mapping[str, Hashable]
 ) -> Hashable:
     """Return the key of what a method has for gaps, whether their ends are met or not."""
-    return method, filling.max_gap, repr(sorted(settings.items()))
+    return method, filling.max_gap, frozenset(settings.items())

@@ -42,8 +42,8 @@ def nearest_frames(
     both have, made up for those that they lack; no frame need be complete. Of takes longer than
     4,000 frames, neighbours are chosen among 4,000 of them, evenly spread.
 
-    For `ends` met, the samples beside all gaps are hidden and filled in the same way, which takes
-    as long again: a frame is most like itself.
+    For `ends` met, the samples beside all gaps are hidden and filled in the same way: a frame is
+    most like itself.
 
     Frames are compared where the head is: remove its motion first, where it is large.
 
@@ -54,18 +54,15 @@ def nearest_frames(
     frames
         How many frames are averaged, fewer where there are fewer.
     """
-
-    def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        # a frame is most like itself: hide what is to be estimated there
-        positions = recording.positions.copy()
-        for frame in (gaps.start - 1, gaps.stop):
-            within = (frame >= 0) & (frame < recording.frames)
-            positions[frame[within], gaps.marker[within]] = np.nan
-        origin = np.where(np.isnan(positions[..., 0]), Origin.MISSING, recording.origin)
-        hidden = replace(recording, positions=positions, origin=origin, sigma=None)
-        return gaps.beside(_imputed(hidden, frames, hidden.origin != recording.origin))
-
-    return Estimate(_imputed(recording, frames, gaps.mask), ends=beside)
+    # beside the gaps, a frame is most like itself: hide what is to be estimated there
+    positions = recording.positions.copy()
+    for frame in (gaps.start - 1, gaps.stop):
+        within = (frame >= 0) & (frame < recording.frames)
+        positions[frame[within], gaps.marker[within]] = np.nan
+    origin = np.where(np.isnan(positions[..., 0]), Origin.MISSING, recording.origin)
+    hidden = replace(recording, positions=positions, origin=origin, sigma=None)
+    ends = gaps.beside(_imputed(hidden, frames, hidden.origin != recording.origin))
+    return Estimate(_imputed(recording, frames, gaps.mask), ends=ends)
 
 
 def _imputed(recording: Trajectories, frames: int, asked: NDArray[np.bool_]) -> NDArray[np.float64]:

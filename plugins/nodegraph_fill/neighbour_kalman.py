@@ -201,12 +201,8 @@ class _Filter:
             backward = self._backward(marker, stop)
             positions[:stop, marker], after[gap] = backward[:stop], backward[stop]
         positions[np.isnan(self._observations)] = np.nan
-
-        def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-            after[gaps.inner] = self._predicted(gaps.subset(gaps.inner))
-            return gaps.beside(positions)[0], after
-
-        return Estimate(positions, ends=beside)
+        after[gaps.inner] = self._predicted(gaps.subset(gaps.inner))
+        return Estimate(positions, ends=(gaps.beside(positions)[0], after))
 
     def _forward(self, marker: int) -> NDArray[np.float64]:
         return self._follow(self._observed(marker), self._variance[:, marker])

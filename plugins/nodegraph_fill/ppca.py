@@ -70,14 +70,11 @@ def ppca(recording: Trajectories, gaps: Gaps) -> Estimate:
     components = _components(lines, math.ceil(_PART * recording.rate))
     model, unsettled = _learnt(lines, matrix.missing, components)
     lines[matrix.missing] = model.means(lines, Entries(matrix.missing))
-
-    def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        hidden = matrix.hidden_ends(gaps)
-        rows, entries = matrix.rows[hidden.frame], Entries(hidden.missing)
-        rows[hidden.missing] = model.means(rows, entries)
-        return hidden.of_gaps(matrix.positions(rows))
-
-    return Estimate(matrix.positions(lines), ends=beside, unsettled=unsettled)
+    hidden = matrix.hidden_ends(gaps)
+    rows = matrix.rows[hidden.frame]
+    rows[hidden.missing] = model.means(rows, Entries(hidden.missing))
+    ends = hidden.of_gaps(matrix.positions(rows))
+    return Estimate(matrix.positions(lines), ends=ends, unsettled=unsettled)
 
 
 @dataclass(frozen=True)

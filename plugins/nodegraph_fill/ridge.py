@@ -79,7 +79,7 @@ def ridge(
             predicted = model(now.reshape(len(now), -1))
             estimate[window, marker] = predicted
             before[gap], after[gap] = predicted[0], predicted[-1]
-    return Estimate(estimate, ends=lambda: (before, after))
+    return Estimate(estimate, ends=(before, after))
 
 
 def nearest_first(recording: Trajectories) -> NDArray[np.intp]:

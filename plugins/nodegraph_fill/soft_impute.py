@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field
 
@@ -11,10 +11,6 @@ from nodegraph_fill.low_rank import LowRank
 from nodegraph_fill.tuning import Tune
 from nodegraph_fill.whole_take import Estimate, TakeMatrix, whole_take
 from nodegraph_mocap import Trajectories
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 
 @whole_take("fill.soft_impute", cite="mazumder2010")
@@ -56,11 +52,8 @@ def soft_impute(
     """
     matrix = TakeMatrix.of(recording)
     low_rank = LowRank.of(recording, shrinkage)
-
-    def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        hidden = matrix.hidden_ends(gaps)
-        rows = low_rank.completed(matrix.rows[hidden.frame], hidden.missing)
-        return hidden.of_gaps(matrix.positions(rows))
-
+    hidden = matrix.hidden_ends(gaps)
+    rows = low_rank.completed(matrix.rows[hidden.frame], hidden.missing)
+    ends = hidden.of_gaps(matrix.positions(rows))
     positions = matrix.positions(low_rank.rows)
-    return Estimate(positions, ends=beside, unsettled=low_rank.unsettled)
+    return Estimate(positions, ends=ends, unsettled=low_rank.unsettled)

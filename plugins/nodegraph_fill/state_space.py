@@ -110,21 +110,18 @@ class States:
 
         The estimates beside the gaps leave out what is missing in them.
         """
-
-        def beside() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-            hidden = matrix.hidden_ends(gaps)
-            at, there = hidden.frame, self.means[hidden.frame]
-            rows, lacking = matrix.rows[at] - self.middle, hidden.missing & ~matrix.missing[at]
-            counts = np.count_nonzero(lacking, axis=1)
-            for count in np.unique(counts):
-                some = np.flatnonzero(counts == count)
-                lost = np.nonzero(lacking[some])[1].reshape(len(some), count)
-                values = np.take_along_axis(rows[some], lost, axis=1)
-                there[some] = self._without(values, lost, there[some], self.covariances[at[some]])
-            return hidden.of_gaps(self._positions(matrix, there))
-
+        hidden = matrix.hidden_ends(gaps)
+        at, there = hidden.frame, self.means[hidden.frame]
+        rows, lacking = matrix.rows[at] - self.middle, hidden.missing & ~matrix.missing[at]
+        counts = np.count_nonzero(lacking, axis=1)
+        for count in np.unique(counts):
+            some = np.flatnonzero(counts == count)
+            lost = np.nonzero(lacking[some])[1].reshape(len(some), count)
+            values = np.take_along_axis(rows[some], lost, axis=1)
+            there[some] = self._without(values, lost, there[some], self.covariances[at[some]])
+        ends = hidden.of_gaps(self._positions(matrix, there))
         sigma = self._sigma(matrix, gaps) if with_sigma else None
-        return Estimate(self._positions(matrix, self.means), sigma, beside)
+        return Estimate(self._positions(matrix, self.means), sigma, ends)
 
     def _without(
         self,

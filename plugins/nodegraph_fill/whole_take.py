@@ -37,10 +37,9 @@ class Estimate:
         Millimetres, in the gaps and, without `ends`, at their ends; NaN where there is none.
     sigma : (T, M) array of float64, or None
         Standard deviation in the gaps, mm, to be calibrated; None if the model does not know it.
-    ends : callable or None
-        Returns what the model makes of the sample before and of the sample after each gap, two
-        (G, 3) arrays, mm, NaN where there is none; called where the ends are to be met. None:
-        what `positions` has there.
+    ends : pair of (G, 3) arrays of float64, or None
+        What the model makes of the sample before and of the sample after each gap, mm, NaN where
+        there is none. None: what `positions` has there.
     again : callable or None
         The model as it is to estimate the held-out gaps that `sigma` is calibrated by; None: as
         it estimated these.
@@ -53,7 +52,7 @@ class Estimate:
 
     positions: NDArray[np.float64]
     sigma: NDArray[np.float64] | None = None
-    ends: Callable[[], Ends] | None = None
+    ends: Ends | None = None
     again: Model | None = None
     noise: NDArray[np.float64] | None = None
     unsettled: str = ""
@@ -111,29 +110,26 @@ class _Samples:
     positions : (S, 3) array of float64
         Millimetres, in the order of `Gaps.samples`.
     sigma : (S,) array of float64, or None
-    ends : pair of (G, 3) arrays of float64, or None
-        Beside the gaps, where they were asked for.
+    ends : pair of (G, 3) arrays of float64
+        Beside the gaps.
     again, noise, unsettled
         As of the estimate.
     """
 
     positions: NDArray[np.float64]
     sigma: NDArray[np.float64] | None
-    ends: Ends | None
+    ends: Ends
     again: Model | None
     noise: NDArray[np.float64] | None
     unsettled: str
 
     @staticmethod
-    def of(estimate: Estimate, gaps: Gaps, *, meets: bool) -> _Samples:
+    def of(estimate: Estimate, gaps: Gaps) -> _Samples:
         _, frame, marker, _ = gaps.samples
-        ends = None
-        if meets:
-            ends = estimate.ends() if estimate.ends else gaps.beside(estimate.positions)
         return _Samples(
             estimate.positions[frame, marker],
             None if estimate.sigma is None else estimate.sigma[frame, marker],
-            ends,
+            estimate.ends or gaps.beside(estimate.positions),
             estimate.again,
             estimate.noise,
             estimate.unsettled,
@@ -144,7 +140,6 @@ class _Samples:
         _, frame, marker, _ = gaps.samples
         positions, estimated = recording.positions.copy(), self.positions
         if meets:
-            assert self.ends is not None
             first, last = gaps.beside(recording.positions)
             before, after = self.ends
             estimated = meet_ends(gaps, estimated, first - before, last - after)
@@ -167,8 +162,8 @@ def _filled(
 
     def samples(key: Hashable, estimate: Callable[[], Estimate], gaps: Gaps) -> _Samples:
         found: _Samples | None = kept.get(key)
-        if found is None or (meets and found.ends is None):
-            found = kept[key] = _Samples.of(estimate(), gaps, meets=meets)
+        if found is None:
+            found = kept[key] = _Samples.of(estimate(), gaps)
         if found.unsettled and not is_trying():
             warnings.warn(found.unsettled, stacklevel=CALLER + 2)
         return found
