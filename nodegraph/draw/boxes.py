@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from html import escape
+from textwrap import wrap
 
 from nodegraph.draw.picture import Alternative, Box, Socket
 
@@ -70,6 +71,7 @@ _LONGEST_IN_ROW = 24
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
+_MOST_LINES = 3
 _LONGEST = {"port": 24, "note": 26}
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
@@ -131,7 +133,12 @@ class Shape:
     outputs: Mapping[str, float]
 
 
-def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
+def shape(
+    box: Box,
+    label: str,
+    fixed: Mapping[str, Sequence[str]],
+    origins: Mapping[str, Sequence[str]],
+) -> Shape:
     """Return the box laid out.
 
     Parameters
@@ -141,12 +148,21 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
         Shown as its name.
     fixed : mapping of input port to texts
         The labels that each arrow into the port fixes: ``trial=0, length=45``.
+    origins : mapping of input port to texts
+        Where arrows into the port begin, if that is not drawn: ``from gaps.hidden``.
     """
     heading = [("name", label), *(("line", line) for line in box.lines)]
     common = _common(fixed)
-    heading += [("note", line) for line in _lines_at(common)]
-    notes = {port: [_at(text, common) for text in texts] for port, texts in fixed.items()}
-    inputs = [_lines(socket, notes.get(socket.name, ())) for socket in box.inputs]
+    heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
+    notes = {
+        socket.name: [
+            socket.gathers,
+            *origins.get(socket.name, ()),
+            *(_at(text, common) for text in fixed.get(socket.name, ())),
+        ]
+        for socket in box.inputs
+    }
+    inputs = [_lines(socket, notes[socket.name]) for socket in box.inputs]
     outputs = [_lines(socket, ()) for socket in box.outputs]
     sides = [
         _widest(
@@ -193,7 +209,8 @@ def shape(box: Box, label: str, fixed: Mapping[str, Sequence[str]]) -> Shape:
         for socket, lines in zip(sockets, side, strict=True):
             y += 3.0
             places[-1][socket.name] = y + _LEADING["port"] / 2
-            hint = "; ".join([str(socket), *(text for _, text in lines[1:])])
+            own = notes[socket.name] if side is inputs else ()
+            hint = "; ".join([str(socket), *filter(None, own)])
             for style, text in lines:
                 y += _LEADING[style]
                 short = shortened(text, _LONGEST[style])
@@ -207,7 +224,8 @@ def _row(alternative: Alternative) -> tuple[tuple[tuple[str, float], ...], float
     """Return the texts of the row of an alternative, and how wide it is with its state."""
     parts = []
     x = _CHIP_INSET
-    for text in filter(None, alternative):
+    details = " ".join(filter(None, alternative[1:]))
+    for text in filter(None, (alternative.label, details)):
         short = shortened(text, _LONGEST_IN_ROW)
         parts.append((short, x))
         x += width(short, _SIZES["chip"]) + _CHIP_GAP
@@ -222,29 +240,21 @@ def _common(fixed: Mapping[str, Sequence[str]]) -> list[str]:
     return [label for label in marked[0] if all(label in labels for labels in marked)]
 
 
-def _at(text: str, common: Sequence[str]) -> str:
+def _at(text: str, common: Sequence[str] = ()) -> str:
     """Return the note of a port: the labels that are not common."""
     own = ", ".join(label for label in text.split(", ") if label not in common)
     return own and f"at {own}"
 
 
-def _lines_at(labels: Sequence[str]) -> list[str]:
-    """Return the note on common labels in lines."""
-    lines = [f"at {label}" for label in labels[:1]]
-    for label in labels[1:]:
-        lines[-1] += ","
-        if len(lines[-1]) + len(label) < _LONGEST_NOTE:
-            lines[-1] += f" {label}"
-        else:
-            lines.append(label)
-    return lines
+def _wrapped(text: str, longest: int) -> list[str]:
+    """Return a note in lines, the last of which is cut where there would be more."""
+    return wrap(clean(text), longest, max_lines=_MOST_LINES, placeholder=" …")
 
 
 def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:
     """Return the style and text of each line at a port."""
-    texts = dict.fromkeys(filter(None, (socket.gathers, *notes)))
-    name = socket.shown or socket.name
-    return [("port", name), *(("note", text) for text in texts)]
+    lines = [line for text in dict.fromkeys(notes) for line in _wrapped(text, _LONGEST["note"])]
+    return [("port", socket.shown or socket.name), *(("note", line) for line in lines)]
 
 
 def _widest(lines: Iterable[tuple[str, str]]) -> float:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from nodegraph.draw.boxes import shortened
-from nodegraph.draw.picture import Alternative, Arrow, Box, Kind, Picture, Socket, folded
+from nodegraph.draw.picture import Alternative, Arrow, Box, Kind, Picture, Socket, folded, origins
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
 from nodegraph.graph.model import Method
+from nodegraph.graph.pass_through import PassThrough
 from nodegraph.graphfile.spec import Reference
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port
@@ -67,7 +68,36 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
             read |= {(node.name, port.name) for port in node.first.node.outputs}
             fed |= {(node.name, port.name) for port in _inputs(node)}
         boxes.append(replace(_box(graph, node, read, fed, whole=whole), axes=tuple(axes)))
-    return Picture(graph.title, tuple(boxes), tuple(arrows.values()))
+    picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()))
+    return replace(picture, boxes=tuple(_with_sources(graph, picture)))
+
+
+def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
+    """Yield the boxes; alternatives that read from several outputs by one port say from which."""
+    into: dict[str, dict[str, dict[tuple[str, str], str]]] = {}
+    for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
+        ports = into.setdefault(arrow.target, {})
+        ports.setdefault(arrow.target_port, {})[arrow.source, arrow.source_port] = origin
+
+    def source(method: Method, name: str) -> str:
+        texts = []
+        for port, several in into[name].items():
+            feed = method.inputs.get(port)
+            if isinstance(feed, Reference) and len(several) > 1:
+                texts.append(f"from {several[feed.node, graph.output_name(feed)]}")
+        return ", ".join(texts)
+
+    for box in picture.boxes:
+        methods = graph.nodes[box.name].methods
+        yield replace(
+            box,
+            alternatives=tuple(
+                each._replace(source=source(methods[each.label], box.name))
+                if each.label in methods and box.name in into
+                else each
+                for each in box.alternatives
+            ),
+        )
 
 
 def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
@@ -163,6 +193,7 @@ def _box(
         outputs=tuple(outputs),
         alternatives=tuple(alternatives),
         kind=_kind(graph, node),
+        passes=isinstance(described, PassThrough) and not node.has_alternatives,
     )
 
 

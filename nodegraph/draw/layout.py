@@ -4,14 +4,15 @@ After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2)
 stands in a column after its sources, the barycentres of its neighbours order each column, and a
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
-that are wider than a page together stand in bands, like lines of text; wires turn at their ends.
+that are wider than a page together stand in bands, like lines of text. Of an arrow from one band to
+another only the ends are drawn: a long line around the boxes cannot be followed.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections import Counter
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import accumulate, pairwise, takewhile
@@ -22,7 +23,7 @@ import networkx as nx
 
 from nodegraph.draw.boxes import Shape, shape, shortened, width
 from nodegraph.draw.frames import Frame, frames_of, label_of
-from nodegraph.draw.picture import Picture
+from nodegraph.draw.picture import Arrow, Picture, origins
 
 Point = tuple[float, float]
 Cell = tuple[str, Hashable]
@@ -37,11 +38,10 @@ PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
 _BETWEEN_COLUMNS = 44.0
-_BETWEEN_TURNS = 8.0
-_BEFORE_HEAD = 20.0
-"""Between the head of an arrow and the turn of a wire that comes from the band above."""
-_TURN = 0.05
-"""Cost of a wire between two bands; that of a band of full width is 1."""
+_END = 18.0
+"""Length of what is drawn of each end of an arrow between two bands."""
+_CUT = 0.05
+"""Cost of an output that is read in another band; that of a band of full width is 1."""
 _WIDEST = 1000.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
@@ -75,32 +75,28 @@ class Area:
         Cells called ``entry`` and ``exit`` stand left and right of all others.
     wires : dict of wire to (list of point)
         They form no cycle. `arrange` fills in the points between which a wire runs.
-    named : set of wire
-        Those that end at a port which says where they begin: from another band, only their end is
-        drawn.
     corners : dict of cell to point
         Upper left corners, from `arrange`.
     """
 
     sizes: dict[Cell, Size] = field(default_factory=dict)
     wires: dict[Wire, list[Point]] = field(default_factory=dict)
-    named: set[Wire] = field(default_factory=set)
     corners: dict[Cell, Point] = field(default_factory=dict)
     width: float = 0.0
     height: float = 0.0
 
-    def arrange(self, widest: float = inf) -> None:
+    def arrange(self, depths: Mapping[Cell, int] | None = None) -> None:
         """Find a place for every cell and a way for every wire.
 
         Parameters
         ----------
-        widest
-            Columns that are wider together stand in several bands, one below the other.
+        depths
+            The column of each cell; without, as the wires want it.
         """
-        depths = _depths(self.sizes, self.wires)
+        depths = depths or _depths(self.sizes, self.wires)
         columns: list[list[Cell]] = [[] for _ in range(max(depths.values(), default=-1) + 1)]
-        for cell, depth in depths.items():
-            columns[depth].append(cell)
+        for cell in self.sizes:
+            columns[depths[cell]].append(cell)
         sizes = dict(self.sizes)
         ways: dict[Wire, list[End]] = {}
         for wire in self.wires:
@@ -114,150 +110,60 @@ class Area:
                 ways[wire].append((bend, ""))
             ways[wire].append(wire[1])
         pieces = _pieces(ways.values(), sizes)
-        bands = _bands(_ordered(columns, sizes, pieces), sizes, pieces, widest)
-        band_of = _bands_of(bands)
-        for wire, way in ways.items():  # past the bands in which it neither begins nor ends
-            ends = {band_of[way[0][0]], band_of[way[-1][0]]}
-            is_cut = wire in self.named and len(ends) > 1
-            ways[wire] = way[-1:] if is_cut else [each for each in way if band_of[each[0]] in ends]
-        used = {*self.sizes, *(cell for way in ways.values() for cell, _ in way)}
-        kept = [[[cell for cell in column if cell in used] for column in band] for band in bands]
-        self._place([columns for band in kept if (columns := [*filter(None, band)])], sizes, ways)
-
-    def _place(
-        self,
-        bands: Sequence[list[list[Cell]]],
-        sizes: Mapping[Cell, Size],
-        ways: Mapping[Wire, Sequence[End]],
-    ) -> None:
-        """Give bands their places one below the other, and wires their points."""
-        band_of = _bands_of(bands)
-        inside: list[list[_Piece]] = [[] for _ in bands]
-        leaving: list[dict[_Start, int]] = [{} for _ in bands]  # with the last band that it reaches
-        for piece in _pieces(ways.values(), sizes):
-            at, last = band_of[piece.left], band_of[piece.right]
-            if last == at:
-                inside[at].append(piece)
-            else:
-                start = piece.left, piece.left_offset
-                leaving[at][start] = max(last, leaving[at].get(start, 0))
-        settled = [
-            _settled(band, sizes, within) for band, within in zip(bands, inside, strict=True)
-        ]
-        leaving = _ranked(leaving, settled)
-        tracks = _tracks(leaving)
-        indent = max(tracks.values(), default=_BEFORE_HEAD if len(bands) > 1 else 0.0)
+        ordered = [*filter(None, _ordered(columns, sizes, pieces))]
+        tops = _settled(ordered, sizes, pieces)
         edges: dict[Cell, tuple[float, float]] = {}
-        turns: dict[_Start, _Turn] = {}
-        tops: dict[Cell, float] = {}
-        top = 0.0
-        for band, offsets, starts in zip(bands, settled, leaving, strict=True):
-            x = indent
-            for column in band:
-                edge = x + max(sizes[cell].width for cell in column)
-                edges |= dict.fromkeys(column, (x, edge))
-                x = edge + _BETWEEN_COLUMNS
-            tops |= {cell: top + offset for cell, offset in offsets.items()}
-            self.height = top + max(offsets[cell] + sizes[cell].height for cell in offsets)
-            # in this order they do not cross: the uppermost runs outside, then below all others
-            for out, start in zip(range(len(starts), 0, -1), starts, strict=True):
-                out_by = out * _BETWEEN_TURNS
-                low = self.height + _BETWEEN_CELLS + out_by
-                turns[start] = _Turn(edge + out_by, low, indent - tracks[start])
-            self.width = max(self.width, edge + len(starts) * _BETWEEN_TURNS)
-            top = self.height + 2 * _BETWEEN_CELLS + len(starts) * _BETWEEN_TURNS
+        x = 0.0
+        for column in ordered:
+            edge = x + max(sizes[cell].width for cell in column)
+            edges |= dict.fromkeys(column, (x, edge))
+            x = edge + _BETWEEN_COLUMNS
+        self.width = max(x - _BETWEEN_COLUMNS, 0.0)
+        self.height = max((tops[cell] + sizes[cell].height for cell in tops), default=0.0)
         self.corners = {cell: (edges[cell][0], tops[cell]) for cell in self.sizes}
         for wire, way in ways.items():
             points = self.wires[wire] = []
-            if wire[0] != way[0]:
-                cell, port = way[0]
-                x, y = edges[cell][0], tops[cell] + sizes[cell].inputs[port]
-                points += [(x - _BEFORE_HEAD, y), (x, y)]
             for (left, port), (right, right_port) in pairwise(way):
-                start = left, sizes[left].outputs[port]
-                y, end = tops[left] + start[1], tops[right] + sizes[right].inputs[right_port]
+                y, end = tops[left] + sizes[left].outputs[port], sizes[right].inputs[right_port]
                 points += [(edges[left][0] + sizes[left].width, y), (edges[left][1], y)]
-                if band_of[left] != band_of[right]:
-                    points += turns[start].corners(y, end)
-                points.append((edges[right][0], end))
+                points.append((edges[right][0], tops[right] + end))
 
 
-_Start = tuple[Cell, float]
-"""The last cell of a wire in a band, and how far from its top the wire leaves it."""
+def _in_bands(area: Area) -> _Grid:
+    """Return the column of each cell, and the band of this column.
 
-
-def _bands_of(bands: Sequence[list[list[Cell]]]) -> dict[Cell, int]:
-    return {cell: at for at, band in enumerate(bands) for column in band for cell in column}
-
-
-def _ranked(
-    leaving: Sequence[Mapping[_Start, int]], settled: Iterable[Mapping[Cell, float]]
-) -> list[dict[_Start, int]]:
-    """Sort the wires that leave each band: those into the next one first, then from above."""
-    ranked = []
-    for at, (starts, tops) in enumerate(zip(leaving, settled, strict=True)):
-        keys = {start: (last > at + 1, tops[start[0]] + start[1]) for start, last in starts.items()}
-        ranked.append({start: starts[start] for start in sorted(starts, key=keys.__getitem__)})
-    return ranked
-
-
-def _tracks(leaving: Sequence[Mapping[_Start, int]]) -> dict[_Start, float]:
-    """Return how far left of the boxes each wire runs down to the last band that it reaches.
-
-    It runs outside those that begin below it.
+    There are as few bands as fit, of like widths, cut where few outputs are read beyond.
     """
-    tracks: dict[_Start, float] = {}
-    outermost = [_BEFORE_HEAD] * len(leaving)
-    for at in reversed(range(len(leaving))):
-        for start, last in leaving[at].items():
-            outermost[at] = tracks[start] = max(outermost[at:last]) + _BETWEEN_TURNS
-    return tracks
-
-
-class _Turn(NamedTuple):
-    """How a wire runs from the end of a band to the begin of one below."""
-
-    right: float
-    low: float
-    left: float
-
-    def corners(self, start: float, end: float) -> list[Point]:
-        """Return the points at which it turns, if it begins and ends at these heights."""
-        right, low, left = self
-        return [(right, start), (right, low), (left, low), (left, end)]
-
-
-def _bands(
-    ordered: Iterable[list[Cell]],
-    sizes: Mapping[Cell, Size],
-    pieces: Iterable[_Piece],
-    widest: float,
-) -> list[list[list[Cell]]]:
-    """Return columns in as few bands as fit, of like widths, cut where few wires cross."""
-    columns = [*filter(None, ordered)]
-    depths = {cell: depth for depth, column in enumerate(columns) for cell in column}
-    begins = {(piece.left, piece.left_offset) for piece in pieces}
-    crossing = Counter(depths[cell] + 1 for cell, _ in begins)
-    widths = [max(sizes[cell].width for cell in column) for column in columns]
+    depths = _depths(area.sizes, area.wires)
+    ranks = {depth: rank for rank, depth in enumerate(sorted({*depths.values()}))}
+    depths = {cell: ranks[depth] for cell, depth in depths.items()}
+    widths = [0.0] * len(ranks)
+    for cell, depth in depths.items():
+        widths[depth] = max(widths[depth], area.sizes[cell].width)
+    reach: dict[End, int] = {}
+    for source, (target, _) in area.wires:
+        reach[source] = max(depths[target], reach.get(source, 0))
+    crossing = Counter(
+        depth for (cell, _), last in reach.items() for depth in range(depths[cell] + 1, last + 1)
+    )
     best: list[tuple[int, float, int]] = [(0, 0.0, 0)]
-    for end in range(1, len(columns) + 1):
+    for end in range(1, len(widths) + 1):
         options = []
         wide = -_BETWEEN_COLUMNS
         for start in reversed(range(end)):
             wide += widths[start] + _BETWEEN_COLUMNS
-            if wide > widest and start < end - 1:
+            if wide > _WIDEST and start < end - 1:
                 break
             bands, cost, _ = best[start]
-            cost += (wide / widest) ** 2 + _TURN * crossing[start]
+            cost += (wide / _WIDEST) ** 2 + _CUT * crossing[start]
             options.append((bands + 1, cost, start))
         best.append(min(options))
-    found: list[list[list[Cell]]] = []
-    end = len(columns)
+    starts: list[int] = []
+    end = len(widths)
     while end:
-        start = best[end][2]
-        found.insert(0, columns[start:end])
-        end = start
-    return found
+        end = best[end][2]
+        starts.insert(0, end)
+    return {cell: _Place(bisect_right(starts, depth) - 1, depth) for cell, depth in depths.items()}
 
 
 def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
@@ -511,14 +417,15 @@ class Layout:
         Each box and its upper left corner, in the picture's order.
     frames : tuple of (Frame, point, (width, height))
         Outer frames first.
-    routes : tuple of (sequence of point)
-        For each arrow the points between which it runs: straight between points of one height,
-        else in a curve that begins and ends level.
+    routes : tuple of (sequence of (sequence of point))
+        For each arrow its pieces, and for each of these the points between which it runs: straight
+        between points of one height, else in a curve that begins and ends level. An arrow between
+        two bands has its ends as pieces, any other is whole.
     """
 
     boxes: tuple[tuple[Shape, Point], ...]
     frames: tuple[tuple[Frame, Point, Point], ...]
-    routes: tuple[Sequence[Point], ...]
+    routes: tuple[Sequence[Sequence[Point]], ...]
     width: float
     height: float
 
@@ -537,8 +444,21 @@ def layout(picture: Picture) -> Layout:
             for each in picture.arrows
         ]
     )
-    shapes = _shapes(picture, _drawable_frames(tuple(box.name for box in picture.boxes), links))
-    outlines = tuple(
+    frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
+    shapes = _shapes(picture, frames, cut=())
+    first = outlines = _outlines(shapes)
+    grid = _grid(first, links)
+    band_of = {name: grid[_outermost(name, frame)].band for name, frame in frames.items()}
+    cut = {arrow for arrow in picture.arrows if band_of[arrow.source] != band_of[arrow.target]}
+    if cut:
+        shapes = _shapes(picture, frames, cut)
+        outlines = _outlines(shapes)
+    corners, drawn, routes, wide, high = _placed(first, outlines, links)
+    return Layout(tuple(zip(shapes, corners, strict=True)), drawn, routes, wide, high)
+
+
+def _outlines(shapes: Iterable[Shape]) -> tuple[_Outline, ...]:
+    return tuple(
         [
             (
                 each.box.name,
@@ -550,8 +470,6 @@ def layout(picture: Picture) -> Layout:
             for each in shapes
         ]
     )
-    corners, frames, routes, wide, high = _placed(outlines, links)
-    return Layout(tuple(zip(shapes, corners, strict=True)), frames, routes, wide, high)
 
 
 class _Link(NamedTuple):
@@ -560,10 +478,15 @@ class _Link(NamedTuple):
     target: str
     target_port: str
 
-    @property
-    def is_named(self) -> bool:
-        """Whether the port at which it ends is named after the output at which it begins."""
-        return self.target_port == f"{self.source}.{self.source_port}"
+
+class _Place(NamedTuple):
+    """Where a cell outside all frames stands."""
+
+    band: int
+    column: int
+
+
+_Grid = dict[Cell, _Place]
 
 
 _Heights = tuple[tuple[str, float], ...]
@@ -575,35 +498,36 @@ _KEPT = 4
 
 
 @lru_cache(_KEPT)
+def _grid(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Grid:
+    frames = _drawable_frames(tuple([name for name, *_ in outlines]), links)
+    return _in_bands(_framed(outlines, frames, [_way(link, frames) for link in links])[()])
+
+
+@lru_cache(_KEPT)
 def _placed(
-    outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
+    first: tuple[_Outline, ...], outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
 ) -> tuple[
     tuple[Point, ...],
     tuple[tuple[Frame, Point, Point], ...],
-    tuple[Sequence[Point], ...],
+    tuple[Sequence[Sequence[Point]], ...],
     float,
     float,
 ]:
-    """Return the corners of boxes, and the other attributes of `Layout`."""
-    frames = _drawable_frames(tuple(name for name, *_ in outlines), links)
-    around = {frame[:depth] for frame in frames.values() for depth in range(1, len(frame) + 1)}
-    areas = {
-        frame: Area() for frame in [(), *sorted(around, key=lambda frame: (len(frame), frame))]
-    }
-    for name, wide, high, inputs, outputs in outlines:
-        areas[frames[name]].sizes["box", name] = Size(wide, high, dict(inputs), dict(outputs))
-    ways = [_way(link, frames) for link in links]
-    for link, way in zip(links, ways, strict=True):
-        if link.is_named and len(way) == 1:
-            areas[way[0][0]].named.add(way[0][1])
-    for frame, wire in (part for way in ways for part in way):
-        areas[frame].wires[wire] = []
-        pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}
-        areas[frame].sizes.update(pins)
-    for frame in reversed(areas):  # inner frames first
-        areas[frame].arrange(inf if frame else _WIDEST)
-        if frame:
-            areas[frame[:-1]].sizes["frame", frame] = _size_of_frame(frame, areas[frame])
+    """Return the corners of boxes, and the other attributes of `Layout`.
+
+    Parameters
+    ----------
+    first
+        Outlines that the bands were chosen by.
+    outlines, links
+    """
+    frames = _drawable_frames(tuple([name for name, *_ in outlines]), links)
+    grid = _grid(first, links)
+    band_of = {name: grid[_outermost(name, frame)].band for name, frame in frames.items()}
+    whole = [link for link in links if band_of[link.source] == band_of[link.target]]
+    ways = {link: _way(link, frames) for link in whole}
+    areas = _framed(outlines, frames, ways.values())
+    _stack_bands(areas[()], grid)
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
     drawn: list[tuple[Frame, Point, Point]] = []
     for frame in list(areas)[1:]:
@@ -612,28 +536,92 @@ def _placed(
         size = outer.sizes["frame", frame]
         drawn.append((frame, (x, y), (size.width, size.height)))
         origins[frame] = x + PADDING, y + _HEAD
-    corners = []
-    for name, *_ in outlines:
-        frame = frames[name]
-        corners.append(_moved(areas[frame].corners["box", name], origins[frame]))
-    routes = tuple(
-        [_moved(point, origins[frame]) for frame, wire in way for point in areas[frame].wires[wire]]
-        for way in ways
-    )
-    return tuple(corners), tuple(drawn), routes, areas[()].width, areas[()].height
+    corners = {
+        name: _moved(areas[frame].corners["box", name], origins[frame])
+        for name, frame in frames.items()
+    }
+    ends = {
+        name: (wide, dict(inputs), dict(outputs)) for name, wide, _, inputs, outputs in outlines
+    }
+
+    def route(link: _Link) -> list[list[Point]]:
+        if link in ways:
+            points = [
+                _moved(point, origins[frame])
+                for frame, wire in ways[link]
+                for point in areas[frame].wires[wire]
+            ]
+            return [points]
+        wide, _, outputs = ends[link.source]
+        x, y = _moved(corners[link.source], (wide, outputs[link.source_port]))
+        to_x, to_y = _moved(corners[link.target], (0.0, ends[link.target][1][link.target_port]))
+        return [[(x, y), (x + _END, y)], [(to_x - _END, to_y), (to_x, to_y)]]
+
+    routes = tuple([route(link) for link in links])
+    return tuple(corners.values()), tuple(drawn), routes, areas[()].width, areas[()].height
 
 
-def _shapes(picture: Picture, frames: Mapping[str, Frame]) -> list[Shape]:
-    fixed: dict[tuple[str, str], list[str]] = {}
-    for arrow in picture.arrows:
+def _framed(
+    outlines: Iterable[_Outline],
+    frames: Mapping[str, Frame],
+    ways: Iterable[Sequence[tuple[Frame, Wire]]],
+) -> dict[Frame, Area]:
+    """Return the areas of all frames, outer ones first; those inside a frame are arranged."""
+    around = {frame[:depth] for frame in frames.values() for depth in range(1, len(frame) + 1)}
+    areas = {
+        frame: Area() for frame in [(), *sorted(around, key=lambda frame: (len(frame), frame))]
+    }
+    for name, wide, high, inputs, outputs in outlines:
+        areas[frames[name]].sizes["box", name] = Size(wide, high, dict(inputs), dict(outputs))
+    for frame, wire in (part for way in ways for part in way):
+        areas[frame].wires[wire] = []
+        pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}
+        areas[frame].sizes.update(pins)
+    for frame in [*areas][:0:-1]:  # inner frames first
+        areas[frame].arrange()
+        areas[frame[:-1]].sizes["frame", frame] = _size_of_frame(frame, areas[frame])
+    return areas
+
+
+def _stack_bands(area: Area, grid: _Grid) -> None:
+    """Arrange each band by itself, one below the other; no wire runs between them."""
+    bands = [Area() for _ in range(max((place.band for place in grid.values()), default=-1) + 1)]
+    for cell, size in area.sizes.items():
+        bands[grid[cell].band].sizes[cell] = size
+    for wire in area.wires:
+        bands[grid[wire[0][0]].band].wires[wire] = []
+    top = 0.0
+    left = _END if len(bands) > 1 else 0.0
+    for band in bands:
+        band.arrange({cell: grid[cell].column for cell in band.sizes})
+        by = left, top
+        area.corners |= {cell: _moved(corner, by) for cell, corner in band.corners.items()}
+        for wire, points in band.wires.items():
+            area.wires[wire] = [_moved(point, by) for point in points]
+        area.width = max(area.width, band.width + 2 * left)
+        area.height = top + band.height
+        top = area.height + 2 * _BETWEEN_CELLS
+
+
+def _outermost(name: str, frame: Frame) -> Cell:
+    """Return the cell outside all frames in which a box stands."""
+    return ("frame", frame[:1]) if frame else ("box", name)
+
+
+def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow]) -> list[Shape]:
+    """Return the shapes of boxes; their ports say where arrows begin that are cut."""
+    fixed: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
+    notes: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
+    said = {(box.name, each.source) for box in picture.boxes for each in box.alternatives}
+    said |= {(box.name, f"from {socket.shown}") for box in picture.boxes for socket in box.inputs}
+    for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
-            fixed.setdefault((arrow.target, arrow.target_port), []).append(arrow.fixed)
+            fixed[arrow.target].setdefault(arrow.target_port, []).append(arrow.fixed)
+        text = f"from {origin}"
+        if arrow in cut and (arrow.target, text) not in said:
+            notes[arrow.target].setdefault(arrow.target_port, []).append(text)
     return [
-        shape(
-            box,
-            label_of(box.name, frames[box.name]),
-            {socket.name: fixed.get((box.name, socket.name), ()) for socket in box.inputs},
-        )
+        shape(box, label_of(box.name, frames[box.name]), fixed[box.name], notes[box.name])
         for box in picture.boxes
     ]
 

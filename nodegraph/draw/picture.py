@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 Kind = Literal["node", "input", "report"]
@@ -55,13 +55,16 @@ class Alternative(NamedTuple):
     label : str
     settings : str
         Those of its own that differ from the default: ``neighbours: 40``.
+    source : str
+        Where what it reads comes from, if others read something else: ``from aligned``.
     """
 
     label: str
     settings: str = ""
+    source: str = ""
 
     def __str__(self) -> str:
-        return f"{self.label} {self.settings}".rstrip()
+        return " ".join(filter(None, self))
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +84,9 @@ class Box:
         ``length: 5, 15, 45``.
     kind : {"node", "input", "report"}
         An input reads data of the user; a report node is shown in the report.
+    passes : bool
+        It stands for a graph, and passes on what boxes of this graph return: each input is the
+        output of the same name.
     """
 
     name: str
@@ -90,6 +96,7 @@ class Box:
     alternatives: tuple[Alternative, ...] = ()
     axes: tuple[str, ...] = ()
     kind: Kind = "node"
+    passes: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +115,8 @@ class Arrow:
     gathered : str
         The labels that a gathering port receives over the arrow: ``17 fill x 3 length``, or
         ``guenter, lin``.
+    passed : str
+        The box that passes it on, if that is not drawn.
     """
 
     source: str
@@ -118,6 +127,7 @@ class Arrow:
     truth: bool = False
     fixed: str = ""
     gathered: str = ""
+    passed: str = ""
 
     def __str__(self) -> str:
         notes = [f"at {self.fixed}"] if self.fixed else []
@@ -154,6 +164,17 @@ class Picture:
             _check_end(arrow, arrow.target, arrow.target_port, inputs)
 
 
+def origins(picture: Picture) -> list[str]:
+    """Return where each arrow begins, in words: a box, with the output where several are drawn."""
+    outputs = {box.name: len(box.outputs) for box in picture.boxes}
+
+    def origin(arrow: Arrow) -> str:
+        several = outputs[arrow.source] > 1
+        return arrow.passed or f"{arrow.source}{f'.{arrow.source_port}' * several}"
+
+    return [origin(arrow) for arrow in picture.arrows]
+
+
 def _names(sockets: Iterable[Socket]) -> tuple[str, ...]:
     return tuple(socket.name for socket in sockets)
 
@@ -170,8 +191,10 @@ def folded(picture: Picture) -> Picture:
     """Return a picture in which one box lists all those that only show something.
 
     These are boxes of the report that no other box reads. An arrow into the list stands for all
-    arrows of its output. With fewer than two such boxes, the picture stays as it is.
+    arrows of its output. With fewer than two such boxes, they stay. Boxes that pass on what a graph
+    returns go: arrows begin where they would.
     """
+    picture = _without_passing(picture)
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
         arrow.source
@@ -184,12 +207,13 @@ def folded(picture: Picture) -> Picture:
     name = "report"
     while any(box.name == name for box in picture.boxes if box.name not in shown):
         name += " "
-    kept, wires = [], dict[tuple[str, str], Arrow]()
-    for arrow in picture.arrows:
+    kept, wires, names = [], dict[tuple[str, str], Arrow](), dict[tuple[str, str], str]()
+    for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.target not in shown:
             kept.append(arrow)
         elif arrow.source not in shown:
             ends = arrow.source, arrow.source_port
+            names[ends] = origin
             known = wires.get(ends, arrow)
             wires[ends] = Arrow(
                 *ends,
@@ -197,13 +221,34 @@ def folded(picture: Picture) -> Picture:
                 ".".join(ends),
                 gathers=known.gathers or arrow.gathers,
                 truth=arrow.truth,
+                passed=arrow.passed,
             )
     boxes = [box for box in picture.boxes if box.name not in shown]
-    outputs = {box.name: len(box.outputs) for box in boxes}
-    sockets = [
-        Socket(arrow.target_port, shown=source if outputs[source] == 1 else "")
-        for (source, _), arrow in wires.items()
-    ]
+    sockets = [Socket(arrow.target_port, shown=names[ends]) for ends, arrow in wires.items()]
     lines = tuple(" ".join((box.name, *box.lines)) for box in shown.values())
     card = Box(name, lines, tuple(sockets), kind="report")
     return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))
+
+
+def _without_passing(picture: Picture) -> Picture:
+    passing = {box.name for box in picture.boxes if box.passes and box.kind == "node"}
+    into = {
+        (arrow.target, arrow.target_port): arrow
+        for arrow in picture.arrows
+        if arrow.target in passing
+    }
+    arrows = []
+    for arrow in picture.arrows:
+        while before := into.get((arrow.source, arrow.source_port)):
+            fixed = ", ".join(filter(None, (before.fixed, arrow.fixed)))
+            arrow = replace(
+                arrow,
+                source=before.source,
+                source_port=before.source_port,
+                fixed=fixed,
+                passed=arrow.passed or arrow.source,
+            )
+        if arrow.target not in passing:
+            arrows.append(arrow)
+    boxes = tuple(box for box in picture.boxes if box.name not in passing)
+    return Picture(picture.title, boxes, tuple(arrows))

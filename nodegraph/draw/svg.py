@@ -58,19 +58,21 @@ def tag(name: str, text: str) -> str:
     return f"<{name}>{escaped(text)}</{name}>"
 
 
-def line(points: Sequence[Point]) -> str:
+def line(pieces: Sequence[Sequence[Point]]) -> str:
     """Return the path of an arrow; the last point is the tip, the line ends where the head begins.
 
     It is straight between points of one height, else a curve that begins and ends level.
     """
-    *before, (tip_x, tip_y) = points
-    path = f"M{_pair(points[0])}"
-    for (x, y), (to_x, to_y) in pairwise([*before, (tip_x - HEAD_LENGTH + 1.0, tip_y)]):
-        if y == to_y:
-            path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
-        else:
-            middle = (x + to_x) / 2
-            path += f"C{_pair((middle, y))} {_pair((middle, to_y))} {_pair((to_x, to_y))}"
+    *others, (*before, (tip_x, tip_y)) = pieces
+    path = ""
+    for points in [*others, [*before, (tip_x - HEAD_LENGTH + 1.0, tip_y)]]:
+        path += f"M{_pair(points[0])}"
+        for (x, y), (to_x, to_y) in pairwise(points):
+            if y == to_y:
+                path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
+            else:
+                middle = (x + to_x) / 2
+                path += f"C{_pair((middle, y))} {_pair((middle, to_y))} {_pair((to_x, to_y))}"
     return path
 
 
@@ -124,9 +126,13 @@ _Samples = list[tuple[str, str]]
 """What is drawn in the legend, each with its meaning."""
 
 
-def _styles(picture: Picture) -> _Samples:
+def _styles(picture: Picture, *, cut: bool) -> _Samples:
     """Return samples of arrows, chips and frames that the picture has."""
     samples = []
+    if cut:
+        path = f'<path class="wire" {_LOOK["wire"]} d="M4 0L22 0"/>'
+        tip = head(30, 0, truth=False, gathers=False)
+        samples.append((f"<g>{path}{tip}</g>", "from another row"))
     for kind in ("truth", "gathers"):
         if any(getattr(arrow, kind) for arrow in picture.arrows):
             look = _LOOK[f"wire {kind}"]
@@ -182,8 +188,9 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
-    wider than a page goes on below, like lines of text. Boxes whose dotted names have a common
-    prefix stand in a frame. Truth is dashed, a gathering arrow is wide. Types of ports show on
+    wider than a page goes on below, like lines of text; an arrow to another row is drawn at its
+    ends, and its port says where it begins. Boxes whose dotted names have a common prefix stand in
+    a frame. Truth is dashed, a gathering arrow is wide. Types of ports show on
     hover. Colours follow the reader's light or dark scheme; a page sets ``--picture-paper`` and
     ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
@@ -201,12 +208,13 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     """
     drawing = layout(picture)
     arrows = [
-        _arrow(arrow, points) for arrow, points in zip(picture.arrows, drawing.routes, strict=True)
+        _arrow(arrow, pieces) for arrow, pieces in zip(picture.arrows, drawing.routes, strict=True)
     ]
     frames = [_frame(*frame) for frame in drawing.frames]
     marks = _marks(picture) if sockets else {}
     boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    rows = _styles(picture), _types(picture, marks)
+    cut = any(len(pieces) > 1 for pieces in drawing.routes)
+    rows = _styles(picture, cut=cut), _types(picture, marks)
     explained, wide, high = _legend(rows, drawing.height + 18.0)
     return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 
@@ -249,13 +257,13 @@ def _frame(frame: Frame, corner: Point, extent: Point) -> str:
     )
 
 
-def _arrow(arrow: Arrow, points: Sequence[Point]) -> str:
+def _arrow(arrow: Arrow, pieces: Sequence[Sequence[Point]]) -> str:
     styles = " truth" * arrow.truth + " gathers" * arrow.gathers
     look = _LOOK[f"wire{styles}"]
-    tip = head(*points[-1], truth=arrow.truth, gathers=arrow.gathers)
+    tip = head(*pieces[-1][-1], truth=arrow.truth, gathers=arrow.gathers)
     return (
         f'<g class="arrow{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
-        f'<path class="wire" {look} d="{line(points)}"/>{tip}</g>'
+        f'<path class="wire" {look} d="{line(pieces)}"/>{tip}</g>'
     )
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket, svg
 from nodegraph.draw.boxes import width
-from nodegraph.draw.picture import folded
+from nodegraph.draw.picture import folded, origins
 
 SVG = "{http://www.w3.org/2000/svg}"
 RIVALS = (Alternative("guenter"), Alternative("lin", "neighbours: 8"), Alternative("muscle"))
@@ -162,14 +162,22 @@ def check_arrow(
     boxes: dict[str, tuple[float, float, float, float]],
 ) -> None:
     source, target = boxes[arrow.source], boxes[arrow.target]
-    for points in lines(group):
-        assert points[0][0] == pytest.approx(source[2], abs=0.11)
-        assert points[-1][0] == pytest.approx(target[0] - 7, abs=0.11)
-        assert source[1] < points[0][1] < source[3]
-        assert target[1] < points[-1][1] < target[3]
+    drawn = lines(group)
+    (begin, *_), (*_, end) = drawn[0], drawn[-1]
+    assert begin[0] == pytest.approx(source[2], abs=0.11)
+    assert end[0] == pytest.approx(target[0] - 7, abs=0.11)
+    assert source[1] < begin[1] < source[3]
+    assert target[1] < end[1] < target[3]
+    assert len(drawn) == 1 or all(is_an_end(points) for points in drawn)
+    for points in drawn:
         for name, (left, top, right, bottom) in boxes.items():
             inside = [p for p in points if left + 0.1 < p[0] < right - 0.1 and top < p[1] < bottom]
             assert not inside, f"{arrow} runs through {name}"
+
+
+def is_an_end(points: list[tuple[float, float]]) -> bool:
+    """Return whether a line is one of the two ends of an arrow that is not drawn between them."""
+    return len({y for _, y in points}) == 1 and 10 < points[-1][0] - points[0][0] < 20
 
 
 def test_boxes_stand_apart_and_arrows_run_around_them() -> None:
@@ -223,6 +231,12 @@ def test_a_long_wire_runs_level_past_the_boxes_between() -> None:
     assert len({box[1] for box in boxes.values()}) == 1
 
 
+def notes_of(root: ElementTree.Element, box: str) -> list[str | None]:
+    """Return the notes at the ports of a box."""
+    (group,) = (each for each in root.iter(f"{SVG}g") if each.get("data-box") == box)
+    return [text.text for text in group.iter(f"{SVG}text") if text.get("class") == "note"]
+
+
 def test_what_is_wider_than_a_page_goes_on_below_like_lines_of_text() -> None:
     root = check(chain(20))
     boxes = list(rectangles(root).values())
@@ -232,32 +246,58 @@ def test_what_is_wider_than_a_page_goes_on_below_like_lines_of_text() -> None:
     assert len({left for left, _, _, _ in boxes}) < 10  # one column stands below the other
 
 
-def test_a_wire_runs_past_the_lines_in_which_it_does_not_end() -> None:
+def test_an_arrow_from_another_row_is_drawn_at_its_ends_and_its_port_says_where_it_begins() -> None:
     names = [f"step{number}" for number in range(20)]
     root = check(plain(names, [*pairwise(names), ("step0", "step19")]))
+    (legend,) = (group for group in root.iter(f"{SVG}g") if group.get("class") == "legend")
+    assert "from another row" in {text.text for text in legend.iter(f"{SVG}text")}
+    arrows = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
+    cut = {name for name, drawn in arrows.items() if len(drawn) > 1}
+    assert len(cut) == 4  # from each row into the next, and the long one
     boxes = rectangles(root)
-    between = [box for box in boxes.values() if boxes["step0"][3] < box[1] < boxes["step19"][1]]
-    arrows = {group.get("data-arrow"): group for group in arrows_of(root)}
-    ((*points,),) = lines(arrows["step0.x step19.x"])
-    top, bottom = min(box[1] for box in between), max(box[3] for box in between)
-    beside = [x for x, y in points if top <= y <= bottom]
-    assert between
-    assert beside
-    assert max(beside) < min(box[0] for box in between)
+    for before, name in pairwise(names):
+        is_first = boxes[before][1] != boxes[name][1]
+        assert notes_of(root, name) == [f"from {before}"] * is_first + ["from step0"] * (
+            name == "step19"
+        )
+    legends = [text.text for text in ElementTree.fromstring(svg(chain(4))).iter(f"{SVG}text")]
+    assert "from another row" not in legends
 
 
-def test_an_arrow_from_another_line_into_the_list_of_the_report_is_drawn_at_its_end_alone() -> None:
+def test_a_port_of_the_report_names_its_source_once() -> None:
     steps = chain(20)
     shows = tuple(Box(name, (), (Socket("in"),), kind="report") for name in ("table", "faces"))
     arrows = (Arrow("step0", "x", "table", "in"), Arrow("step19", "x", "faces", "in"))
     picture = folded(Picture("", (*steps.boxes, *shows), (*steps.arrows, *arrows)))
-    root = ElementTree.fromstring(svg(picture))
-    card, last = (rectangles(root)[name] for name in ("report", "step19"))
+    root = check(picture)
     drawn = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
-    ((*far,),) = drawn["step0.x report.step0.x"]
-    ((*near,),) = drawn["step19.x report.step19.x"]
-    assert last[2] < min(x for x, _ in far) < card[0]
-    assert near[0][0] == pytest.approx(last[2], abs=0.2)
+    assert len(drawn["step0.x report.step0.x"]) == 2
+    assert len(drawn["step19.x report.step19.x"]) == 1
+    assert notes_of(root, "report") == []
+
+
+def test_boxes_that_pass_on_what_a_graph_returns_are_not_drawn_among_the_folded() -> None:
+    port = (Socket("x"),)
+    boxes = (
+        Box("damage.clean", (), (), port, kind="input"),
+        Box("damage.hit", (), port, port),
+        Box("damage", ("damage.yaml",), port, port, passes=True),
+        Box("score", (), (Socket("x"), Socket("y")), ()),
+    )
+    arrows = (
+        Arrow("damage.clean", "x", "damage.hit", "x"),
+        Arrow("damage.hit", "x", "damage", "x"),
+        Arrow("damage", "x", "score", "x", fixed="length=5"),
+        Arrow("damage.hit", "x", "score", "y"),
+    )
+    picture = folded(Picture("", boxes, arrows))
+    assert [box.name for box in picture.boxes] == ["damage.clean", "damage.hit", "score"]
+    assert [(arrow.source, arrow.target_port, arrow.fixed) for arrow in picture.arrows] == [
+        ("damage.clean", "x", ""),
+        ("damage.hit", "x", "length=5"),
+        ("damage.hit", "y", ""),
+    ]
+    assert origins(picture) == ["damage.clean", "damage", "damage.hit"]
 
 
 def test_a_source_that_is_needed_late_stands_before_its_reader() -> None:
