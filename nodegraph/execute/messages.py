@@ -280,6 +280,7 @@ def respond(request: Sequence[Frame], timeout: float | None = None) -> list[Fram
         del inputs, settings
         with _warnings.entered(), one_thread_each():
             outcome = in_time(perform, call)
+        sys.stdout.flush()  # a worker may be ended at any time
         packed = plugins.packer.pack(outcome.values)
     except _MissingNode as error:
         return _without_outcome("missing", str(error))

@@ -74,7 +74,6 @@ def main() -> None:
                 is_ready = True
             with limited_memory():
                 response = respond(request)
-            sys.stdout.flush()
             send(connection, response)
             del request, response
 
