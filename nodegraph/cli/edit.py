@@ -5,12 +5,18 @@ from __future__ import annotations
 import signal
 import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from contextlib import ExitStack
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from nodegraph.cli.arguments import add_page, add_plugin, add_store
 from nodegraph.cli.browser import needing_pages, ready
 from nodegraph.cli.output import say
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
+
+    from nodegraph.editor.file import EditedFile
 
 HELP = "Edit a graph file in a browser, as text and as picture."
 _MORE = """\
@@ -39,33 +45,43 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def edit(arguments: Namespace) -> int:
     """Serve the page until the user ends it."""
-    from nodegraph.cli.graphs import run_folder
     from nodegraph.editor.file import EditedFile
-    from nodegraph.plugin.registry import Registry
 
     with needing_pages():
-        from nodegraph.editor.app import MOST_BODY, application
-        from nodegraph.editor.running import Running
+        from nodegraph.editor.page import MOST_BODY, page
         from nodegraph.serve.server import LocalServer
 
     file = EditedFile(arguments.graph)
-    registry = Registry.installed(arguments.plugin)
-    running = Running(
-        arguments.graph, run_folder(arguments), registry, arguments.store, arguments.plugin
-    )
-    app = application(file, registry, running)
-    server = LocalServer(app, arguments.port, most_body=MOST_BODY)
-    signal.signal(signal.SIGTERM, _end)
-    if sys.platform != "win32":
-        signal.signal(signal.SIGHUP, _end)  # the terminal has been closed
-    ready(server.address, with_browser=arguments.browser)
-    try:
+    with ExitStack() as ending:
+
+        def application() -> ASGIApp:
+            from nodegraph.cli.graphs import run_folder
+            from nodegraph.editor.app import application
+            from nodegraph.editor.running import Running
+            from nodegraph.plugin.registry import Registry
+
+            registry = Registry.installed(arguments.plugin)
+            running = Running(
+                arguments.graph, run_folder(arguments), registry, arguments.store, arguments.plugin
+            )
+            ending.callback(running.end)
+            return application(file, registry, running)
+
+        server = LocalServer(
+            application, arguments.port, most_body=MOST_BODY, page=lambda: page(file)
+        )
+        signal.signal(signal.SIGTERM, _end)
+        if sys.platform != "win32":
+            signal.signal(signal.SIGHUP, _end)  # the terminal has been closed
+        ending.callback(_say_whether_saved, file)
+        ready(server.address, with_browser=arguments.browser)
         server.run()
-    finally:
-        running.end()
-        if not file.is_saved:
-            say(f"not saved; kept in {file.copy}, with which the next edit begins")
     return 0
+
+
+def _say_whether_saved(file: EditedFile) -> None:
+    if not file.is_saved:
+        say(f"not saved; kept in {file.copy}, with which the next edit begins")
 
 
 def _end(number: int, frame: object) -> NoReturn:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_page, add_plugin
 from nodegraph.cli.browser import needing_pages, ready
 from nodegraph.errors import NodegraphError
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
 
 HELP = "Show the report of runs in a browser, with every result behind it."
 _MORE = """\
@@ -45,12 +49,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def open(arguments: Namespace) -> int:
     """Serve runs until the user ends it."""
-    from nodegraph.plugin.registry import Registry
     from nodegraph.runs.folder import is_run, runs_in
 
     with needing_pages():
-        from nodegraph.serve.app import application
-        from nodegraph.serve.runs import OpenRuns
         from nodegraph.serve.server import LocalServer
 
     for path in arguments.runs:
@@ -58,8 +59,16 @@ def open(arguments: Namespace) -> int:
             raise NodegraphError(
                 f"{path.absolute()}: there is no run; run a graph, or name the folder of a run"
             )
-    runs = OpenRuns(arguments.runs, Registry.installed(arguments.plugin), arguments.store)
-    server = LocalServer(application(runs), arguments.port)
+
+    def application() -> ASGIApp:
+        from nodegraph.plugin.registry import Registry
+        from nodegraph.serve.app import application
+        from nodegraph.serve.runs import OpenRuns
+
+        registry = Registry.installed(arguments.plugin)
+        return application(OpenRuns(arguments.runs, registry, arguments.store))
+
+    server = LocalServer(application, arguments.port)
     ready(server.address, with_browser=arguments.browser)
     server.run()
     return 0

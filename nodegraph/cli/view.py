@@ -45,8 +45,9 @@ def view(arguments: Namespace) -> int:
 
     registry = Registry.installed(arguments.plugin)
     files = read_files(arguments.files, registry, values_of(arguments, "with"))
-    pages = application_of_files(files, registry)
-    server = LocalServer(pages, arguments.port, most_body=MOST_BODY)
+    server = LocalServer(
+        lambda: application_of_files(files, registry), arguments.port, most_body=MOST_BODY
+    )
     ready(server.address, with_browser=arguments.browser)
     server.run()
     return 0

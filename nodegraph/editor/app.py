@@ -1,4 +1,4 @@
-"""The page of a file that is edited, and the requests of its scripts."""
+"""The requests of the scripts of a page on which a file is edited."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from functools import partial, wraps
 from http import HTTPStatus
-from importlib.resources import files
 from threading import RLock
 from typing import Any
 
@@ -20,7 +19,7 @@ from starlette.routing import Route
 from nodegraph.editor.checking import Checking
 from nodegraph.editor.completion import about, options_at
 from nodegraph.editor.edits import Edits
-from nodegraph.editor.file import MOST_BYTES, EditedFile
+from nodegraph.editor.file import EditedFile
 from nodegraph.editor.links import Links
 from nodegraph.editor.panel import axes_of, installed, panel_of
 from nodegraph.editor.running import Running
@@ -28,25 +27,21 @@ from nodegraph.editor.view import Places, problems_of_files, unchecked_view_of, 
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.graph import Graph
 from nodegraph.plugin.registry import Registry
-from nodegraph.report.page import source
 from nodegraph.serve.app import routes
-from nodegraph.serve.pages import events_response, own_source, page_response
-
-MOST_BODY = 6 * MOST_BYTES + 1000
-"""Bytes of a request with a text of the largest size, each character written as an escape."""
+from nodegraph.serve.pages import events_response
 
 _NOT_UNDERSTOOD = (ValueError, LookupError, TypeError, OverflowError, RecursionError)
 """What reading the body of a request raises."""
-_SCRIPTS = ("text", "picture", "editor", "panel", "links", "run")
-_TEMPLATES = "nodegraph.editor"
 
 
 def application(file: EditedFile, registry: Registry, running: Running) -> Starlette:
-    """Return the application that edits and runs a file; a `Guard` must stand before it."""
+    """Return the application that edits and runs a file; a `Guard` must stand before it.
+
+    Its page is `nodegraph.editor.page`.
+    """
     page = _Page(file, registry, running)
     return Starlette(
         routes=[
-            Route("/", page.page),
             Route("/view", _as_data(page.view)),
             Route("/revision", _as_data(page.revision)),
             Route("/files", _as_data(page.files)),
@@ -109,26 +104,6 @@ class _Page:
         self._edits = Edits(registry, file.path)
         self._lock = RLock()
         self._checking = Checking(lambda text: view_of(text, file.path, registry))
-
-    def page(self, request: Request) -> Response:
-        """Show the page."""
-        folder = files(_TEMPLATES)
-        scripts = [source("modules.js"), source("helpers.js"), source("theme.js")]
-        bundle = folder.joinpath("codemirror", "codemirror.js").read_text(encoding="utf-8")
-        own = (folder.joinpath("templates", f"{name}.js") for name in _SCRIPTS)
-        scripts += [
-            bundle,
-            own_source("states.js"),
-            *(script.read_text(encoding="utf-8") for script in own),
-        ]
-        style = folder.joinpath("templates", "editor.css").read_text(encoding="utf-8")
-        return page_response(
-            "editor.html",
-            package=_TEMPLATES,
-            title=self._file.path.name,
-            scripts=scripts,
-            styles=[style],
-        )
 
     def view(self, request: Request) -> object:
         """Return what is shown of the file now."""

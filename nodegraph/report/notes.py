@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from nodegraph.errors import listed
-from nodegraph.execute import Run
 from nodegraph.formatting import labels_of, number_of
-from nodegraph.graph import Graph
 from nodegraph.report.study import NoteSubject, StepNote, Study
 from nodegraph.state import State
+
+if TYPE_CHECKING:
+    from nodegraph.execute import Run
+    from nodegraph.graph import Graph
 
 _KIND_OF_STATE: dict[State, NoteSubject] = {
     State.FAILED: NoteSubject.FAILED,

@@ -17,12 +17,15 @@ from io import BufferedIOBase, FileIO
 from itertools import chain
 from operator import itemgetter
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Event
 from nodegraph.filenames import MAX_BYTES, fold, portable_name, shorten
 from nodegraph.state import State
 from nodegraph.store import files
+
+if TYPE_CHECKING:
+    from nodegraph.execute import Event
 
 RECORD = "run.json"
 STEPS = "steps.jsonl.gz"

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import socket
+from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import closing
+from http import HTTPStatus
+from threading import Thread
 
 import uvicorn
-from starlette.types import ASGIApp
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from nodegraph.errors import NodegraphError
@@ -27,12 +32,15 @@ class LocalServer:
 
     Parameters
     ----------
-    app
-        The application that answers; a guard stands before it.
+    make
+        Returns the application that answers; a guard stands before it. It is called in a thread of
+        its own, while the browser opens, which then waits for it.
     port
         0 for any that is free.
     most_body
         Bytes of the largest body of a request.
+    page
+        Returns the page at ``/`` if that need not wait for the application.
 
     Attributes
     ----------
@@ -45,10 +53,20 @@ class LocalServer:
         If the port is not free.
     """
 
-    def __init__(self, app: ASGIApp, port: int = 0, *, most_body: int = MOST_BODY) -> None:
+    def __init__(
+        self,
+        make: Callable[[], ASGIApp],
+        port: int = 0,
+        *,
+        most_body: int = MOST_BODY,
+        page: Callable[[], ASGIApp] | None = None,
+    ) -> None:
+        self._make, self._page = make, page
+        self._app: Future[ASGIApp] = Future()
+        self._app.set_running_or_notify_cancel()  # a request that ends does not end it
         self._listener = _listening(port)
         authority = f"{HOST}:{self._listener.getsockname()[1]}"
-        guard = Guard(app, authority, most_body)
+        guard = Guard(self._answer, authority, most_body)
         self.address = f"http://{authority}/?token={guard.token}"
         self._server = uvicorn.Server(
             uvicorn.Config(
@@ -66,13 +84,39 @@ class LocalServer:
         )
 
     def run(self) -> None:
-        """Answer until the user interrupts, or `end` is called."""
+        """Answer until the user interrupts, or `end` is called.
+
+        Raises
+        ------
+        Exception
+            That with which the application could not be made.
+        """
+        Thread(target=self._begin, daemon=True).start()
         with closing(self._listener):
             self._server.run(sockets=[self._listener])
+        if self._app.done():
+            self._app.result()
 
     def end(self) -> None:
         """Have `run` return; called from another thread."""
         self._server.should_exit = True
+
+    def _begin(self) -> None:
+        try:
+            self._app.set_result(self._make())
+        except BaseException as error:
+            self._app.set_exception(error)
+            self.end()
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            if self._page is not None and scope["path"] == "/":
+                answer = self._page()
+            else:
+                answer = await asyncio.wrap_future(self._app)
+        except NodegraphError as error:
+            answer = PlainTextResponse(f"{error}\n", HTTPStatus.SERVICE_UNAVAILABLE)
+        await answer(scope, receive, send)
 
 
 class _Connection(H11Protocol):

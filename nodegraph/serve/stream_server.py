@@ -75,7 +75,7 @@ def main() -> None:
     messages = sys.stdin.buffer
     content: str = pickle.load(messages)
     shown = _Shown()
-    server = LocalServer(_application(content, shown))
+    server = LocalServer(lambda: _application(content, shown))
     print(server.address, flush=True)
     answering = threading.Thread(target=server.run)
     answering.start()

@@ -19,7 +19,7 @@ BetterEnd = Literal["lower", "higher", "none"]
 Part = Literal["low", "high", "p"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, config={"defer_build": True})
 class Take(Value):
     """The recording that the rows of a table are of.
 

@@ -219,6 +219,7 @@ nodegraph.define("editor", ["page", "text", "picture"], ({ element }, text_pane,
   addEventListener("hashchange", from_address);
 
   const begin = async () => {
+    known.text = pane.text();
     await send(async () => receive(await get("/view")));
     from_address();
     watch();

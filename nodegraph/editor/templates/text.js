@@ -49,10 +49,12 @@ nodegraph.define("text", ["page"], ({ element }) => {
         })),
       };
     };
+    const first = holder.textContent;
+    holder.replaceChildren();
     const view = new EditorView({
       parent: holder,
       state: EditorState.create({
-        doc: "",
+        doc: first,
         extensions: [
           lineNumbers(), highlightActiveLine(), highlightActiveLineGutter(), highlightSpecialChars(), drawSelection(),
           indentOnInput(), bracketMatching(), lintGutter(), yaml(), syntaxHighlighting(colours), chosen.of([]),

@@ -24,7 +24,7 @@ _LEAVE_MESHES_ALONE = (
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(alias_generator=to_camel, frozen=True)
+    model_config = ConfigDict(alias_generator=to_camel, frozen=True, defer_build=True)
 
 
 class Asset(_Part):

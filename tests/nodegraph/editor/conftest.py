@@ -13,6 +13,7 @@ import pytest
 
 from nodegraph.editor.app import application
 from nodegraph.editor.file import EditedFile
+from nodegraph.editor.page import page
 from nodegraph.editor.running import Running
 from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.serve.guard import Guard
@@ -79,8 +80,10 @@ def running_of(path: Path, registry: Registry, *plugins: Path) -> Running:
 def served_page(path: Path, registry: Registry, *plugins: Path) -> Iterator[str]:
     """Serve the page of a file; yield the address that lets one browser in."""
     running = running_of(path, registry, *plugins)
-    app = application(EditedFile(path), registry, running)
-    server = LocalServer(app, most_body=1 << 20)
+    file = EditedFile(path)
+    server = LocalServer(
+        lambda: application(file, registry, running), most_body=1 << 20, page=lambda: page(file)
+    )
     answering = Thread(target=server.run)
     answering.start()
     yield server.address

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from nodegraph.editor.file import EditedFile
+from nodegraph.editor.page import page
 from tests.nodegraph.editor.conftest import GRAPH, Editor
 
 
@@ -16,9 +18,13 @@ def test_a_view_has_text_picture_and_nodes(editor: Editor) -> None:
     assert view["nodes"] == {"capture": [6, 6], "gaps": [7, 7], "fill": [8, 10], "error": [11, 11]}
     assert view["svg"].count("data-box=") == 4
     assert (view["is_saved"], view["can_undo"], view["can_redo"]) == (True, False, False)
-    page = editor.get("/")
-    assert "connect-src 'self'" in page.headers["content-security-policy"]
-    assert "sample:face" not in page.text  # the page fetches the text
+
+
+def test_the_page_has_the_text_as_text(path: Path) -> None:
+    path.write_text("title: </div><script>bad()</script>\n")
+    answer = page(EditedFile(path))
+    assert "connect-src 'self'" in answer.headers["content-security-policy"]
+    assert b"title: &lt;/div&gt;&lt;script&gt;bad()&lt;/script&gt;\n</div>" in bytes(answer.body)
 
 
 def test_edits_undo_and_saving(editor: Editor, path: Path) -> None:

@@ -45,6 +45,14 @@ for _ in range(300):
         break
     time.sleep(0.1)
 """
+_SLOW = """\
+import time
+from pathlib import Path
+
+while not Path("asked").exists():
+    time.sleep(0.01)
+no_such_name
+"""
 
 
 @contextmanager
@@ -220,7 +228,7 @@ def test_a_connection_on_which_no_whole_request_comes_is_closed(
     monkeypatch: pytest.MonkeyPatch, sent: bytes
 ) -> None:
     monkeypatch.setattr(server, "_SILENCE", 0.1)
-    served = server.LocalServer(PlainTextResponse("secret"))
+    served = server.LocalServer(lambda: PlainTextResponse("secret"))
     answering = Thread(target=served.run)
     answering.start()
     with socket.create_connection((server.HOST, urlsplit(served.address).port or 0)) as silent:
@@ -231,6 +239,28 @@ def test_a_connection_on_which_no_whole_request_comes_is_closed(
     assert urlopen(served.address).status == 200
     served.end()
     answering.join()
+
+
+@pytest.mark.parametrize("words", [_OPEN, _EDIT])
+def test_a_plugin_that_cannot_be_loaded_ends_the_command(
+    words: tuple[str, ...], folder: Path
+) -> None:
+    Path("slow.py").write_text(_SLOW)
+    with served(*words, "--plugin", "slow.py", "--no-browser") as (address, process):
+        place = urlsplit(address)
+        connection = HTTPConnection(place.netloc, timeout=60)
+        connection.request("GET", f"/?{place.query}")
+        answer = connection.getresponse()
+        answer.read()
+        cookie = str(answer.headers["Set-Cookie"]).partition(";")[0]
+        connection.request("GET", "/runs", headers={"Cookie": cookie})
+        Path("asked").touch()
+        assert connection.getresponse().status == 503
+        _, errors = process.communicate()
+        connection.close()
+    assert process.returncode == 2
+    assert "nodegraph: slow.py: the plugin does not import: NameError" in errors
+    assert "Traceback" not in errors
 
 
 def when_there(path: Path) -> Path:
