@@ -67,12 +67,12 @@ _ROW_GAP = 2.0
 _ROW = CHIP_HEIGHT + _ROW_GAP
 _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
-_LONGEST_IN_ROW = 24
+_LONGEST_IN_ROW = 60
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
 _MOST_LINES = 3
-_LONGEST = {"port": 24, "note": 26}
+_LONGEST = {"port": 24, "note": 30}
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
@@ -137,7 +137,7 @@ def shape(
     box: Box,
     label: str,
     fixed: Mapping[str, Sequence[str]],
-    origins: Mapping[str, Sequence[str]],
+    ends: tuple[Mapping[str, Sequence[str]], Mapping[str, Sequence[str]]] = ({}, {}),
 ) -> Shape:
     """Return the box laid out.
 
@@ -148,22 +148,25 @@ def shape(
         Shown as its name.
     fixed : mapping of input port to texts
         The labels that each arrow into the port fixes: ``trial=0, length=45``.
-    origins : mapping of input port to texts
-        Where arrows into the port begin, if that is not drawn: ``from gaps.hidden``.
+    ends : pair of (mapping of port to names)
+        Where arrows into an input begin, and where those from an output end, if that is not drawn:
+        ``gaps.hidden``.
     """
     heading = [("name", label), *(("line", line) for line in box.lines)]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
+    sources, readers = ends
     notes = {
         socket.name: [
             socket.gathers,
-            *origins.get(socket.name, ()),
+            *(f"from {source}" for source in sources.get(socket.name, ())),
             *(_at(text, common) for text in fixed.get(socket.name, ())),
         ]
         for socket in box.inputs
     }
+    onward = {port: [f"to {', '.join(names)}"] for port, names in readers.items()}
     inputs = [_lines(socket, notes[socket.name]) for socket in box.inputs]
-    outputs = [_lines(socket, ()) for socket in box.outputs]
+    outputs = [_lines(socket, onward.get(socket.name, ())) for socket in box.outputs]
     sides = [
         _widest(
             (style, shortened(text, _LONGEST[style])) for lines in side for style, text in lines
@@ -209,7 +212,7 @@ def shape(
         for socket, lines in zip(sockets, side, strict=True):
             y += 3.0
             places[-1][socket.name] = y + _LEADING["port"] / 2
-            own = notes[socket.name] if side is inputs else ()
+            own = (notes if side is inputs else onward).get(socket.name, ())
             hint = "; ".join([str(socket), *filter(None, own)])
             for style, text in lines:
                 y += _LEADING[style]
@@ -224,8 +227,7 @@ def _row(alternative: Alternative) -> tuple[tuple[tuple[str, float], ...], float
     """Return the texts of the row of an alternative, and how wide it is with its state."""
     parts = []
     x = _CHIP_INSET
-    details = " ".join(filter(None, alternative[1:]))
-    for text in filter(None, (alternative.label, details)):
+    for text in filter(None, (alternative.label, alternative.details)):
         short = shortened(text, _LONGEST_IN_ROW)
         parts.append((short, x))
         x += width(short, _SIZES["chip"]) + _CHIP_GAP

@@ -10,13 +10,14 @@ from nodegraph.draw.picture import Alternative, Arrow, Box, Kind, Picture, Socke
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
+from nodegraph.graph.methods import PASS
 from nodegraph.graph.model import Method
 from nodegraph.graph.pass_through import PassThrough
 from nodegraph.graphfile.spec import Reference
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port
 
-_MOST_METHODS = 12
+_MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 16
 
@@ -84,7 +85,7 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         for port, several in into[name].items():
             feed = method.inputs.get(port)
             if isinstance(feed, Reference) and len(several) > 1:
-                texts.append(f"from {several[feed.node, graph.output_name(feed)]}")
+                texts.append(several[feed.node, graph.output_name(feed)])
         return ", ".join(texts)
 
     for box in picture.boxes:
@@ -100,7 +101,7 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         )
 
 
-def labels_text(labels: Sequence[Label], longest: int = 24) -> str:
+def labels_text(labels: Sequence[Label], longest: int = 36) -> str:
     """Return the labels of an axis if they are short, else the first, the last and their number."""
     short = [shortened(str(label), _LONGEST_LABEL) for label in labels]
     text = ", ".join(short)
@@ -175,15 +176,28 @@ def _box(
         for name, value in next(iter(settings.values())).items()
         if all(each.get(name) == value for each in settings.values())
     }
+    uses = {label: method.node.name for label, method in node.methods.items()}
+    methods = {*uses.values()} - {PASS}
     alternatives = [
-        Alternative(label, _text({name: each[name] for name in each if name not in common}))
+        Alternative(
+            label,
+            ", ".join(
+                filter(
+                    None,
+                    (
+                        "" if len(methods) < 2 or _is_named(label, uses[label]) else uses[label],
+                        _text({name: each[name] for name in each if name not in common}),
+                    ),
+                )
+            ),
+        )
         for label, each in settings.items()
         if node.has_alternatives
     ]
     if not whole and len(alternatives) > _MOST_METHODS:
         rest = len(alternatives) - _MOST_METHODS
         alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
-    lines = [] if node.has_alternatives else [described.name]
+    lines = [*methods] if len(methods) == 1 else []
     if whole:
         lines += filter(None, [_text(common)])
     return Box(
@@ -195,6 +209,11 @@ def _box(
         kind=_kind(graph, node),
         passes=isinstance(described, PassThrough) and not node.has_alternatives,
     )
+
+
+def _is_named(label: Label, use: str) -> bool:
+    """Return whether a label tells the method: ``savgol_2`` tells ``smooth.savgol``."""
+    return use == PASS or str(label).startswith(use.rpartition(".")[2])
 
 
 def _settings(method: Method) -> dict[str, str]:

@@ -42,7 +42,7 @@ _END = 18.0
 """Length of what is drawn of each end of an arrow between two bands."""
 _CUT = 0.05
 """Cost of an output that is read in another band; that of a band of full width is 1."""
-_WIDEST = 1000.0
+_WIDEST = 960.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
 _STILL = 0.02
@@ -419,13 +419,16 @@ class Layout:
         Outer frames first.
     routes : tuple of (sequence of (sequence of point))
         For each arrow its pieces, and for each of these the points between which it runs: straight
-        between points of one height, else in a curve that begins and ends level. An arrow between
-        two bands has its ends as pieces, any other is whole.
+        between points of one height, else in a curve that begins and ends level.
+    cut : bool
+        Whether of some arrows, between two bands, only the ends are drawn: the first of several
+        from one output, unless others are whole, and the last.
     """
 
     boxes: tuple[tuple[Shape, Point], ...]
     frames: tuple[tuple[Frame, Point, Point], ...]
     routes: tuple[Sequence[Sequence[Point]], ...]
+    cut: bool
     width: float
     height: float
 
@@ -454,7 +457,7 @@ def layout(picture: Picture) -> Layout:
         shapes = _shapes(picture, frames, cut)
         outlines = _outlines(shapes)
     corners, drawn, routes, wide, high = _placed(first, outlines, links)
-    return Layout(tuple(zip(shapes, corners, strict=True)), drawn, routes, wide, high)
+    return Layout(tuple(zip(shapes, corners, strict=True)), drawn, routes, bool(cut), wide, high)
 
 
 def _outlines(shapes: Iterable[Shape]) -> tuple[_Outline, ...]:
@@ -544,6 +547,8 @@ def _placed(
         name: (wide, dict(inputs), dict(outputs)) for name, wide, _, inputs, outputs in outlines
     }
 
+    drawn_ports = {(link.source, link.source_port) for link in ways}
+
     def route(link: _Link) -> list[list[Point]]:
         if link in ways:
             points = [
@@ -555,7 +560,9 @@ def _placed(
         wide, _, outputs = ends[link.source]
         x, y = _moved(corners[link.source], (wide, outputs[link.source_port]))
         to_x, to_y = _moved(corners[link.target], (0.0, ends[link.target][1][link.target_port]))
-        return [[(x, y), (x + _END, y)], [(to_x - _END, to_y), (to_x, to_y)]]
+        goes_on = (link.source, link.source_port) in drawn_ports
+        begin = [] if goes_on else [[(x, y), (x + _END, y)]]
+        return [*begin, [(to_x - _END, to_y), (to_x, to_y)]]
 
     routes = tuple([route(link) for link in links])
     return tuple(corners.values()), tuple(drawn), routes, areas[()].width, areas[()].height
@@ -609,19 +616,26 @@ def _outermost(name: str, frame: Frame) -> Cell:
 
 
 def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow]) -> list[Shape]:
-    """Return the shapes of boxes; their ports say where arrows begin that are cut."""
+    """Return the shapes of boxes; their ports say where arrows begin and end that are cut."""
     fixed: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
-    notes: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
+    sources: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
+    readers: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
     said = {(box.name, each.source) for box in picture.boxes for each in box.alternatives}
-    said |= {(box.name, f"from {socket.shown}") for box in picture.boxes for socket in box.inputs}
+    said |= {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].setdefault(arrow.target_port, []).append(arrow.fixed)
-        text = f"from {origin}"
-        if arrow in cut and (arrow.target, text) not in said:
-            notes[arrow.target].setdefault(arrow.target_port, []).append(text)
+        if arrow in cut:
+            readers[arrow.source].setdefault(arrow.source_port, []).append(arrow.target)
+            if (arrow.target, origin) not in said:
+                sources[arrow.target].setdefault(arrow.target_port, []).append(origin)
     return [
-        shape(box, label_of(box.name, frames[box.name]), fixed[box.name], notes[box.name])
+        shape(
+            box,
+            label_of(box.name, frames[box.name]),
+            fixed[box.name],
+            (sources[box.name], readers[box.name]),
+        )
         for box in picture.boxes
     ]
 

@@ -56,15 +56,21 @@ class Alternative(NamedTuple):
     settings : str
         Those of its own that differ from the default: ``neighbours: 40``.
     source : str
-        Where what it reads comes from, if others read something else: ``from aligned``.
+        Where what it reads begins, if others read something else: ``aligned``.
     """
 
     label: str
     settings: str = ""
     source: str = ""
 
+    @property
+    def details(self) -> str:
+        """What follows the label: ``neighbours: 40 · from aligned``."""
+        source = f"from {self.source}" if self.source else ""
+        return " \N{MIDDLE DOT} ".join(filter(None, (self.settings, source)))
+
     def __str__(self) -> str:
-        return " ".join(filter(None, self))
+        return f"{self.label} {self.details}".rstrip()
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,8 +121,6 @@ class Arrow:
     gathered : str
         The labels that a gathering port receives over the arrow: ``17 fill x 3 length``, or
         ``guenter, lin``.
-    passed : str
-        The box that passes it on, if that is not drawn.
     """
 
     source: str
@@ -127,7 +131,6 @@ class Arrow:
     truth: bool = False
     fixed: str = ""
     gathered: str = ""
-    passed: str = ""
 
     def __str__(self) -> str:
         notes = [f"at {self.fixed}"] if self.fixed else []
@@ -170,7 +173,7 @@ def origins(picture: Picture) -> list[str]:
 
     def origin(arrow: Arrow) -> str:
         several = outputs[arrow.source] > 1
-        return arrow.passed or f"{arrow.source}{f'.{arrow.source_port}' * several}"
+        return f"{arrow.source}{f'.{arrow.source_port}' * several}"
 
     return [origin(arrow) for arrow in picture.arrows]
 
@@ -221,7 +224,6 @@ def folded(picture: Picture) -> Picture:
                 ".".join(ends),
                 gathers=known.gathers or arrow.gathers,
                 truth=arrow.truth,
-                passed=arrow.passed,
             )
     boxes = [box for box in picture.boxes if box.name not in shown]
     sockets = [Socket(arrow.target_port, shown=names[ends]) for ends, arrow in wires.items()]
@@ -232,23 +234,36 @@ def folded(picture: Picture) -> Picture:
 
 def _without_passing(picture: Picture) -> Picture:
     passing = {box.name for box in picture.boxes if box.passes and box.kind == "node"}
+    if not passing:
+        return picture
     into = {
         (arrow.target, arrow.target_port): arrow
         for arrow in picture.arrows
         if arrow.target in passing
     }
-    arrows = []
+    kept, arrows = [], []
     for arrow in picture.arrows:
+        if arrow.target in passing:
+            continue
+        kept.append(arrow)
         while before := into.get((arrow.source, arrow.source_port)):
             fixed = ", ".join(filter(None, (before.fixed, arrow.fixed)))
             arrow = replace(
-                arrow,
-                source=before.source,
-                source_port=before.source_port,
-                fixed=fixed,
-                passed=arrow.passed or arrow.source,
+                arrow, source=before.source, source_port=before.source_port, fixed=fixed
             )
-        if arrow.target not in passing:
-            arrows.append(arrow)
+        arrows.append(arrow)
+    whole = Picture(picture.title, picture.boxes, tuple(kept))
     boxes = tuple(box for box in picture.boxes if box.name not in passing)
-    return Picture(picture.title, boxes, tuple(arrows))
+    direct = Picture(picture.title, boxes, tuple(arrows))
+    renamed = dict(zip(origins(whole), origins(direct), strict=True))
+    boxes = tuple(
+        replace(
+            box,
+            alternatives=tuple(
+                each._replace(source=renamed.get(each.source, each.source))
+                for each in box.alternatives
+            ),
+        )
+        for box in boxes
+    )
+    return replace(direct, boxes=boxes)

@@ -15,7 +15,7 @@ from nodegraph.gc_pause import gc_paused
 
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
-_WIDE_HALF = 6.0
+_WIDE_HALF = 5.4
 
 _LOOK = {
     "paper": 'fill="#ffffff"',
@@ -27,8 +27,8 @@ _LOOK = {
     "around": 'fill="#7f8fa4" fill-opacity="0.08" stroke="#aeb8c5" stroke-dasharray="2 3"',
     "wire": 'fill="none" stroke="#6c7889" stroke-width="1.6" stroke-linecap="round"',
     "wire truth": 'fill="none" stroke="#a04a00" stroke-width="1.6" stroke-dasharray="6 4.5"',
-    "wire truth gathers": 'fill="none" stroke="#a04a00" stroke-width="3.4" stroke-dasharray="6 5"',
-    "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="3.4" stroke-linecap="round"',
+    "wire truth gathers": 'fill="none" stroke="#a04a00" stroke-width="2.8" stroke-dasharray="6 5"',
+    "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="2.8" stroke-linecap="round"',
     "head": 'fill="#6c7889"',
     "head truth": 'fill="#a04a00"',
     "name": 'font-size="15" font-weight="650"',
@@ -133,16 +133,22 @@ def _styles(picture: Picture, *, cut: bool) -> _Samples:
         path = f'<path class="wire" {_LOOK["wire"]} d="M4 0L22 0"/>'
         tip = head(30, 0, truth=False, gathers=False)
         samples.append((f"<g>{path}{tip}</g>", "from another row"))
-    for kind in ("truth", "gathers"):
+    for kind, text in (("truth", "truth"), ("gathers", "gathers several values")):
         if any(getattr(arrow, kind) for arrow in picture.arrows):
             look = _LOOK[f"wire {kind}"]
             path = f'<path class="wire" {look} d="M0 0L30 0"/>'
-            samples.append((f'<g class="{kind}">{path}</g>', kind))
-    for style, shown, radius in (("alternative", "alternatives", 5), ("axis", "axes", 7)):
+            samples.append((f'<g class="{kind}">{path}</g>', text))
+    for style, shown, bars in (
+        ("alternative", "alternatives", ((-7.5, 6.5, 2.5), (1, 6.5, 2.5))),
+        ("axis", "axes", ((-7, 14, 7),)),
+    ):
         if any(getattr(box, shown) for box in picture.boxes):
             look = _LOOK[f"chip {style}"]
-            rect = f'<rect {look} x="2" y="-7" width="26" height="14" rx="{radius}"/>'
-            samples.append((f'<g class="chip {style}">{rect}</g>', shown))
+            rects = [
+                f'<rect {look} x="2" y="{y}" width="26" height="{high}" rx="{radius}"/>'
+                for y, high, radius in bars
+            ]
+            samples.append((f'<g class="chip {style}">{"".join(rects)}</g>', shown))
     for kind, text, radius in (("input", "reads data", 7), ("report", "in the report", 3)):
         if any(box.kind == kind for box in picture.boxes):
             place = f'x="2" y="-7" width="26" height="14" rx="{radius}"'
@@ -213,8 +219,7 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     frames = [_frame(*frame) for frame in drawing.frames]
     marks = _marks(picture) if sockets else {}
     boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    cut = any(len(pieces) > 1 for pieces in drawing.routes)
-    rows = _styles(picture, cut=cut), _types(picture, marks)
+    rows = _styles(picture, cut=drawing.cut), _types(picture, marks)
     explained, wide, high = _legend(rows, drawing.height + 18.0)
     return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 

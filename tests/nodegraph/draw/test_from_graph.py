@@ -43,7 +43,7 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     assert boxes["gaps"].axes == ("length: 5, 15", "trial: 0 … 19 (20)")
     assert boxes["again"].axes == ("trial",)  # labels are said once, and an axis of one label not
     assert boxes["fill"].axes == ()
-    assert [*map(str, boxes["fill"].alternatives)] == ["hold", "cube power: 3"]
+    assert [*map(str, boxes["fill"].alternatives)] == ["hold", "cube fill.scale, power: 3"]
     kinds = {name: box.kind for name, box in boxes.items()}
     assert kinds == {
         "capture": "input", "gaps": "node", "again": "node", "fill": "node", "error": "node",
