@@ -148,7 +148,8 @@ def test_ties_one_trial_and_what_is_not_finite_are_said(odd: Path, tab: Page) ->
     load(tab, odd / "report.html")
     answer = tab.evaluate("document.querySelector('.answer').textContent")
     assert "The data cannot tell which is best: one trial where 3 are needed" in answer
-    assert "Lowestzero 0\N{NO-BREAK SPACE}mm" in answer
+    assert "Lowest mean rmse: zero (0\N{NO-BREAK SPACE}mm), then " in answer
+    assert tab.evaluate("document.querySelector('.lead-rows tr').textContent").startswith("zero")
     rows = tab.evaluate(
         "[...document.querySelector('figure.table table').tBodies[0].rows]"
         ".map((row) => [...row.cells].map((cell) => cell.textContent))"

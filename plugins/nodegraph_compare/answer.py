@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 
     Side = Literal["lower", "higher"]
 
+_LINES = "Lines: 95 % intervals."
 _MOST_NAMES = 3
 _MOST_CLAUSES = 6
 _MOST_TIED = 2
@@ -83,7 +84,8 @@ def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
     )
     if is_described(named):
         answer = described(named, is_mean=is_mean)
-        return Answer(answer.sentence, scope_words(named), answer.cards, findings=findings)
+        scope = joined(" ", [scope_words(named), _LINES * any(each.low for each in findings)])
+        return Answer(answer.sentence, scope, answer.cards, findings=findings)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
     sentence, scope = _sentence(named), scope_words(named)
     overall = verdicts.overall
@@ -161,10 +163,10 @@ def _undecided(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
     others = len(reasons) - 1
     more = f" (and {others} more reason{'s' * (others > 1)})" if others else ""
     what = f"what each {verdicts.compare} does" if verdicts.is_sequence else "which is best"
-    first = f"The data cannot tell {what}: {reasons[0]}{more}."
+    why = f"The data cannot tell {what}: {reasons[0]}{more}."
     if verdicts.is_sequence:
-        return (first,)
-    return say(f"{HERE} {HERE}.", first, _firsts(verdicts, known))
+        return (why,)
+    return say(f"{HERE}. {why}", _firsts(verdicts, known))
 
 
 def _reason(verdicts: Verdicts, group: Verdict) -> str:

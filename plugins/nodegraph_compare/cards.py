@@ -19,41 +19,30 @@ from nodegraph_compare.words import (
     count_text,
     group_title,
     method_words,
-    next_text,
-    not_certain,
-    over_all_text,
+    nearest_first,
     plain_names,
     reason_text,
     scope_text,
     signed,
+    uncertain_text,
     units_text,
+    within_text,
 )
-from nodegraph_tables.answer import (
-    HERE,
-    Card,
-    Line,
-    Text,
-    Word,
-    dot,
-    few,
-    joined,
-    listing,
-    say,
-    svg,
-)
-from nodegraph_tables.numbers import MINUS, number_text, percent, span_text
+from nodegraph_tables.answer import HERE, Card, Line, Row, Rows, Text, Word, few, listing, say
+from nodegraph_tables.answer import line_of as line_through
+from nodegraph_tables.numbers import MINUS, number_text, span_text, without_rounding
+from nodegraph_tables.style import SHARE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator
 
     from nodegraph_compare.verdict import Verdict, Verdicts
+    from nodegraph_tables.answer import Kind
 
 _MOST_NAMES = 3
-_MOST_SPOKEN = 20
-_ORDER = ("rest", "before", "tied", "worse", "best")
 
-_APART = 4.0
-"""Across in pixels: nearer dots hide each other."""
+_BEYOND = 0.25
+"""Share of the line of all means that the ends of intervals may be beyond it."""
 
 Fact = tuple[str, Text]
 
@@ -63,65 +52,69 @@ def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
     line = line_of(verdicts)
     if line is None:
         return ()
-    return tuple(_card(verdicts, group, line) for group in verdicts.groups)
+    return tuple(
+        replace(
+            _card(verdicts, group, line),
+            title=group_title(verdicts, group),
+            facts=(*_beside(verdicts, group), *_grounds(verdicts, group)),
+        )
+        for group in verdicts.groups
+    )
 
 
 def line_on_all(verdicts: Verdicts, overall: Verdict) -> str:
     """Return the verdict over all groups in words."""
-    title = f"all {len(verdicts.groups)} groups"
-    facts = tuple(_rows(verdicts, overall))
-    return replace(_winner(verdicts, overall), title=title, facts=facts).line
+    card = _card(verdicts, overall, Line(0.0, 1.0))
+    return replace(card, title=f"all {len(verdicts.groups)} groups").line
 
 
 def line_of(verdicts: Verdicts) -> Line | None:
-    """Return the line that all cards share; None where no mean is known."""
-    means = np.concatenate([group.mean for group in verdicts.groups] or [np.empty(0)])
-    means = means[np.isfinite(means)]
-    if not len(means):
+    """Return the line that all cards share; None where no mean is known.
+
+    On it are all means, and the ends of intervals that are not far beyond these.
+    """
+    mean, low, high = (
+        np.concatenate([getattr(group, name) for group in verdicts.groups] or [np.empty(0)])
+        for name in ("mean", "low", "high")
+    )
+    known = mean[np.isfinite(mean)]
+    if not len(known):
         return None
-    return Line.through(means.tolist(), log=verdicts.metric.better != "none")
+    most = known.max() + _BEYOND * np.ptp(np.append(known, 0.0))
+    least = known.min() - _BEYOND * np.ptp(known)
+    if verdicts.ratio:
+        least = known.min() * (1.0 - _BEYOND)
+    near = [*low[low >= least].tolist(), *high[high <= most].tolist()]
+    return line_through(known.tolist(), near, log=verdicts.metric.better != "none")
 
 
 def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
-    title = group_title(verdicts, group)
-    picture = _strip(verdicts, group, line) if len(group.known) > 1 else ""
-    rows = (*_rows(verdicts, group), *_baseline(verdicts, group))
-    facts = (*rows, *_beside(verdicts, group), *_grounds(verdicts, group))
-    return replace(_winner(verdicts, group), title=title, picture=picture, facts=facts)
-
-
-def _winner(verdicts: Verdicts, group: Verdict) -> Card:
-    """Return the head of a card: the best with its mean, or why there is none."""
+    """Return the best of a group with its mean, or why there is none, and a row per method."""
     known = group.known
     if not known:
         return Card("", ("no numbers",), aside=("no block has a number for every method",))
     if len(known) == 1:
         return Card("", listing(method_words(verdicts, known)), *_value(verdicts, group, known[0]))
+    rows = _rows(verdicts, group, line)
     if verdicts.is_sequence:
-        unit = verdicts.metric.unit
-        first, last = (number_text(float(group.mean[known[at]]), unit) for at in (0, -1))
-        begin, end = method_words(verdicts, [known[0], known[-1]])
-        aside = say(f"{HERE}, from {first} {HERE}", end, begin)
-        return Card("", (Word(last, "number"),), aside=aside)
+        first, last = known[0], known[-1]
+        change = (Word(_change(verdicts, group, first, last), "number"),)
+        ends = span_text([group.mean[first], group.mean[last]], verdicts.metric.unit)
+        aside = say(f"from {HERE} to {HERE}", *method_words(verdicts, [first, last]))
+        return Card("", change, (Word(ends, "number"),), aside, rows=rows)
     if verdicts.metric.better == "none":
-        ends = [int(np.nanargmin(group.mean)), int(np.nanargmax(group.mean))]
-        span = span_text([group.mean[end] for end in ends], verdicts.metric.unit)
-        aside = say(f"{span}, from {HERE} to {HERE}", *method_words(verdicts, ends))
-        return Card("", ("no better end",), aside=aside)
+        return Card("", (), rows=rows)
     best = listing(method_words(verdicts, group.best))
-    value, interval = _value(verdicts, group, group.best[0])
     if group.told:
-        return Card("", best, value, interval, best=bool(group.marks))
-    why = "none clearly best" if group.stands else "no verdict"
+        value, interval = _value(verdicts, group, group.best[0])
+        return Card("", best, value, interval, rows=rows, best=bool(group.marks))
     if group.stands:
-        names = listing(method_words(verdicts, group.best))
-        lowest = say(f"{EXTREME[verdicts.metric.better]}: {HERE} {HERE}", names, value)
-        return Card("", (why,), aside=lowest)
+        return Card("", ("none clearly best",), rows=rows)
     reason = reason_text(verdicts, group)
     others = [each for each in verdicts.groups if each.known and each is not group]
     reasons = {None if each.told or each.stands else reason_text(verdicts, each) for each in others}
     # a reason that all cards share stands once, in the answer above them
-    return Card("", (why,), aside=() if reasons == {reason} else (reason,))
+    return Card("", ("no verdict",), aside=() if reasons == {reason} else (reason,), rows=rows)
 
 
 def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
@@ -135,124 +128,86 @@ def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
     return (Word(number_text(float(group.mean[place]), unit), "number"),), interval
 
 
-def _strip(verdicts: Verdicts, group: Verdict, line: Line) -> str:
-    """Return the dots of one group: the best filled, those not certain to be worse as rings."""
-    metric = verdicts.metric
-    known = group.known
-    kinds = dict.fromkeys(known, "rest") | _kinds(verdicts, group)
-    # the best is drawn last, above what it covers
-    order = sorted(known, key=lambda place: _ORDER.index(kinds[place]))
-    across = {place: line.at(float(group.mean[place])) for place in known}
-    down = _heights(across)
-    best = [(across[place], down[place]) for place in known if kinds[place] == "best"]
-
-    def radius(place: int) -> float:
-        # a ring is seen around the best that covers it
-        if kinds[place] == "tied" and any(
-            down[place] == y and abs(across[place] - x) < _APART for x, y in best
-        ):
-            return 7.0
-        return 4.0 if kinds[place] == "rest" else 5.0
-
-    dots = [
-        dot(
-            across[place], down[place], kinds[place],
-            f"{verdicts.methods[place]} {number_text(float(group.mean[place]), metric.unit)}",
-            radius(place), str(verdicts.methods[place]),
+def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
+    """Return a row for each method, from the best to the worst."""
+    described = verdicts.is_sequence or verdicts.metric.better == "none"
+    ranked = [place for place in group.ranked if place in group.known]
+    kinds, notes = _kinds(verdicts, group), _notes(verdicts, group)
+    means = without_rounding(group.mean.tolist())
+    rows = [
+        Row(
+            str(verdicts.methods[place]),
+            means[place],
+            float(group.low[place]),
+            float(group.high[place]),
+            kinds.get(place, "rest"),
+            notes.get(place, ()),
+            for_all=place == verdicts.for_all,
         )
-        for place in order
-    ]  # fmt: skip
-    names = ", ".join(
-        f"{verdicts.methods[place]} {number_text(float(group.mean[place]))}"
-        for place in sorted(known, key=lambda place: group.mean[place])[:_MOST_SPOKEN]
-    )
-    name = f"mean {metric.name} of {len(known)} methods: {names}"
-    return svg(name, 40.0, (line.drawn(22.0, metric.unit), *dots))
+        for place in (group.known if described else ranked)
+    ]
+    return Rows.of(rows, line, verdicts.metric.unit)
 
 
-def _heights(across: Mapping[int, float]) -> dict[int, float]:
-    """Return how far down dots are; of those in one place, every other one is higher."""
-    heights: dict[int, float] = {}
-    before, is_high = -np.inf, False
-    for place in sorted(across, key=across.__getitem__):
-        is_high = not is_high and across[place] - before < _APART
-        heights[place], before = 3.0 if is_high else 12.0, across[place]
-    return heights
-
-
-def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, str]:
+def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
     """Return what the dots of a group are, apart from the rest."""
     if not group.stands:
         return {}
+    kinds: dict[int, Kind] = {}
     if not verdicts.is_sequence:
-        return ({} if group.baseline is None else {group.baseline: "before"}) | dict(group.marks)
+        if group.baseline is not None:
+            kinds[group.baseline] = "before"
+        return kinds | dict(group.marks)
     better = "raises" if verdicts.metric.better == "higher" else "lowers"
-    steps = changes(group)
-    return {min(each for each, _ in steps.values()): "before"} | {
-        step: "best" if verb == better else "worse"
-        for step, (_, verb) in steps.items()
-        if verb != UNCLEAR
+    for step, (before, verb) in changes(group).items():
+        kinds.setdefault(before, "rest" if kinds else "before")
+        if verb != UNCLEAR:
+            kinds[step] = "best" if verb == better else "worse"
+    return kinds
+
+
+def _notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
+    """Return what is said of methods beside their numbers.
+
+    It is how far those are from the best that are nearest to it, and the best over all.
+    """
+    if verdicts.is_sequence:
+        return _step_notes(verdicts, group)
+    if not group.stands or verdicts.metric.better == "none":
+        return {}
+    tied, behind = (nearest_first(group, places) for places in (group.tied, group.behind))
+    if not group.told:
+        start = f"from the {EXTREME[verdicts.metric.better]}: {HERE}"
+        return {place: say(start, within_text(verdicts, group, place)) for place in tied[:1]}
+    # numbers of rows have their unit below them
+    metric = verdicts.metric
+    bare = replace(verdicts, metric=replace(metric, unit=SHARE if metric.unit == SHARE else ""))
+    notes: dict[int, Text] = {}
+    for places, most, claim, text in (
+        (tied, _MOST_NAMES, "not certain", uncertain_text),
+        (behind, 1, "clearly behind", behind_text),
+    ):
+        for at, place in enumerate(places):
+            if at < most or place == verdicts.best_over_all:
+                what = "best over all, " * (place == verdicts.best_over_all)
+                notes[place] = say(f"{what}{claim}: {HERE}", text(bare, group, place))
+    return notes
+
+
+def _step_notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
+    """Return the effect of each step on the mean."""
+    return {
+        step: (
+            Word(_change(verdicts, group, before, step), "number"),
+            ", not clearly" * (verb == UNCLEAR),
+        )
+        for step, (before, verb) in changes(group).items()
     }
 
 
-def _rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
-    """Yield the methods that are not certain to be worse than the best, and those that are."""
-    if len(group.known) < 2 or verdicts.metric.better == "none":
-        return
-    if not group.stands:
-        best = listing(method_words(verdicts, group.best))
-        end = EXTREME[verdicts.metric.better].capitalize()
-        yield end, joined(" ", [best, joined(", ", _value(verdicts, group, group.best[0]))])
-        return
-    if verdicts.is_sequence:
-        yield from _step_rows(verdicts, group)
-        return
-    if over_all := over_all_text(verdicts, group):
-        yield "Best over all", over_all
-    if group.told:
-        tied, behind = (
-            [place for place in places if place != verdicts.best_over_all]
-            for places in (group.tied, group.behind)
-        )
-        if tied:
-            yield "Not certain", not_certain(verdicts, group, tied)
-        if behind:
-            yield "Behind", _behind(verdicts, group, behind)
-    elif group.tied and not over_all:
-        yield "Next", next_text(verdicts, group)
-
-
-def _step_rows(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
-    """Yield the effect of each step on the mean."""
-    for step, (before, verb) in changes(group).items():
-        mean = span_text([group.mean[step]], verdicts.metric.unit)
-        by = change_text(verdicts, group, before, step)
-        sign = MINUS if group.mean[step] < group.mean[before] else "+"
-        clear = ", not clearly" * (verb == UNCLEAR)
-        yield str(verdicts.methods[step]), (Word(f"{mean}, {sign}{by}", "number"), clear)
-
-
-def _behind(verdicts: Verdicts, group: Verdict, places: Sequence[int]) -> Text:
-    nearest = min(places, key=lambda place: abs(group.to_best_of(place)))
-    distance = behind_text(verdicts, group, nearest)
-    count = len(places)
-    if count > 1 and count == len(group.known) - len(group.best):
-        every = "both" if count == 2 else f"all {count}"
-        return say(f"{every} others, next best: {HERE}", distance)
-    rest = f" and {count - 1} more" if count > 1 else ""
-    return say(f"{HERE}{rest}", distance)
-
-
-def _baseline(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:
-    """Yield the number of the baseline, and how far it is from the best."""
-    place = group.baseline
-    if place is None or not group.told or verdicts.is_sequence or place in group.best:
-        return
-    mean, best = float(group.mean[place]), float(group.mean[group.best[0]])
-    sign = "+" if mean > best else MINUS
-    share = f" ({sign}{percent(abs(mean / best - 1))})" if verdicts.ratio and best > 0 else ""
-    number = number_text(mean, verdicts.metric.unit)
-    yield str(verdicts.methods[place]), (Word(f"{number}{share}", "number"),)
+def _change(verdicts: Verdicts, group: Verdict, before: int, step: int) -> str:
+    sign = MINUS if group.mean[step] < group.mean[before] else "+"
+    return f"{sign}{change_text(verdicts, group, before, step)}"
 
 
 def _beside(verdicts: Verdicts, group: Verdict) -> Iterator[Fact]:

@@ -6,15 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.words import group_title
+from nodegraph_compare.cards import cards_of
 from nodegraph_tables.answer import (
     HERE,
     MOST_CARDS,
     Answer,
-    Card,
-    Text,
     Word,
-    joined,
     listing,
     say,
 )
@@ -53,21 +50,6 @@ def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
     if len(groups) == 1:
         return _of_one(verdicts, groups[0], metric)
     spans = [[float(group.mean[place]) for group in groups] for place in range(len(labels))]
-    every = range(len(verdicts.within))
-    cards = tuple(
-        Card(
-            label, (_span(values, unit),),
-            aside=(f"range over {', '.join(verdicts.within)}",) if np.ptp(values) > 0.0 else (),
-            facts=tuple(
-                (
-                    group_title(verdicts, group, every),
-                    joined(", ", [_span([value], unit), *_interval(group, place, unit)]),
-                )
-                for group, value in zip(groups, values, strict=True)
-            ),
-        )
-        for place, (label, values) in enumerate(zip(labels, spans, strict=True))
-    )  # fmt: skip
     most = max(range(len(labels)), key=lambda place: np.nansum(spans[place]))
     rest = [value for place, values in enumerate(spans) if place != most for value in values]
     others = f"the {len(labels) - 1} others" if len(labels) > 2 else "the other"
@@ -78,7 +60,7 @@ def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
         Word(labels[most], "method"),
         Word(_span(rest, unit), "number"),
     )
-    return Answer(sentence, cards=cards)
+    return Answer(sentence, cards=cards_of(verdicts))
 
 
 def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
@@ -88,10 +70,6 @@ def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
     values = without_rounding([float(group.mean[place]) for place in known])
     is_share = unit == "share"
     texts = [_span([each], unit) if is_share else number_text(each) for each in values]
-    cards = tuple(
-        Card(label, (_span([value], unit),), _interval(group, place, unit if is_share else ""))
-        for label, value, place in zip(labels, values, known, strict=True)
-    )
     in_unit = f" in {unit_text(unit)}" if unit and not is_share else ""
     steps = np.sign(np.diff(values))
     verb = " falls from " if (steps < 0).all() else " rises from " if (steps > 0).all() else ": "
@@ -101,16 +79,10 @@ def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
         for number, label in zip(numbers, labels, strict=True)
     ]
     to = ", " if verb == ": " else " to "
-    return Answer(
-        say(f"{metric}{in_unit}{verb}{HERE}{to}{HERE}.", items[0], listing(items[1:])), cards=cards
-    )
+    sentence = say(f"{metric}{in_unit}{verb}{HERE}{to}{HERE}.", items[0], listing(items[1:]))
+    return Answer(sentence, cards=cards_of(verdicts))
 
 
 def _span(values: Sequence[float], unit: str) -> str:
     ends = [min(values), max(values)]
     return shares_text(ends) if unit == "share" else span_text(ends, unit)
-
-
-def _interval(group: Verdict, place: int, unit: str) -> Text:
-    low, high = float(group.low[place]), float(group.high[place])
-    return (f"95 %: {_span([low, high], unit)}",) if low < high else ()

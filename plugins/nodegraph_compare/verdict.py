@@ -499,6 +499,20 @@ class Verdicts(Value):
         return of_all.best[0]
 
     @property
+    def for_all(self) -> int | None:
+        """The method to take whichever the group is, if verdicts speak for one.
+
+        It is the best over all groups, or else the only one that is clearly behind in none.
+        """
+        if self.best_over_all is not None or self.is_sequence or len(self.groups) < 2:
+            return self.best_over_all
+        if not all(group.told for group in self.groups):
+            return None
+        nowhere = [{*group.known} - {*group.behind} for group in self.groups]
+        methods = set.intersection(*nowhere)
+        return methods.pop() if len(methods) == 1 else None
+
+    @property
     def every(self) -> tuple[Verdict, ...]:
         """Verdicts of the groups, then that over all of them."""
         return self.groups if self.overall is None else (*self.groups, self.overall)

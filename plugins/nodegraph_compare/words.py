@@ -307,30 +307,41 @@ def times_text(verdicts: Verdicts, axis: int) -> str:
 
 def not_certain(verdicts: Verdicts, group: Verdict, places: Iterable[int]) -> Text:
     """Return methods that are not certain to be worse than the best, the nearest first."""
-    order = sorted(places, key=lambda place: abs(group.to_best_of(place)))
-    texts = [_not_certain(verdicts, group, place) for place in order[:_MOST_NAMES]]
+    order = nearest_first(group, places)
+    names = method_words(verdicts, order[:_MOST_NAMES])
+    texts = [
+        say(f"{HERE} {HERE}", name, uncertain_text(verdicts, group, place))
+        for name, place in zip(names, order, strict=False)
+    ]
     more = len(order) - len(texts)
     rest = say(f"{HERE} more", Word(str(more), "number")) if more > 0 else ()
     return joined("; ", [*texts, rest])
 
 
-def _not_certain(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+def nearest_first(group: Verdict, places: Iterable[int]) -> list[int]:
+    """Return methods by their distance to the best."""
+    return sorted(places, key=lambda place: abs(group.to_best_of(place)))
+
+
+def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, and in how many units, or that it may be 0."""
     paired = group.to_best
     assert paired is not None
-    (name,) = method_words(verdicts, [place])
-    unit, mean = verdicts.metric.unit, float(group.mean[group.best[0]])
-    distance = Word(signed(group.to_best_of(place), unit, mean), "number")
     count = Word(f"{paired.losses[place]:.0f} of {group.scope.units}", "number")
     units = units_name(group.scope).removeprefix("synthetic ")
-    start = say(f"{HERE} {HERE}, worse in {HERE} {units}", name, distance, count)
+    start = say(f"{HERE}, worse in {HERE} {units}", _distance(verdicts, group, place), count)
     if paired.losses[place] < group.scope.units:
         return start
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
     if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:
-        return _within(verdicts, group, place)
+        return within_text(verdicts, group, place)
     return (*start, f", which may be chance among {len(group.known)} methods")
+
+
+def _distance(verdicts: Verdicts, group: Verdict, place: int) -> Word:
+    mean = float(group.mean[group.best[0]])
+    return Word(signed(group.to_best_of(place), verdicts.metric.unit, mean), "number")
 
 
 def over_all_text(verdicts: Verdicts, group: Verdict) -> Text:
@@ -338,37 +349,30 @@ def over_all_text(verdicts: Verdicts, group: Verdict) -> Text:
     place = verdicts.best_over_all
     if place is None or place in group.best or not group.stands:
         return ()
-    if place not in group.behind:
-        return (*_not_certain(verdicts, group, place), ", not certain")
-    return (*behind_text(verdicts, group, place), ", clearly behind")
+    behind = place in group.behind
+    text = (behind_text if behind else uncertain_text)(verdicts, group, place)
+    (name,) = method_words(verdicts, [place])
+    return say(f"{HERE} {HERE}, {'clearly behind' if behind else 'not certain'}", name, text)
 
 
 def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
-    (name,) = method_words(verdicts, [place])
     difference, mean = group.to_best_of(place), float(group.mean[group.best[0]])
     share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
     by = f"{signed(difference, verdicts.metric.unit, mean)}{share}"
-    return say(f"{HERE} {HERE}", name, Word(by, "number"))
+    return (Word(by, "number"),)
 
 
-def next_text(verdicts: Verdicts, group: Verdict) -> Text:
-    """Return the method nearest to the best, and its distance with the interval of that."""
-    return _within(verdicts, group, min(group.tied, key=lambda at: abs(group.to_best_of(at))))
-
-
-def _within(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+def within_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, and the interval of that."""
     paired = group.to_best
     assert paired is not None
-    (name,) = method_words(verdicts, [place])
     unit, mean = verdicts.metric.unit, float(group.mean[group.best[0]])
-    distance = Word(signed(group.to_best_of(place), unit, mean), "number")
     ends = [float(paired.difference_low[place]), float(paired.difference_high[place])]
     if abs(mean) >= SMALLEST:
         ends = [round(end, 3) for end in ends]
     between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
-    return say(f"{HERE} {HERE} ({HERE})", name, distance, between)
+    return say(f"{HERE} ({HERE})", _distance(verdicts, group, place), between)
 
 
 def changes(group: Verdict) -> dict[int, tuple[int, str]]:

@@ -37,6 +37,7 @@ MOST_CARDS = 8
 """Cards that a reader sees at once."""
 
 _ONE_ROW = 4
+_MOST_ROWS = 9
 
 _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
@@ -45,6 +46,9 @@ _TICKS = 5
 _DECADE = 10.0
 _LETTER = 6.0
 """Across, in pixels."""
+
+_EDGE = 0.3
+"""Share of a line at either end where numbers do not stand around their place."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,7 @@ class Word(Value):
 
 
 Text = tuple[str | Word, ...]
+Kind = Literal["best", "tied", "before", "worse", "rest"]
 
 
 HERE = "\N{OBJECT REPLACEMENT CHARACTER}"
@@ -130,6 +135,179 @@ def _part_html(part: str | Word) -> Markup:
 
 
 @dataclass(frozen=True)
+class Line(Value):
+    """A line of numbers across a card.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends.
+    log : bool
+        Whether equal distances are equal ratios.
+    least : float
+        With a line from 0: the number down to which they are; 0 on other lines.
+    """
+
+    low: float
+    high: float
+    log: bool = False
+    least: float = 0.0
+
+    @classmethod
+    def through(cls, values: Sequence[float], *, log: bool) -> Line:
+        """Return the line on which all values lie; logarithmic, if wanted, where none is below 0.
+
+        Values of 0 among others of many sizes lie at its left end.
+        """
+        low, high = min(values), max(values)
+        above = min((value for value in values if value > 0.0), default=high)
+        from_0 = log and low == 0.0 and high > _DECADE * above
+        return cls(low, high, log and (low > 0.0 or from_0), above if from_0 else 0.0)
+
+    def at(self, value: float) -> float:
+        """Return where a value lies, in pixels from the left."""
+        return round(10.0 + (_WIDE - 20.0) * self.share(value), 1)
+
+    def share(self, value: float) -> float:
+        """Return where a value lies, as a share of the line; at an end, where it is beyond."""
+        near = min(max(value, self.low), self.high)
+        low, high, place = (self._along(each) for each in (self.low, self.high, near))
+        return (place - low) / (high - low) if high > low else 0.5
+
+    def _along(self, value: float) -> float:
+        if self.least:
+            return math.asinh(value / self.least)
+        return math.log(value) if self.log else value
+
+    def drawn(self, y: float, unit: str = "") -> str:
+        """Return the line with its ticks, whose numbers stand below it."""
+        ticks = self.ticks()
+        marks: list[str] = []
+        free = _WIDE
+        # the last has the unit, and others a number as far as there is room before it
+        for tick in reversed(ticks):
+            x = self.at(tick)
+            text = tick_text(tick, unit, with_unit=tick == ticks[-1])
+            width = _LETTER * len(text)
+            anchor = "start" if x < width / 2 else "end" if x > _WIDE - width / 2 else "middle"
+            left = x - width * {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor]
+            mark = f'<line x1="{x:g}" x2="{x:g}" y1="{y:g}" y2="{y + 4:g}"/>'
+            if left + width <= free:
+                mark += f'<text class="{anchor}" x="{x:g}" y="{y + 16:g}">{escape(text)}</text>'
+                free = left - _LETTER
+            marks.append(mark)
+        return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(reversed(marks))}'
+
+    def ticks(self) -> list[float]:
+        """Return at most a handful of round values on the line, far enough from each other."""
+        if not self.high > self.low:
+            return [self.low]
+        for steps in ((1, 2, 5), (1, 3), (1,)):
+            values = self._rounds(steps) if self.log else self._steps()
+            if len(values) <= _TICKS:
+                break
+        values = values[:: math.ceil(len(values) / _TICKS) or 1]
+        if len(values) < 2:
+            values = [self.low, self.high]
+        kept: list[float] = []
+        for value in values:
+            room = _LETTER * len(tick_text(value, "")) + 6
+            if not kept or self.at(value) - self.at(kept[-1]) >= room:
+                kept.append(value)
+        return kept
+
+    def _rounds(self, steps: Sequence[int]) -> list[float]:
+        low = self.least or self.low
+        decades = range(math.floor(math.log10(low)), math.ceil(math.log10(self.high)) + 1)
+        values = (step * 10.0**decade for decade in decades for step in steps)
+        rounds = [value for value in values if low <= value <= self.high]
+        return [0.0, *rounds] if self.least else rounds
+
+    def _steps(self) -> list[float]:
+        rough = (self.high - self.low) / (_TICKS - 1)
+        decade = 10.0 ** math.floor(math.log10(rough))
+        step = next(decade * each for each in (1, 2, 5, 10) if decade * each >= rough)
+        first, last = math.ceil(self.low / step), math.floor(self.high / step)
+        return [step * place for place in range(first, last + 1)]
+
+
+@dataclass(frozen=True)
+class Row(Value):
+    """One of several things that a card compares, such as a method.
+
+    Attributes
+    ----------
+    name : str
+    value : float
+    low, high : float
+        Ends of its interval; NaN where there is none.
+    kind : {"best", "tied", "before", "worse", "rest"}
+        What a verdict says of it: the best, not certain to be worse, what the others are held
+        against, clearly worse than that; or nothing.
+    note : text
+        What is said of it beside its number.
+    for_all : bool
+        Whether it is the one to take, whichever the card is.
+    """
+
+    name: str
+    value: float
+    low: float = math.nan
+    high: float = math.nan
+    kind: Kind = "rest"
+    note: Text = ()
+    for_all: bool = False
+
+
+@dataclass(frozen=True)
+class Rows(Value):
+    """What a card compares: a row each, with a dot and its interval on a line that cards share.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+    line : Line
+    unit : str
+        Of the numbers.
+    others : tuple of Row
+        Further ones, whose dots stand in one row.
+    """
+
+    rows: tuple[Row, ...]
+    line: Line
+    unit: str = ""
+    others: tuple[Row, ...] = ()
+
+    @classmethod
+    def of(cls, rows: Sequence[Row], line: Line, unit: str = "") -> Rows:
+        """Return rows in their order; of many, with names for those that matter, then the first."""
+        if len(rows) <= _MOST_ROWS:
+            return cls(tuple(rows), line, unit)
+        order = sorted(rows, key=lambda row: not (row.for_all or row.kind in ("best", "before")))
+        named = {row.name for row in order[: _MOST_ROWS - 1]}
+        return cls(
+            tuple(row for row in rows if row.name in named),
+            line,
+            unit,
+            tuple(row for row in rows if row.name not in named),
+        )
+
+    def number(self, row: Row) -> str:
+        """Return the number of a row as a reader sees it, without a unit but of shares."""
+        return shares_text([row.value]) if self.unit == SHARE else number_text(row.value)
+
+    def words(self, *, every: bool) -> list[Text]:
+        """Return what is said of rows, and the first where none is the best; or every row."""
+        judged = any(row.kind == "best" for row in self.rows)
+        first = None if judged else self.rows[0].value
+        return [
+            joined(", ", [f"{row.name} {self.number(row)}", row.note])
+            for row in self.rows
+            if every or row.note or row.value == first
+        ]
+
+
+@dataclass(frozen=True)
 class Card(Value):
     """A part of an answer.
 
@@ -143,6 +321,8 @@ class Card(Value):
         What stands below it, large and small.
     picture : str
         An SVG element: see `svg`. It is taken as it is.
+    rows : Rows, optional
+        What it compares.
     facts : tuple of (term, text)
     best : bool
         Whether the headline is in the colour of the best.
@@ -153,6 +333,7 @@ class Card(Value):
     value: Text = ()
     aside: Text = ()
     picture: str = ""
+    rows: Rows | None = None
     facts: tuple[tuple[str, Text], ...] = ()
     best: bool = False
 
@@ -163,8 +344,9 @@ class Card(Value):
         facts = [
             say(f"{HERE}: {HERE}", term[:1].lower() + term[1:], text) for term, text in self.facts
         ]
+        rows = self.rows.words(every=not self.headline) if self.rows else ()
         start = f"{self.title}: " if self.title else ""
-        return f"{start}{plain(joined('; ', [head, *facts]))}."
+        return f"{start}{plain(joined('; ', [head, *rows, *facts]))}."
 
 
 @dataclass(frozen=True)
@@ -506,12 +688,80 @@ def _card(card: Card) -> str:
     return (
         '<article class="lead-card">'
         + (f'<h3 aria-level="2">{escape(card.title)}</h3>' if card.title else "")
-        + f'<p class="{kind}">{html_of(card.headline)}</p>'
+        + (f'<p class="{kind}">{html_of(card.headline)}</p>' if card.headline else "")
         + (f'<p class="lead-value">{value}</p>' if value else "")
         + card.picture
+        + (_rows_html(card.rows, judged=card.best) if card.rows else "")
         + (f"<dl>{facts}</dl>" if facts else "")
         + "</article>"
     )
+
+
+def _rows_html(rows: Rows, *, judged: bool) -> str:
+    body = "".join(
+        f'<tr data-method="{escape(row.name)}"{_classes(row)}>'
+        f'<th scope="row">{escape(row.name)}</th>'
+        f"<td>{_strip([row], rows)}</td><td>{escape(rows.number(row))}</td></tr>"
+        + (f'<tr{_classes(row)}><td colspan="3">{html_of(row.note)}</td></tr>' if row.note else "")
+        for row in rows.rows
+    )
+    if rows.others:
+        body += (
+            f'<tr><th scope="row">{len(rows.others)} others</th>'
+            f"<td>{_strip(rows.others, rows)}</td><td></td></tr>"
+        )
+    # what the axis says is in the numbers
+    axis = f'<tr aria-hidden="true"><td></td><td>{_axis(rows)}</td><td></td></tr>'
+    names = "lead-rows lead-judged" if judged else "lead-rows"
+    return f'<table class="{names}"><tbody>{body}{axis}</tbody></table>'
+
+
+def _classes(row: Row) -> str:
+    names = [row.kind] * (row.kind == "best") + ["for-all"] * row.for_all
+    return f' class="{" ".join(names)}"' if names else ""
+
+
+def _strip(of: Iterable[Row], rows: Rows) -> str:
+    """Return dots with their intervals, and where 0 is."""
+    parts = [_upright(rows.line, 0.0)] if not rows.line.log and rows.line.low <= 0.0 else []
+    for row in of:
+        x, low, high = (_place(rows.line, each) for each in (row.value, row.low, row.high))
+        if row.low < row.high:
+            parts.append(f'<line class="reach" x1="{low}" x2="{high}" y1="8" y2="8"/>')
+        radius = 4 if row.kind == "rest" else 5
+        name = escape(f"{row.name} {rows.number(row)}")
+        of_method = f' data-method="{escape(row.name)}"' if row in rows.others else ""
+        parts.append(
+            f'<circle class="{row.kind}" cx="{x}" cy="8" r="{radius}"{of_method}>'
+            f"<title>{name}</title></circle>"
+        )
+    return f'<svg class="lead-strip" height="16" aria-hidden="true">{"".join(parts)}</svg>'
+
+
+def _axis(rows: Rows) -> str:
+    line, ticks = rows.line, rows.line.ticks()
+    ends = [ticks[0], ticks[-1]] if len(ticks) > 1 else ticks
+    texts = []
+    for tick in ends:
+        share = line.share(tick)
+        anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
+        text = tick_text(tick, rows.unit, with_unit=tick == ends[-1])
+        texts.append(
+            f'<text class="{anchor}" x="{_place(line, tick)}" y="15">{escape(text)}</text>'
+            f'<line x1="{_place(line, tick)}" x2="{_place(line, tick)}" y1="0" y2="4"/>'
+        )
+    whole = '<line x1="0" x2="100%" y1="0" y2="0"/>'
+    return f'<svg class="lead-strip" height="18">{whole}{"".join(texts)}</svg>'
+
+
+def _upright(line: Line, value: float) -> str:
+    x = _place(line, value)
+    return f'<line class="grid" x1="{x}" x2="{x}" y1="-3" y2="19"/>'
+
+
+def _place(line: Line, value: float) -> str:
+    """Return where a value lies on a strip of any width."""
+    return "0" if math.isnan(value) else f"{2.0 + 96.0 * line.share(value):.1f}%"
 
 
 def svg(name: str, height: float, parts: Iterable[str], width: float = _WIDE) -> str:
@@ -533,99 +783,6 @@ def svg(name: str, height: float, parts: Iterable[str], width: float = _WIDE) ->
     )
 
 
-@dataclass(frozen=True)
-class Line:
-    """A line of numbers across a card.
-
-    Attributes
-    ----------
-    low, high : float
-        Its ends.
-    log : bool
-        Whether equal distances are equal ratios.
-    least : float
-        With a line from 0: the number down to which they are; 0 on other lines.
-    """
-
-    low: float
-    high: float
-    log: bool = False
-    least: float = 0.0
-
-    @classmethod
-    def through(cls, values: Sequence[float], *, log: bool) -> Line:
-        """Return the line on which all values lie; logarithmic, if wanted, where none is below 0.
-
-        Values of 0 among others of many sizes lie at its left end.
-        """
-        low, high = min(values), max(values)
-        above = min((value for value in values if value > 0.0), default=high)
-        from_0 = log and low == 0.0 and high > _DECADE * above
-        return cls(low, high, log and (low > 0.0 or from_0), above if from_0 else 0.0)
-
-    def at(self, value: float) -> float:
-        """Return where a value lies, in pixels from the left."""
-        low, high, place = (self._along(each) for each in (self.low, self.high, value))
-        share = (place - low) / (high - low) if high > low else 0.5
-        return round(10.0 + (_WIDE - 20.0) * min(max(share, 0.0), 1.0), 1)
-
-    def _along(self, value: float) -> float:
-        if self.least:
-            return math.asinh(value / self.least)
-        return math.log(value) if self.log else value
-
-    def drawn(self, y: float, unit: str = "") -> str:
-        """Return the line with its ticks, whose numbers stand below it."""
-        ticks = self.ticks()
-        marks: list[str] = []
-        free = _WIDE
-        # the last has the unit, and others a number as far as there is room before it
-        for tick in reversed(ticks):
-            x = self.at(tick)
-            text = tick_text(tick, unit, with_unit=tick == ticks[-1])
-            width = _LETTER * len(text)
-            anchor = "start" if x < width / 2 else "end" if x > _WIDE - width / 2 else "middle"
-            left = x - width * {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor]
-            mark = f'<line x1="{x:g}" x2="{x:g}" y1="{y:g}" y2="{y + 4:g}"/>'
-            if left + width <= free:
-                mark += f'<text class="{anchor}" x="{x:g}" y="{y + 16:g}">{escape(text)}</text>'
-                free = left - _LETTER
-            marks.append(mark)
-        return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(reversed(marks))}'
-
-    def ticks(self) -> list[float]:
-        """Return at most a handful of round values on the line, far enough from each other."""
-        if not self.high > self.low:
-            return [self.low]
-        for steps in ((1, 2, 5), (1, 3), (1,)):
-            values = self._rounds(steps) if self.log else self._steps()
-            if len(values) <= _TICKS:
-                break
-        values = values[:: math.ceil(len(values) / _TICKS) or 1]
-        if len(values) < 2:
-            values = [self.low, self.high]
-        kept: list[float] = []
-        for value in values:
-            room = _LETTER * len(tick_text(value, "")) + 6
-            if not kept or self.at(value) - self.at(kept[-1]) >= room:
-                kept.append(value)
-        return kept
-
-    def _rounds(self, steps: Sequence[int]) -> list[float]:
-        low = self.least or self.low
-        decades = range(math.floor(math.log10(low)), math.ceil(math.log10(self.high)) + 1)
-        values = (step * 10.0**decade for decade in decades for step in steps)
-        rounds = [value for value in values if low <= value <= self.high]
-        return [0.0, *rounds] if self.least else rounds
-
-    def _steps(self) -> list[float]:
-        rough = (self.high - self.low) / (_TICKS - 1)
-        decade = 10.0 ** math.floor(math.log10(rough))
-        step = next(decade * each for each in (1, 2, 5, 10) if decade * each >= rough)
-        first, last = math.ceil(self.low / step), math.floor(self.high / step)
-        return [step * place for place in range(first, last + 1)]
-
-
 def tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
     """Return the number at a tick in few digits, with its unit if wanted."""
     shown = scale_of(unit) * value
@@ -634,13 +791,28 @@ def tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
     return f"{text} {unit_text(unit)}".rstrip() if with_unit else text
 
 
-def line_of(values: Sequence[float]) -> Line:
-    """Return the line on which all values lie: logarithmic where they span a decade."""
+def line_of(values: Sequence[float], ends: Iterable[float] = (), *, log: bool = True) -> Line:
+    """Return the line on which all values lie, without any that makes them look far apart.
+
+    It is logarithmic, if wanted, where values span a decade, and begins or ends with 0 elsewhere.
+
+    Parameters
+    ----------
+    values
+    ends
+        Of intervals, which lie on it as well.
+    log
+    """
     known = [value for value in values if math.isfinite(value)] or [0.0]
-    return Line.through(known, log=max(known) > _DECADE * min(known))
+    is_log = log and min(known) >= 0.0 and max(known) > _DECADE * min(known)
+    if is_log:
+        # above 0 such a line has a least number, which is no end of an interval
+        least = 0.0 if min(known) > 0.0 else min(value for value in known if value > 0.0)
+        return Line.through([*known, *(end for end in ends if end > least)], log=True)
+    return Line.through([*known, *ends, 0.0], log=False)
 
 
-def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0, method: str = "") -> str:
+def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0) -> str:
     """Return a dot with a name to hover.
 
     Parameters
@@ -650,11 +822,8 @@ def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0, method: s
     kind
         ``best``, ``tied``, ``before``, ``worse`` or ``rest``.
     name
-    method
-        Whose dot it is: a report marks it where this one is selected.
     """
-    of = f' data-method="{escape(method)}"' if method else ""
     return (
-        f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}"{of}>'
+        f'<circle class="{kind}" cx="{x:g}" cy="{y:g}" r="{radius:g}">'
         f"<title>{escape(name)}</title></circle>"
     )

@@ -241,6 +241,11 @@ def _dots(verdicts: Verdicts) -> str:
     others = "; ringed: not certain to be worse" * any(group.tied for group in told)
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     baseline = "" if verdicts.baseline is None else f"; hollow: {verdicts.baseline}"
+    tint = "the best over all" if verdicts.best_over_all is not None else "clearly behind nowhere"
+    tinted = f"; tinted: {tint}" * (verdicts.for_all is not None)
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
     scale += f" above {number_text(line.least)}" if line is not None and line.least else ""
-    return f"Dots: a method each{scale}; filled: the best{others}{behind}{baseline}."
+    return (
+        f"Dots: a method each with its 95 % interval{scale}; "
+        f"filled: the best{others}{behind}{baseline}{tinted}."
+    )

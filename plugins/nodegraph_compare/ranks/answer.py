@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,21 +16,22 @@ from nodegraph_tables.answer import (
     Answer,
     Card,
     Line,
+    Row,
+    Rows,
     Text,
     Word,
-    dot,
     joined,
     listing,
     say,
-    svg,
 )
-from nodegraph_tables.numbers import chance_text, number_text
+from nodegraph_tables.numbers import chance_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from nodegraph_compare.comparison import Comparison
     from nodegraph_compare.ranks.ranking import PairTest, Ranking
+    from nodegraph_tables.answer import Kind
 
 _MOST_NAMES = 4
 
@@ -56,7 +57,10 @@ def answer_of(rankings: Sequence[Ranking], comparison: Comparison, test: PairTes
     )
     held = f"Scope: {next(iter(scopes))}. " if len(scopes) == 1 else ""
     end = "the lowest value" if question.better == "none" else "the best"
-    scope = f"{held}Mean ranks of {question.metric}: 1 is {end} in every unit."
+    scope = (
+        f"{held}Mean ranks of {question.metric}: 1 is {end} in every unit. Dots: a method each; "
+        "filled: the first; ringed: not certain to rank behind it."
+    )
     return Answer(_sentence(ranked, tested, comparison), (scope,), cards)
 
 
@@ -84,9 +88,9 @@ def _sentence(ranked: Sequence[Ranking], tested: Sequence[Ranking], comparison: 
     return say(f"It depends on {' and '.join(question.within)}: {HERE}.", joined("; ", clauses))
 
 
-def _first(ranking: Ranking, kind: Literal["strong", "method"] = "strong") -> Text:
+def _first(ranking: Ranking) -> Text:
     names = [str(ranking.methods[place]) for place in np.flatnonzero(ranking.first)]
-    return listing([Word(name, kind, name) for name in names])
+    return listing([Word(name, "strong", name) for name in names])
 
 
 def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
@@ -104,7 +108,6 @@ def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
     if len(ranking.methods) < 2:
         only = Word(str(ranking.methods[0]), "method")
         return Card(title, say(f"only {HERE} has numbers", only), facts=tuple(facts))
-    first = ranking.first
     number = Word(f"{ranking.ranks.min():.2f}", "number")
     value = say(f"mean rank {HERE} of {len(ranking.methods)}", number)
     objection = ranking.objections(blocks)
@@ -113,31 +116,17 @@ def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
         facts.insert(0, ("Test", (_test(ranking, test),)))
     if objection or not ranking.differ:
         why = objection or caution or "Friedman's test does not tell the methods apart"
-        lowest = say(f"{HERE}, {HERE}", _first(ranking, "method"), value)
-        facts = [("Lowest", lowest), ("Why", (why,)), *facts]
-        return Card(title, ("no verdict",), (), (), _picture(ranking, {}), tuple(facts))
-    pairs = ranking.pairs
+        facts = [("Why", (why,)), *facts]
+        return Card(title, ("no verdict",), rows=_rows(ranking, {}), facts=tuple(facts))
+    pairs, first = ranking.pairs, ranking.first
     near = np.zeros(len(first), dtype=bool)
     close = ~ranking.apart & (first[pairs.first] | first[pairs.second])
     near[pairs.first[close]] = near[pairs.second[close]] = True
-    kinds = {place: "tied" for place in np.flatnonzero(near).tolist()}
-    kinds |= {place: "best" for place in np.flatnonzero(first).tolist()}
-    names = [
-        Word(str(ranking.methods[place]), "method")
-        for place in np.argsort(ranking.ranks, kind="stable").tolist()
-        if near[place] and not first[place]
-    ]
-    rest = len(names) - _MOST_NAMES
-    others = joined(", ", names[:_MOST_NAMES])
-    others = say(f"{HERE} and {rest} more", others) if rest > 0 else others
-    count = int(np.count_nonzero(~near & ~first))
-    facts = [
-        ("Not certain", others or ("none",)),
-        ("Apart", (f"{count} method{'s' * (count != 1)}",)),
-        *facts,
-    ]
+    kinds: dict[int, Kind] = dict.fromkeys(np.flatnonzero(near).tolist(), "tied")
+    kinds |= dict.fromkeys(np.flatnonzero(first).tolist(), "best")
     facts += [("Caution", (caution,))] if caution else []
-    return Card(title, _first(ranking), value, (), _picture(ranking, kinds), tuple(facts), True)
+    rows = _rows(ranking, kinds)
+    return Card(title, _first(ranking), value, rows=rows, facts=tuple(facts), best=True)
 
 
 def _test(ranking: Ranking, test: PairTest) -> str:
@@ -150,17 +139,14 @@ def _test(ranking: Ranking, test: PairTest) -> str:
     )
 
 
-def _picture(ranking: Ranking, kinds: Mapping[int, str]) -> str:
-    line = Line(1.0, float(len(ranking.methods)))
-    dots = [
-        dot(
-            line.at(float(rank)), 10.0, kinds.get(place, "rest"),
-            f"{name} {number_text(float(rank))}",
+def _rows(ranking: Ranking, kinds: Mapping[int, Kind]) -> Rows:
+    rows = [
+        Row(
+            str(ranking.methods[place]),
+            float(ranking.ranks[place]),
+            kind=kinds.get(place, "rest"),
+            note=("not certain",) if kinds.get(place) == "tied" else (),
         )
-        for place, (name, rank) in enumerate(zip(ranking.methods, ranking.ranks, strict=True))
-    ]  # fmt: skip
-    axis = (
-        '<line x1="4" x2="236" y1="22" y2="22"/><text x="4" y="36">rank 1</text>'
-        f'<text class="end" x="236" y="36">{len(ranking.methods)}</text>'
-    )
-    return svg(f"mean ranks of {len(ranking.methods)} methods", 40.0, (axis, *reversed(dots)))
+        for place in np.argsort(ranking.ranks, kind="stable").tolist()
+    ]
+    return Rows.of(rows, Line(1.0, float(len(ranking.methods))))

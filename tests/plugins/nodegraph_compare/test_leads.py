@@ -99,8 +99,9 @@ def test_ranks_name_the_first_and_those_that_are_not_apart() -> None:
     answer = lead(ranks(gathered(0.5), clusters=("take",)))
     (card,) = answer.cards
     assert (plain(card.headline), card.best) == ("ridge", True)
-    assert [(term, plain(text)) for term, text in card.facts[:2]] == [
-        ("Not certain", "linear"), ("Apart", "1 method"),
+    assert card.rows is not None
+    assert [(row.name, row.kind, plain(row.note)) for row in card.rows.rows] == [
+        ("ridge", "best", ""), ("linear", "tied", "not certain"), ("cubic", "rest", ""),
     ]  # fmt: skip
     assert text(answer) == "ridge has the lowest mean rank."
     assert "8 takes" in plain(answer.scope)
@@ -116,7 +117,11 @@ def test_means_of_steps_stand_in_a_row() -> None:
     steps = {"original": 213.0, "shifted": 30.0, "scaled": 12.0, "turned": 1e-31}
     tables = {name: pd.DataFrame({"sum of squares": [value]}) for name, value in steps.items()}
     answer = lead(table(Across.of(tables, axis="align"), metric="sum of squares", better="none"))
-    assert [plain(card.headline) for card in answer.cards] == ["213", "30.0", "12.0", "0"]
+    ((rows,),) = ([card.rows] for card in answer.cards)
+    assert rows is not None
+    assert [(row.name, rows.number(row)) for row in rows.rows] == [
+        ("original", "213"), ("shifted", "30.0"), ("scaled", "12.0"), ("turned", "0"),
+    ]  # fmt: skip
     assert text(answer).startswith("Sum of squares falls")
     assert "falls from 213 (original) to 30.0 (shifted)" in text(answer)
 

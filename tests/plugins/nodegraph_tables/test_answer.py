@@ -15,7 +15,11 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph_tables import Answer, Card, Finding, TableInfo, Word, info_of, with_info
 from nodegraph_tables.answer import (
     HERE,
+    Line,
+    Row,
+    Rows,
     answer_html,
+    cards_html,
     html_of,
     in_authors_words,
     line_of,
@@ -83,6 +87,34 @@ def test_a_line_holds_all_numbers() -> None:
     places = [from_0.at(value) for value in (0.0, 0.02, 2.0, 20.0)]
     assert min(after - before for before, after in pairwise(places)) > 15
     assert from_0.ticks() == [0.0, 0.1, 1.0, 10.0]
+
+
+def test_a_line_makes_nothing_look_far_apart() -> None:
+    near = line_of([0.638, 0.663], [0.6, 0.7])
+    assert (near.low, near.high) == (0.0, 0.7)
+    assert near.share(0.663) - near.share(0.638) < 0.05
+    assert line_of([-3.0, -1.0]).high == 0.0
+    many = line_of([0.0, 1.0, 100.0], [-5.0, 0.2, 120.0])  # ends of intervals set no scale
+    assert (many.least, many.share(-5.0), many.share(120.0)) == (1.0, 0.0, 1.0)
+    wide = line_of([1.0, 100.0], [-5.0, 0.5])
+    assert (wide.low, wide.log, wide.share(-5.0)) == (0.5, True, 0.0)
+
+
+def test_of_many_rows_those_that_matter_have_a_name() -> None:
+    rows = [Row(f"method {at}", float(at)) for at in range(30)]
+    rows[0] = replace(rows[0], kind="best", note=("better",))
+    rows[20] = replace(rows[20], for_all=True)
+    rows[25] = replace(rows[25], kind="before")
+    few = Rows.of(rows, Line(0.0, 30.0))
+    assert [row.name for row in few.rows] == [f"method {at}" for at in (*range(6), 20, 25)]
+    assert len(few.others) == 22
+    card = Card("fills", ("method 0",), rows=few, best=True)
+    assert card.line == "fills: method 0; method 0 0, better."
+    html = cards_html([card])
+    assert html.count("<circle") == 30
+    assert html.count("<tr") == 8 + 1 + 1 + 1  # with a note, the others and the axis
+    assert len(re.findall(r'<tr data-method="method 20" class="for-all">', html)) == 1
+    assert "22 others" in html
 
 
 def found(length: int, best: tuple[str, ...], behind: tuple[str, ...]) -> Finding:

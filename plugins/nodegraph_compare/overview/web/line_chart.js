@@ -7,6 +7,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
   const HEIGHT = 500;
   const ROW = 15.5;
   const TOP = 46;
+  const TIMES = 2; // of a scale, from end to end: methods nearer than that look near
 
   const describe = (view, method, groups) => groups
     .map((group) => {
@@ -130,7 +131,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const before = wide ? names + 26 : 34;
     const picture = chart.picture(width, rows * height, `${view.what} by ${view.overview.within.at(-1).name}`);
     const bottom = height - 14;
-    const axis = scales.fitting(numbers, bottom, TOP, { linear: view.statistic === "rank" });
+    const axis = scales.fitting(numbers, bottom, TOP, { linear: view.statistic === "rank", times: TIMES });
     panels.forEach((panel, at) => {
       const [row, column] = [Math.floor(at / columns), at % columns];
       const body = panelOf(view, panel, shown, axis, {
@@ -191,7 +192,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     const shown = view.shown();
     const { values, tied } = view.numbers();
     const ranked = view.ranked();
-    const axis = scales.fitting(shown.map((method) => values[method]), 16, width - 16, { linear: view.statistic === "rank" });
+    const axis = scales.fitting(shown.map((method) => values[method]), 16, width - 16, { linear: view.statistic === "rank", times: TIMES });
     const levels = [];
     const names = scales.thin([...ranked].sort((a, b) => view.weight(b) - view.weight(a)), 40, (method) => view.weight(method) > 0);
     // each name stands on the lowest level where it has room

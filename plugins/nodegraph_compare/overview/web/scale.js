@@ -83,11 +83,16 @@ nodegraph.define("compare/scale", [], () => {
   };
 
   // A scale of all values with room at both ends, logarithmic where none is below 0, and linear
-  // below the least of those above it where some are 0.
-  const fitting = (values, start, end, { linear = false, room = 0.04 } = {}) => {
+  // below the least of those above it where some are 0. From end to end of a logarithmic one is at
+  // least a factor of `times`.
+  const fitting = (values, start, end, { linear = false, room = 0.04, times = 1 } = {}) => {
     const range = extent(values) ?? [0, 1];
     const log = !linear && range[0] > 0;
     if (range[0] === range[1]) return scale(range, start, end, log);
+    if (log && range[1] < times * range[0]) {
+      const [middle, half] = [Math.sqrt(range[0] * range[1]), Math.sqrt(times)];
+      return scale([middle / half, middle * half], start, end, log);
+    }
     const [above] = extent(values.filter((value) => value > 0)) ?? [0];
     const least = !linear && range[0] === 0 && range[1] > SPAN * above ? above : 0;
     const { of, back } = least ? symmetric(least) : log ? { of: Math.log, back: Math.exp } : { of: Number, back: Number };
