@@ -11,6 +11,7 @@ nodegraph.define("picture", [], () => {
   const make = (holder, reader) => {
     let chosen = "";
     let shown = ""; // the picture as it came
+    let parts = new Map(); // its cards, arrows and frames, by all that they are but for their places
     let scale = 0; // none: as wide as the pane, unless words became too small
     let drawn = 0; // the scale at which it is drawn while another is shown
     let settling = 0;
@@ -46,6 +47,41 @@ nodegraph.define("picture", [], () => {
       } else return;
       event.preventDefault();
     });
+
+    // Put another picture in the place of this one. Parts that are the same stay, and move to their places:
+    // a browser takes many times as long to lay out the words of a thousand new cards.
+    const set = (part, name, value) => { if (part.getAttribute(name) !== value) part.setAttribute(name, value); };
+    const put = (svg) => {
+      const sheet = document.createElement("template");
+      sheet.innerHTML = svg;
+      const next = sheet.content.firstElementChild;
+      const wanted = new Map();
+      for (const part of next.lastElementChild.children) {
+        const place = part.getAttribute("transform");
+        part.removeAttribute("transform");
+        const source = part.outerHTML;
+        const same = parts.get(source) ?? part;
+        if (place) set(same, "transform", place);
+        wanted.set(source, same);
+      }
+      parts = wanted;
+      const picture = holder.querySelector("svg");
+      if (!picture) {
+        holder.replaceChildren(next);
+        return;
+      }
+      for (const name of ["width", "height", "viewBox", "style"]) set(picture, name, next.getAttribute(name));
+      const around = [...next.children].slice(0, -1);
+      const group = picture.children[around.length];
+      around.forEach((part, at) => { if (!part.isEqualNode(picture.children[at])) picture.children[at].replaceWith(part); });
+      const kept = new Set(parts.values());
+      for (const part of [...group.children]) if (!kept.has(part)) part.remove();
+      let before = group.firstElementChild;
+      for (const part of kept) {
+        if (part === before) before = before.nextElementSibling;
+        else group.insertBefore(part, before);
+      }
+    };
 
     // ---- its size ----
 
@@ -136,7 +172,8 @@ nodegraph.define("picture", [], () => {
         holder.classList.toggle("stale", !svg && shown !== "");
         if (svg && svg !== shown) {
           const focused = document.activeElement?.dataset?.box;
-          shown = holder.innerHTML = svg;
+          shown = svg;
+          put(svg);
           const picture = holder.querySelector("svg");
           picture.setAttribute("role", "group");
           picture.setAttribute("aria-label", "Nodes");

@@ -8,8 +8,7 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
   let number = 0;
   let snapshot = null;
   let events = null;
-  let drawn = null; // the picture, and its cards
-  let cards = [];
+  const cards = new WeakMap(); // by their boxes in the picture
 
   const link = (address, text) => element("a", { href: address, target: "_blank" }, text);
   const combinations = (node) => link(`/values?${new URLSearchParams({ run: snapshot.run, node })}`, "combinations and values");
@@ -62,13 +61,10 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
   };
 
   const mark = () => {
-    const picture = document.querySelector("#picture > svg");
-    if (picture !== drawn) {
-      drawn = picture;
-      cards = [...picture?.querySelectorAll("[data-box]") ?? []].filter((box) => box.querySelector("rect.frame")).map((box) => new Card(box));
-    }
     const earlier = editor.known.run.is_current ? "" : "before: ";
-    for (const card of cards) {
+    for (const box of document.querySelectorAll("#picture [data-box]:has(> rect.frame)")) {
+      if (!cards.has(box)) cards.set(box, new Card(box));
+      const card = cards.get(box);
       const node = snapshot.nodes[card.name] ?? (is_going() && earlier === "" ? { mark: "waiting", text: "waiting", settled: 0 } : null);
       if (node) card.show({ ...node, text: `${earlier}${node.text}` }, snapshot.alternatives);
     }

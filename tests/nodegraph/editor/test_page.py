@@ -16,6 +16,7 @@ from tests.nodegraph.editor.conftest import GRAPH
 EDITOR = ".cm-content"
 TEXT = "[...document.querySelectorAll('.cm-line')].map((line) => line.textContent).join('\\n')"
 
+_DRAWN = r"document.querySelector('#picture svg').outerHTML.replaceAll('\n', '')"
 CHOSEN = "document.querySelector('#picture [aria-pressed=true]')?.dataset.box"
 
 
@@ -95,6 +96,24 @@ def test_what_is_typed_before_the_last_edit_is_answered_goes_on_from_it(page: Pa
     page.evaluate("window.release()")
     until(page, "document.querySelector('#picture').textContent.includes('length: 5, 15, 45')")
     assert not page.evaluate("document.getElementById('conflict').open")
+
+
+def test_cards_that_an_edit_does_not_change_stay_and_move(page: Page) -> None:
+    place = f"{has_box('error')}.getAttribute('transform')"
+    before = page.evaluate(place)
+    page.evaluate(f"{has_box('capture')}.stays = {has_box('error')}.stays = true")
+    put_cursor(page, "fill.muscle")
+    page.keyboard.type(", fill.pca, fill.pchip")
+    until(page, f"/pchip/.test({has_box('fill')}.textContent)")
+    until(page, "!document.querySelector('#problems li')")
+    assert page.evaluate(f"{has_box('capture')}.stays && {has_box('error')}.stays")
+    assert page.evaluate(place) != before
+    drawn = page.evaluate(_DRAWN)
+    page.reload()
+    until(page, f"document.querySelector('#picture svg') && {CHOSEN}")
+    assert page.evaluate(_DRAWN) == drawn
+    page.click("#undo")
+    until(page, f"{has_box('error')}.getAttribute('transform') === {before!r}")
 
 
 def test_a_mistake_stands_at_its_place_until_it_is_mended(page: Page) -> None:
