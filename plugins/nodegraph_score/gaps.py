@@ -23,6 +23,7 @@ UNITS = {
     "frames": "frames",
     "rmse": "mm",
     "mae": "mm",
+    "coordinate mae": "mm",
     "max": "mm",
     "jump": "mm",
     "velocity": "mm/frame",
@@ -88,29 +89,31 @@ def gaps(
     A gap is a run of hidden frames of one marker. With the frames ``a`` to ``b`` of a gap, the
     error ``e[t] = estimate[t] - truth[t]`` of its marker and ``|.|`` the Euclidean length:
 
-    ============ =========================================================================
-    gap          0, 1, ... in the order of the first frame, then of the truth's markers
-    marker       its name
-    start        its first frame, ``a``
-    frames       its length, ``b - a + 1``
-    rmse         mm, root of the mean of ``|e[t]|^2`` over ``t = a .. b``
-    mae          mm, mean of ``|e[t]|`` over ``t = a .. b``
-    max          mm, largest ``|e[t]|`` over ``t = a .. b``
-    jump         mm, ``|e[b+1] - e[b]|``: by how much the estimate's step from the gap to the
-                 next sample differs from the true step; NaN where ``b`` is the last frame
-    velocity     mm/frame, root mean square of ``|e[t] - e[t-1]|`` over ``t = a .. b+1``: every
-                 step that has an end in the gap
-    acceleration mm/frame^2, root mean square of ``|e[t+1] - 2 e[t] + e[t-1]|`` over
-                 ``t = a-1 .. b+1``: every second difference that has a sample in the gap
-    filled       share of the gap's samples that the estimate has
-    suspect      what is wrong with the truth in the gap, empty where nothing is: the frames of its
-                 impulses, with their distances in mm
-    ============ =========================================================================
+    ============== =======================================================================
+    gap            0, 1, ... in the order of the first frame, then of the truth's markers
+    marker         its name
+    start          its first frame, ``a``
+    frames         its length, ``b - a + 1``
+    rmse           mm, root of the mean of ``|e[t]|^2`` over ``t = a .. b``
+    mae            mm, mean of ``|e[t]|`` over ``t = a .. b``
+    coordinate mae mm, mean of the absolute values of all coordinates of ``e[t]`` over
+                   ``t = a .. b``, which some papers call the mean absolute error
+    max            mm, largest ``|e[t]|`` over ``t = a .. b``
+    jump           mm, ``|e[b+1] - e[b]|``: by how much the estimate's step from the gap to the
+                   next sample differs from the true step; NaN where ``b`` is the last frame
+    velocity       mm/frame, root mean square of ``|e[t] - e[t-1]|`` over ``t = a .. b+1``:
+                   every step that has an end in the gap
+    acceleration   mm/frame^2, root mean square of ``|e[t+1] - 2 e[t] + e[t-1]|`` over
+                   ``t = a-1 .. b+1``: every second difference that has a sample in the gap
+    filled         share of the gap's samples that the estimate has
+    suspect        what is wrong with the truth in the gap, empty where nothing is: the frames of
+                   its impulses, with their distances in mm
+    ============== =======================================================================
 
     Differences that reach beyond the take, or to a sample beside the gap that the estimate or
     the truth lacks, are left out; where none is left the value is NaN.
 
-    A gap that is not wholly filled has no error: its six errors are NaN, whatever samples it
+    A gap that is not wholly filled has no error: its seven errors are NaN, whatever samples it
     has, so that a method does not gain by leaving difficult samples missing. How many gaps that
     concerns is in a warning and in the table's notes.
 
@@ -237,6 +240,7 @@ def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.flo
     return {
         "rmse": np.sqrt(_means(distance**2, gaps, 0, 0)),
         "mae": _means(distance, gaps, 0, 0),
+        "coordinate mae": _means(np.abs(error).mean(axis=2), gaps, 0, 0),
         "max": _maxima(distance, gaps),
         "jump": np.append(step, np.full((len(step), 1), np.nan), axis=1)[
             gaps.marker, gaps.last + 1

@@ -12,7 +12,7 @@ from nodegraph_score.gaps import gaps
 from nodegraph_tables import info_of
 
 NAMES = ("brow", "cheek", "chin")
-ERRORS = ["rmse", "mae", "max", "jump", "velocity", "acceleration"]
+ERRORS = ["rmse", "mae", "coordinate mae", "max", "jump", "velocity", "acceleration"]
 
 
 def recording(seed: int, frames: int = 20) -> Trajectories:
@@ -54,6 +54,9 @@ def plainly(estimate: Any, truth: Any, marker: int, first: int, last: int) -> di
     return {
         "rmse": float(np.sqrt(np.mean(np.square(distance)))),
         "mae": float(np.mean(distance)),
+        "coordinate mae": float(
+            np.mean([abs(error[t][axis]) for t in range(first, last + 1) for axis in range(3)])
+        ),
         "max": max(distance),
         "jump": float(
             np.linalg.norm((expected[after] - expected[last]) - (true[after] - true[last]))
