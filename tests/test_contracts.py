@@ -25,6 +25,7 @@ REQUIRED: Mapping[str, Callable[[], Mapping[str, object]]] = {
     "blendshapes.from_frames": lambda: {"frames": {"smile": 15, "jawOpen": 30}},
     "compare.bayes": lambda: {"clusters": ("gap",)},
     "compare.curve": lambda: {"x": "frames"},
+    "gaps.from_matrix": lambda: {"path": HERE / "plugins" / "nodegraph_gaps" / "matrix.txt"},
     "markers.rename": lambda: {"names": {"nose": "forehead", "forehead": "nose"}},
     "plot.scatter": lambda: {"x": "rmse"},
     "points.literal": lambda: {"points": {"a": [1.0, 2.0], "b": [3.0, 4.0, 5.0]}},
@@ -52,6 +53,7 @@ SMALL: Mapping[str, Mapping[str, object]] = {"gaps.cut": {"length": 2, "count": 
 TAKES_AND_GIVES_ANSWERS = {
     "gaps.cut": (["truth"], ["truth"]),
     "gaps.dropout": (["truth"], ["truth"]),
+    "gaps.from_matrix": (["truth"], ["truth"]),
     "impulses.add": (["truth"], ["truth", "impulses"]),
     "noise.add": (["truth"], ["truth"]),
     "plot.alignment": (["head_motion"], []),

@@ -12,8 +12,9 @@ def nodegraph_nodes() -> Iterable[Callable[..., object]]:
     """Return the nodes that make gaps."""
     from nodegraph_gaps.cut import cut
     from nodegraph_gaps.dropout import dropout
+    from nodegraph_gaps.from_matrix import from_matrix
 
-    return (cut, dropout)
+    return (cut, dropout, from_matrix)
 
 
 @hookimpl

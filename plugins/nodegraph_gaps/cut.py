@@ -163,7 +163,7 @@ def cut(
         _refuse(length=length, count=count, simultaneous=simultaneous, pattern=pattern)
         hidden = transplanted(recording, pattern_from, random)
     return Cut(
-        _without(recording, hidden),
+        without(recording, hidden),
         truth_of(recording, truth, hidden),
         Mask(hidden=hidden, markers=recording.markers),
     )
@@ -227,6 +227,7 @@ def _groups(
     return AnyMarkers(size)
 
 
-def _without(recording: Trajectories, hidden: NDArray[np.bool_]) -> Trajectories:
+def without(recording: Trajectories, hidden: NDArray[np.bool_]) -> Trajectories:
+    """Return the recording without the samples of a (T, M) mask."""
     positions = np.where(hidden[..., None], np.nan, recording.positions)
     return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)
