@@ -208,8 +208,9 @@ class _Page:
 
     def _run(self) -> None:
         """Run the file, which gets the text that is shown."""
-        self._save_to_run()
-        self._running.start(self._file.text)
+        graph = self._without_mistakes()
+        self._file.save()
+        self._running.start(self._file.text, graph)
 
     def _without_mistakes(self) -> Graph:
         view = self._checking.view_of(self._file.shown)

@@ -8,7 +8,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from io import BytesIO
+from itertools import takewhile
 from pathlib import Path
 from typing import IO, Any
 
@@ -19,10 +21,12 @@ from nodegraph.execute.processes import kill
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
+from nodegraph.report.from_run import first_answer
 from nodegraph.runs.folder import EVENTS
 from nodegraph.runs.record_files import read_record
 from nodegraph.runs.state import RunState
 from nodegraph.runs.why import Why, together
+from nodegraph.serve.progress import NodeState
 from nodegraph.serve.runs import OpenRun, OpenRuns
 
 _PATIENCE = 20
@@ -73,6 +77,9 @@ class Running:
         self._process: subprocess.Popen[bytes] | None = None
         self._output: IO[bytes] = BytesIO()
         self._before: object = None
+        self._reported: Sequence[str] = ()
+        self._ended = 0
+        self._answer = ""
 
     def preview(self, graph: Graph) -> Mapping[str, object]:
         """Return what a run would compute, and why that is not stored.
@@ -109,8 +116,8 @@ class Running:
             ],
         }
 
-    def start(self, text: str) -> None:
-        """Begin a run of the file, which has this text.
+    def start(self, text: str, graph: Graph) -> None:
+        """Begin a run of the file, which has this text and is this graph.
 
         Raises
         ------
@@ -121,6 +128,8 @@ class Running:
             raise NodegraphError("a run goes on; stop it first")
         self._before = self._version()
         self._text = text
+        self._reported = [node for node, _ in graph.reported]
+        self._ended, self._answer = 0, ""
         self._number += 1
         self._output.close()
         self._output = tempfile.TemporaryFile()  # noqa: SIM115, as `end` closes it
@@ -180,7 +189,9 @@ class Running:
             return data
         if not is_over:
             begun = run.snapshot()
-            return data | begun if begun["nodes"] else data
+            if not begun["nodes"]:
+                return data
+            return data | begun | {"answer": self._first_answer(run, begun["nodes"])}
         condition = run.condition()
         data |= run.snapshot(condition.state)
         data["message"] = condition.message
@@ -198,6 +209,18 @@ class Running:
         if self._version() in (None, self._before):
             return None
         return self.runs.all().get(self._folder.name)
+
+    def _first_answer(self, run: OpenRun, nodes: Mapping[str, NodeState]) -> str:
+        """Return what the run answers so far, looked up when one more reported node has ended."""
+        ended = takewhile(
+            lambda node: node not in nodes or nodes[node]["settled"] == 1, self._reported
+        )
+        count = len([*ended])
+        if count > self._ended and not self._answer:
+            self._ended = count
+            with suppress(NodegraphError):  # the report says it
+                self._answer = first_answer(run.values()[0])
+        return self._answer
 
     def _version(self) -> object:
         try:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run
+from nodegraph.execute import NotStored, Run
 from nodegraph.execute.events import plain
 from nodegraph.execute.results import Values
 from nodegraph.filenames import file_stem, fold, portable_paths
@@ -100,6 +100,24 @@ def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
         machine=software["platform"],
     )
     return Composed(study, tuple(shown.not_shown))
+
+
+def first_answer(run: Run) -> str:
+    """Return the sentence that answers at a glance, before the run has ended.
+
+    It is empty as long as a result is missing that stands before it in the report.
+    """
+    for result in _results(run):
+        try:
+            value = result.values.shown_at(result.labels)
+        except NotStored:
+            return ""
+        entry = result.entry
+        origin = RunOrigin(run, result.node, result.labels, entry.caption, entry.answer)
+        rendered = render_in_run(value, str(result), origin)
+        if rendered is not None and rendered.lead:
+            return next(iter(Section("", rendered, result.combination).answer), "")
+    return ""
 
 
 def _answer(sections: Sequence[Section]) -> tuple[str, ...]:

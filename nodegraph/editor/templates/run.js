@@ -48,13 +48,13 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     events?.close();
     events = new EventSource("/running");
     events.onmessage = ({ data }) => {
-      const before = snapshot?.state;
+      const before = snapshot ?? {};
       snapshot = JSON.parse(data);
       if (snapshot.is_over) {
         events.close();
         part("run-said").open = snapshot.state !== "finished";
       }
-      if (snapshot.state !== before) announce(`Run: ${snapshot.state}. ${snapshot.answer}`);
+      if (snapshot.state !== before.state || snapshot.answer !== before.answer) announce(`Run: ${snapshot.state}. ${snapshot.answer}`);
       show();
     };
     events.onerror = () => events.close();

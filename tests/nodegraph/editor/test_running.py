@@ -52,7 +52,7 @@ def verdict(x: float) -> Verdict:
 
 @hookimpl
 def nodegraph_kinds() -> Iterable[Kind]:
-    return [Kind(Verdict, lambda value, title: Rendered(value.text, answer=(value.text,)))]
+    return [Kind(Verdict, lambda value, title: Rendered("", answer=(value.text,), lead=value.text))]
 """
 GRAPH = """\
 nodegraph: 1
@@ -168,6 +168,16 @@ def test_a_stopped_run_can_be_continued(editor: Editor, path: Path) -> None:
     assert (last["state"], last["nodes"]["a"]["text"]) == ("finished", "2 stored")
 
 
+def test_a_verdict_is_said_before_the_run_ends(editor: Editor, path: Path) -> None:
+    editor.edit(text=waiting(path.parent).replace("[verdict]", "[a, verdict, strict]"))
+    editor.edit(action="run")
+    wait_for(path.parent / "begun")
+    while not (now := editor.running.snapshot())["answer"]:
+        assert not now["is_over"]
+        time.sleep(0.1)
+    assert (now["state"], now["answer"]) == ("running", "start 1: It is 1.")
+
+
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_the_run_ends_with_the_editor(
     path: Path, toys: Path, monkeypatch: pytest.MonkeyPatch, end: signal.Signals
@@ -197,7 +207,8 @@ def test_a_graph_is_run_from_the_page(tab: Page, address: str) -> None:
     title = "document.querySelector('#picture [data-box={}] title').textContent"
     assert tab.evaluate(title.format("strict")) == "strict: 1 of 2 failed, 1 done"
     assert tab.evaluate(title.format("verdict")) == "verdict: 2 done"
-    assert "finished, 6 of 6 steps" in tab.inner_text("#run-reached")
+    reached = "document.getElementById('run-reached').textContent"
+    until(tab, f"{reached}.includes('finished, 6 of 6 steps')")
     tab.click("#run-nodes button")
     assert tab.evaluate("location.hash") == "#strict"
     assert "use: toy.strict" in tab.inner_text(".cm-chosen")
