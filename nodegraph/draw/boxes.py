@@ -68,9 +68,11 @@ _ROW = CHIP_HEIGHT + _ROW_GAP
 _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
 _LONGEST_IN_ROW = 60
+_MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
+_LONGEST_LINE = 36
 _MOST_LINES = 3
 _LONGEST = {"port": 24, "note": 30}
 _BETWEEN_SIDES = 18.0
@@ -152,7 +154,8 @@ def shape(
         Where arrows into an input begin, and where those from an output end, if that is not drawn:
         ``gaps.hidden``.
     """
-    heading = [("name", label), *(("line", line) for line in box.lines)]
+    heading = [("name", label)]
+    heading += [("line", line) for text in box.lines for line in _wrapped(text, _LONGEST_LINE)]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
     sources, readers = ends
@@ -182,10 +185,13 @@ def shape(
         texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
     chips: list[Chip] = []
     rows = [_row(each) for each in box.alternatives]
+    in_column = len(rows) if len(rows) <= _MOST_ROWS else -(-len(rows) // 2)
     inner = max([inner, *(wide for _, wide in rows)])
+    if len(rows) > in_column:
+        inner = max(inner, 2 * max(wide for _, wide in rows) + _CHIP_GAP)
     first_row = y + _CHIP_GAP
     if rows:
-        y = first_row + len(rows) * _ROW - _ROW_GAP
+        y = first_row + in_column * _ROW - _ROW_GAP
     limit = max(inner, _WIDEST_ROW)
     x, top = limit + 1.0, y - CHIP_HEIGHT
     for text in box.axes:
@@ -198,8 +204,11 @@ def shape(
         y = top + CHIP_HEIGHT
     inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
     for at, (each, (parts, _)) in enumerate(zip(box.alternatives, rows, strict=True)):
-        row = first_row + at * _ROW
-        chips.append(Chip("alternative", parts, INSET, row, inner, str(each), each.label))
+        column, row = divmod(at, in_column)
+        wide = inner if len(rows) == in_column else (inner - _CHIP_GAP) / 2
+        left = INSET + column * (wide + _CHIP_GAP)
+        place = left, first_row + row * _ROW, wide
+        chips.append(Chip("alternative", parts, *place, str(each), each.label))
     rule = y + 7.0
     lows = [rule]
     places: list[dict[str, float]] = []

@@ -45,7 +45,7 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
 def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
     """Return the picture of a graph: its whole nodes, or their wired ports and first methods.
 
-    A whole node has its settings that differ from the default; an alternative always has its own.
+    Nodes and alternatives have their settings that differ from the default.
     An axis stands at each node whose settings name it, with its labels at the first of them; an
     axis with one label is not drawn.
     """
@@ -185,7 +185,7 @@ def _box(
                 filter(
                     None,
                     (
-                        "" if len(methods) < 2 or _is_named(label, uses[label]) else uses[label],
+                        _told(label, uses[label], methods),
                         _text({name: each[name] for name in each if name not in common}),
                     ),
                 )
@@ -198,8 +198,7 @@ def _box(
         rest = len(alternatives) - _MOST_METHODS
         alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
     lines = [*methods] if len(methods) == 1 else []
-    if whole:
-        lines += filter(None, [_text(common)])
+    lines += filter(None, [_text(common)])
     return Box(
         node.name,
         lines=tuple(lines),
@@ -211,9 +210,12 @@ def _box(
     )
 
 
-def _is_named(label: Label, use: str) -> bool:
-    """Return whether a label tells the method: ``savgol_2`` tells ``smooth.savgol``."""
-    return use == PASS or str(label).startswith(use.rpartition(".")[2])
+def _told(label: Label, use: str, methods: Collection[str]) -> str:
+    """Return the method of an alternative that neither its label nor the box tells."""
+    if use == PASS:
+        return "unchanged"
+    is_told = len(methods) == 1 or str(label).startswith(use.rpartition(".")[2])
+    return "" if is_told else use
 
 
 def _settings(method: Method) -> dict[str, str]:

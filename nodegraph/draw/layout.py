@@ -38,11 +38,11 @@ PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
 _BETWEEN_COLUMNS = 44.0
-_END = 18.0
+_END = 15.0
 """Length of what is drawn of each end of an arrow between two bands."""
 _CUT = 0.05
 """Cost of an output that is read in another band; that of a band of full width is 1."""
-_WIDEST = 960.0
+_WIDEST = 1000.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
 _STILL = 0.02

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -91,8 +91,7 @@ class Box:
     kind : {"node", "input", "report"}
         An input reads data of the user; a report node is shown in the report.
     passes : bool
-        It stands for a graph, and passes on what boxes of this graph return: each input is the
-        output of the same name.
+        It stands for a graph used as a node, and passes on what a box of that graph returns.
     """
 
     name: str
@@ -194,10 +193,10 @@ def folded(picture: Picture) -> Picture:
     """Return a picture in which one box lists all those that only show something.
 
     These are boxes of the report that no other box reads. An arrow into the list stands for all
-    arrows of its output. With fewer than two such boxes, they stay. Boxes that pass on what a graph
-    returns go: arrows begin where they would.
+    arrows of its output. With fewer than two such boxes, they stay. A graph that is used as a node
+    is one box.
     """
-    picture = _without_passing(picture)
+    picture = _graphs_as_boxes(picture)
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
         arrow.source
@@ -227,43 +226,91 @@ def folded(picture: Picture) -> Picture:
             )
     boxes = [box for box in picture.boxes if box.name not in shown]
     sockets = [Socket(arrow.target_port, shown=names[ends]) for ends, arrow in wires.items()]
-    lines = tuple(" ".join((box.name, *box.lines)) for box in shown.values())
+    lines = tuple(" ".join((box.name, *box.lines[:1])) for box in shown.values())
     card = Box(name, lines, tuple(sockets), kind="report")
     return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))
 
 
-def _without_passing(picture: Picture) -> Picture:
-    passing = {box.name for box in picture.boxes if box.passes and box.kind == "node"}
-    if not passing:
+def _graphs_as_boxes(picture: Picture) -> Picture:
+    graph_of = _graphs_of(picture)
+    if not graph_of:
         return picture
-    into = {
-        (arrow.target, arrow.target_port): arrow
-        for arrow in picture.arrows
-        if arrow.target in passing
-    }
-    kept, arrows = [], []
-    for arrow in picture.arrows:
-        if arrow.target in passing:
+    arrows: dict[tuple[str, str, str, str], Arrow] = {}
+    origins_before: list[tuple[str, Arrow]] = []
+    inputs: dict[str, dict[str, Socket]] = {}
+    sockets = {(box.name, each.name): each for box in picture.boxes for each in box.inputs}
+    for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
+        source, target = graph_of.get(arrow.source), graph_of.get(arrow.target)
+        if source is not None and source == target:
             continue
-        kept.append(arrow)
-        while before := into.get((arrow.source, arrow.source_port)):
-            fixed = ", ".join(filter(None, (before.fixed, arrow.fixed)))
-            arrow = replace(
-                arrow, source=before.source, source_port=before.source_port, fixed=fixed
-            )
-        arrows.append(arrow)
-    whole = Picture(picture.title, picture.boxes, tuple(kept))
-    boxes = tuple(box for box in picture.boxes if box.name not in passing)
-    direct = Picture(picture.title, boxes, tuple(arrows))
-    renamed = dict(zip(origins(whole), origins(direct), strict=True))
-    boxes = tuple(
-        replace(
-            box,
-            alternatives=tuple(
-                each._replace(source=renamed.get(each.source, each.source))
-                for each in box.alternatives
-            ),
-        )
-        for box in boxes
+        if source is not None:
+            port = _output(source, arrow.source, arrow.source_port)
+            arrow = replace(arrow, source=source, source_port=port)
+        if target is not None:
+            socket = sockets[arrow.target, arrow.target_port]
+            end = f"{arrow.source}.{arrow.source_port}"
+            ports = inputs.setdefault(target, {})
+            ports.setdefault(end, replace(socket, name=end, shown=socket.name))
+            arrow = replace(arrow, target=target, target_port=end)
+        ends = arrow.source, arrow.source_port, arrow.target, arrow.target_port
+        origins_before.append((origin, arrows.setdefault(ends, arrow)))
+    inside: dict[str, list[Box]] = {}
+    for box in picture.boxes:
+        inside.setdefault(graph_of.get(box.name, box.name), []).append(box)
+    boxes = [
+        _graph_as_box(name, parts, inputs.get(name, {}))
+        if parts[-1].name in graph_of
+        else parts[-1]
+        for name, parts in inside.items()
+    ]
+    direct = Picture(picture.title, tuple(boxes), tuple(arrows.values()))
+    origin_of = dict(zip(arrows.values(), origins(direct), strict=True))
+    renamed = {origin: origin_of[arrow] for origin, arrow in origins_before}
+
+    def with_sources(box: Box) -> Box:
+        alternatives = [
+            each._replace(source=renamed.get(each.source, each.source)) for each in box.alternatives
+        ]
+        return replace(box, alternatives=tuple(alternatives))
+
+    return replace(direct, boxes=tuple(map(with_sources, direct.boxes)))
+
+
+def _graph_as_box(name: str, parts: Sequence[Box], inputs: Mapping[str, Socket]) -> Box:
+    """Return one box for those of a graph, with what it is fed and what it returns."""
+    passing = sorted((part for part in parts if part.passes), key=lambda part: part.name != name)
+    outputs = tuple(
+        replace(each, name=_output(name, part.name, each.name))
+        for part in passing
+        for each in part.outputs
     )
-    return replace(direct, boxes=boxes)
+    axes = {text.partition(":")[0]: text for part in parts[::-1] for text in part.axes}
+    return Box(
+        name,
+        lines=passing[0].lines,
+        inputs=tuple(inputs.values()),
+        outputs=outputs,
+        axes=tuple(axes.values()),
+        kind="node" if inputs else "input",
+    )
+
+
+def _output(graph: str, box: str, port: str) -> str:
+    """Return the output of a graph: truth of its box `damage.truth`, a port of `damage`."""
+    return box.removeprefix(graph).removeprefix(".") or port
+
+
+def _graphs_of(picture: Picture) -> dict[str, str]:
+    """Return the node that uses a graph for each box of this graph that is not shown itself."""
+    graphs: list[str] = []
+    for name in sorted(box.name for box in picture.boxes if box.passes):
+        if not graphs or not name.startswith(f"{graphs[-1]}."):
+            graphs.append(name)
+    graph_of = {
+        box.name: graph
+        for box in picture.boxes
+        for graph in graphs
+        if f"{box.name}.".startswith(f"{graph}.")
+    }
+    shown = {graph_of.get(box.name) for box in picture.boxes if box.kind == "report"}
+    return {name: graph for name, graph in graph_of.items() if graph not in shown}

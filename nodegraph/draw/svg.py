@@ -130,7 +130,7 @@ def _styles(picture: Picture, *, cut: bool) -> _Samples:
     """Return samples of arrows, chips and frames that the picture has."""
     samples = []
     if cut:
-        path = f'<path class="wire" {_LOOK["wire"]} d="M4 0L22 0"/>'
+        path = f'<path class="wire" {_LOOK["wire"]} d="M12 0L22 0"/>'
         tip = head(30, 0, truth=False, gathers=False)
         samples.append((f"<g>{path}{tip}</g>", "from another row"))
     for kind, text in (("truth", "truth"), ("gathers", "gathers several values")):

@@ -179,7 +179,7 @@ def check_arrow(
 def is_cut(drawn: list[list[tuple[float, float]]]) -> bool:
     """Return whether only ends of an arrow are drawn: level, and shorter than between columns."""
     return all(
-        len({y for _, y in points}) == 1 and 10 < points[-1][0] - points[0][0] < 20
+        len({y for _, y in points}) == 1 and 5 < points[-1][0] - points[0][0] < 20
         for points in drawn
     )
 
@@ -285,30 +285,37 @@ def test_a_port_of_the_report_names_its_source_once() -> None:
     assert notes_of(root, "report") == []
 
 
-def test_boxes_that_pass_on_what_a_graph_returns_are_not_drawn_among_the_folded() -> None:
+def test_a_graph_that_is_used_as_a_node_is_one_box_among_the_folded() -> None:
     port = (Socket("x"),)
     boxes = (
-        Box("damage.clean", (), (), port, kind="input"),
-        Box("damage.hit", (), port, port),
+        Box("take", (), (), port, kind="input"),
+        Box("damage.noise", (), port, port, axes=("sigma: 0, 1",)),
+        Box("damage.hits", (), port, port, axes=("sigma", "share: 1, 2")),
+        Box("damage.hit", ("damage.yaml",), port, port, passes=True),
         Box("damage", ("damage.yaml",), port, port, passes=True),
         Box("score", (), (Socket("x"), Socket("y")), (), (Alternative("own", source="damage"),)),
     )
     arrows = (
-        Arrow("damage.clean", "x", "damage.hit", "x"),
-        Arrow("damage.hit", "x", "damage", "x"),
+        Arrow("take", "x", "damage.noise", "x"),
+        Arrow("damage.noise", "x", "damage.hits", "x"),
+        Arrow("damage.hits", "x", "damage.hit", "x"),
+        Arrow("damage.noise", "x", "damage", "x"),
         Arrow("damage", "x", "score", "x", fixed="length=5"),
         Arrow("damage.hit", "x", "score", "y"),
     )
     picture = folded(Picture("", boxes, arrows))
-    assert [box.name for box in picture.boxes] == ["damage.clean", "damage.hit", "score"]
-    assert [(arrow.source, arrow.target_port, arrow.fixed) for arrow in picture.arrows] == [
-        ("damage.clean", "x", ""),
-        ("damage.hit", "x", "length=5"),
-        ("damage.hit", "y", ""),
+    take, damage, score = picture.boxes
+    assert (take.name, damage.name, damage.lines) == ("take", "damage", ("damage.yaml",))
+    assert {*damage.axes} == {"sigma: 0, 1", "share: 1, 2"}
+    assert [socket.shown for socket in damage.inputs] == ["x"]
+    assert [socket.name for socket in damage.outputs] == ["x", "hit"]
+    assert score.alternatives == (Alternative("own", source="damage.x"),)
+    assert [(each.source, each.source_port, each.target_port) for each in picture.arrows] == [
+        ("take", "x", "take.x"),
+        ("damage", "x", "x"),
+        ("damage", "hit", "y"),
     ]
-    assert {box.name: box.alternatives for box in picture.boxes}["score"] == (
-        Alternative("own", source="damage.hit"),
-    )
+    check(picture)
 
 
 def test_a_source_that_is_needed_late_stands_before_its_reader() -> None:
