@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from statistics import median
 
 from nodegraph.execute import Run
@@ -11,7 +12,7 @@ from nodegraph.lock.sketch import FLOOR, Sketch, sketch
 from nodegraph.node.ports import Port
 from nodegraph.node.values import Files
 from nodegraph.runs.record import RecordedStep
-from nodegraph.store import Packed, Unstorable
+from nodegraph.store import Entry, Packed, Unreadable, Unstorable
 
 
 class Results:
@@ -87,9 +88,12 @@ class Results:
         return by_group
 
     def _stored(self, index: int) -> tuple[str, ...]:
-        key, cache = self._run.outcomes[index].key, self._run.cache
-        entry = cache.entry(self._run.plan.steps[index], key) if cache is not None else None
+        entry = self._entry(index)
         return entry.digests if entry is not None else ()
+
+    def _entry(self, index: int) -> Entry | None:
+        key, cache = self._run.outcomes[index].key, self._run.cache
+        return cache.entry(self._run.plan.steps[index], key) if cache is not None else None
 
     def _values(self, index: int) -> tuple[object, ...]:
         """Return the values of a step, the same each time even if the step is random."""
@@ -101,6 +105,10 @@ class Results:
         return values
 
     def _packed(self, index: int) -> tuple[Packed | None, ...]:
+        entry, cache = self._entry(index), self._run.cache
+        if entry is not None and cache is not None and all(entry.faithful):
+            with suppress(Unreadable):  # to load it says so, and it is computed again
+                return cache.store.packed(entry)
         return tuple(map(self._pack, self._values(index)))
 
     def _pack(self, value: object) -> Packed | None:

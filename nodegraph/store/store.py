@@ -348,6 +348,20 @@ class Store:
                 self._remove_damaged(entry.key, text)
             raise DamagedEntry(f"{text}; entry {entry.key}") from error
 
+    def packed(self, entry: Entry) -> tuple[Packed, ...]:
+        """Return the values of an entry as they are stored, which need not be put together.
+
+        Raises
+        ------
+        Unreadable
+            If they are not what was written. The entry stays.
+        """
+        parts: Iterator[tuple[str, list[Any]]] = packed_parts(entry, self._blobs)
+        return tuple(
+            Packed(head, tuple(map(memoryview, buffers)), faithful)
+            for (head, buffers), faithful in zip(parts, entry.faithful, strict=True)
+        )
+
     def save(self, key: str, about: About, values: tuple[object, ...]) -> Entry | None:
         """Store a result and return its entry, or None when it cannot be kept.
 

@@ -62,6 +62,22 @@ def numbers(*, size: float = 1.0) -> np.ndarray:
     return np.full(2000, size)
 
 
+def test_the_sketch_of_a_stored_value_is_that_of_the_value_though_it_is_damaged(
+    run_of: RunOf, tmp_path: Path
+) -> None:
+    text, store = "nodes: {a: {use: strict.numbers}}", tmp_path / "store"
+    whole = Results(run_of(text, more=[numbers])).sketch(0)
+    run = run_of(text, more=[numbers], store=store)
+    stored = Results(run).sketch(0)
+    [blob] = (path for path in store.glob("*/blobs/**/*") if path.is_file())
+    blob.write_bytes(b"damaged")
+    damaged = Results(run).sketch(0)
+    assert whole is not None
+    assert stored is not None
+    assert damaged is not None
+    assert stored.text({}) == damaged.text({}) == whole.text({})
+
+
 def usual(run: Run) -> dict[str, dict[str, float]]:
     return Results(run).usual_sizes(record(run).steps)
 
