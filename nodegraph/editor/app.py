@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial, wraps
 from http import HTTPStatus
@@ -25,13 +25,16 @@ from nodegraph.editor.panel import axes_of, installed, panel_of
 from nodegraph.editor.running import Running
 from nodegraph.editor.view import Places, problems_of_files, unchecked_view_of, view_of
 from nodegraph.errors import GraphError, NodegraphError
-from nodegraph.graph import Graph
+from nodegraph.graph import Choices, Graph, build
 from nodegraph.plugin.registry import Registry
 from nodegraph.serve.app import routes
 from nodegraph.serve.pages import events_response
 
 _NOT_UNDERSTOOD = (ValueError, LookupError, TypeError, OverflowError, RecursionError)
 """What reading the body of a request raises."""
+
+_Places = Mapping[str, Sequence[int]]
+"""Labels of axes, by their places."""
 
 
 def application(file: EditedFile, registry: Registry, running: Running) -> Starlette:
@@ -119,9 +122,10 @@ class _Page:
         return {"revision": revision, "problems": problems}
 
     def preview(self, request: Request) -> object:
-        """Return what a run of the graph would compute."""
+        """Return what a run of the graph would compute, at some labels of its axes or at all."""
+        places = json.loads(request.query_params.get("only", "{}"))
         with self._lock:
-            graph = self._without_mistakes()
+            graph = self._graph_at(places)
         return self._running.preview(graph)
 
     async def running(self, request: Request) -> Response:
@@ -186,12 +190,12 @@ class _Page:
         if "text" in data:
             return partial(self._file.edit, str(data["text"]))
         name, arguments = data["action"], data.get("arguments", {})
-        actions = {
+        actions: dict[str, Callable[[], None]] = {
             "undo": self._file.undo,
             "redo": self._file.redo,
             "save": self._file.save,
             "save_to_run": self._save_to_run,
-            "run": self._run,
+            "run": partial(self._run, arguments.get("only", {})),
             "stop": self._running.stop,
             "take_theirs": self._file.take_theirs,
             "keep_mine": self._file.keep_mine,
@@ -206,11 +210,23 @@ class _Page:
         self._without_mistakes()
         self._file.save()
 
-    def _run(self) -> None:
+    def _run(self, places: _Places) -> None:
         """Run the file, which gets the text that is shown."""
-        graph = self._without_mistakes()
+        graph = self._graph_at(places)
         self._file.save()
         self._running.start(self._file.text, graph)
+
+    def _graph_at(self, places: _Places) -> Graph:
+        """Return the graph at these labels of axes, and at all of the axes that are not named."""
+        graph = self._without_mistakes()
+        try:
+            only = {
+                axis: tuple(graph.axes[axis].labels[place] for place in chosen)
+                for axis, chosen in places.items()
+            }
+        except LookupError as error:
+            raise NodegraphError("the axes have changed meanwhile; choose labels again") from error
+        return build(graph.spec, self._registry, Choices(only=only)) if only else graph
 
     def _without_mistakes(self) -> Graph:
         view = self._checking.view_of(self._file.shown)

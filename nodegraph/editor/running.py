@@ -16,6 +16,8 @@ from typing import IO, Any
 
 from nodegraph.errors import NodegraphError, Problems, listed
 from nodegraph.execute import StoredSteps, open_store
+from nodegraph.execute.events import plain
+from nodegraph.execute.option_text import labels_text
 from nodegraph.execute.preflight import check_files_and_settings
 from nodegraph.execute.processes import kill
 from nodegraph.graph import Graph
@@ -69,14 +71,17 @@ class Running:
         self._folder = folder
         self.store = store
         self.runs = OpenRuns([folder.parent], registry, store)
-        options = [word for plugin in plugins for word in ("--plugin", str(plugin))]
-        options += ["--store", str(store)] if store is not None else []
-        self._words = ["run", "--quiet", "--out", str(folder), *options, "--", str(graph)]
+        self._file = str(graph)
+        self._words = [sys.executable, "-P", "-m", "nodegraph.cli.main"]
+        self._words += ["run", "--quiet", "--out", str(folder)]
+        self._words += [word for plugin in plugins for word in ("--plugin", str(plugin))]
+        self._words += ["--store", str(store)] if store is not None else []
         self._number = 0
         self._text = ""
         self._process: subprocess.Popen[bytes] | None = None
         self._output: IO[bytes] = BytesIO()
         self._before: object = None
+        self._only: Mapping[str, str] = {}
         self._reported: Sequence[str] = ()
         self._ended = 0
         self._answer = ""
@@ -106,6 +111,7 @@ class Running:
             rows.append([node, len(steps), len(steps.intersection(missing))])
         left_out = graph.left_out_together().items()
         return {
+            "axes": [[name, [*map(str, axis.labels)]] for name, axis in graph.axes.items()],
             "nodes": rows,
             "steps": len(planned.steps),
             "missing": len(missing),
@@ -128,13 +134,17 @@ class Running:
             raise NodegraphError("a run goes on; stop it first")
         self._before = self._version()
         self._text = text
+        self._only = {
+            axis: labels_text(plain(labels)) for axis, labels in graph.choices.only.items()
+        }
         self._reported = [node for node, _ in graph.reported]
         self._ended, self._answer = 0, ""
         self._number += 1
+        only = [word for each in self._only.items() for word in ("--only", "=".join(each))]
         self._output.close()
         self._output = tempfile.TemporaryFile()  # noqa: SIM115, as `end` closes it
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "nodegraph.cli.main", *self._words],
+            [*self._words, *only, "--", self._file],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=self._output,
@@ -173,6 +183,7 @@ class Running:
         run = self._run()
         data: dict[str, Any] = {
             "run": self._folder.name,
+            "only": "; ".join(f"{axis} {labels}" for axis, labels in self._only.items()),
             "is_over": is_over,
             "state": "not begun" if is_over else "starting",
             "nodes": {},

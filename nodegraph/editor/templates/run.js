@@ -19,16 +19,40 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
 
   const ask = async () => {
     if (part("run").disabled || document.querySelector("dialog[open]") || !await editor.act("save_to_run")) return;
+    part("start-axes").replaceChildren();
+    const preview = await look();
+    if (!preview) return;
+    part("start-only").hidden = !preview.axes.length;
+    part("start-only").open = false;
+    part("start-axes").replaceChildren(...preview.axes.map(axis));
+    dialog.showModal();
+    part("start-now").focus();
+  };
+  const axis = ([name, labels]) => element("div", { class: "editor-field" },
+    element("label", { for: `start-${name}` }, name),
+    element("select", { id: `start-${name}`, "data-axis": name, multiple: true, size: Math.min(labels.length, 5), onchange: look },
+      labels.map((label, place) => element("option", { value: place }, label))));
+  // The places of the labels that are chosen, by axis.
+  const only = () => {
+    const chosen = [...part("start-axes").querySelectorAll("select")].map((each) => [each.dataset.axis, [...each.selectedOptions].map(({ value }) => Number(value))]);
+    return Object.fromEntries(chosen.filter(([, places]) => places.length));
+  };
+  const look = async () => {
+    const asked = JSON.stringify(only());
     let preview;
-    editor.say("Looking at what is stored \u2026");
+    part("start-now").disabled = true;
+    const say = dialog.open ? (text) => { part("start-what").textContent = text; } : editor.say;
+    say("Looking at what is stored \u2026");
     try {
-      preview = await editor.get("/preview");
+      preview = await editor.get("/preview", { only: asked });
     } catch (error) {
-      editor.say(error.message);
-      return;
+      say(error.message);
+      return null;
     }
-    editor.say("");
+    if (asked !== JSON.stringify(only())) return null; // another choice is looked at
+    say("");
     const { nodes, steps, missing, changes, warnings } = preview;
+    part("start-now").disabled = false;
     part("start-what").textContent = missing
       ? `${many(missing)} of ${many(steps)} steps are not stored, and are computed as far as something needs them.`
       : `All ${many(steps)} steps are stored.`;
@@ -37,8 +61,7 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     part("start-why").hidden = !changes.length;
     part("start-why").querySelector("ul").replaceChildren(...few(changes));
     part("start-warnings").replaceChildren(...few(warnings));
-    dialog.showModal();
-    part("start-now").focus();
+    return preview;
   };
 
   // ---- a run ----
@@ -90,11 +113,11 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     part("run").disabled = is_going();
     holder.hidden = snapshot === null;
     if (snapshot === null) return;
-    const { is_over, state, nodes, message, answer, has_report, said, run } = snapshot;
+    const { is_over, state, nodes, message, answer, has_report, said, run, only: labels } = snapshot;
     const reached = Object.keys(nodes).length ? how_far(snapshot) : state;
     mark();
     part("run-reached").replaceChildren(
-      `Run ${run}: ${reached}${message ? `; ${message}` : ""}. `,
+      `Run ${run}${labels ? `, only ${labels}` : ""}: ${reached}${message ? `; ${message}` : ""}. `,
       has_report ? link(`/report?${new URLSearchParams({ run })}`, "Report") : "",
       editor.known.run.is_current ? "" : " The text has been edited since: states are those of the earlier text.",
     );
@@ -119,7 +142,7 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
   part("start-cancel").addEventListener("click", () => dialog.close());
   part("start-now").addEventListener("click", () => {
     dialog.close();
-    editor.act("run");
+    editor.act("run", { arguments: { only: only() } });
   });
   addEventListener("keydown", (event) => { // before the text breaks a line
     if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey) || event.altKey) return;

@@ -7,6 +7,7 @@ import signal
 import time
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
 from playwright.sync_api import Page
@@ -168,6 +169,23 @@ def test_a_stopped_run_can_be_continued(editor: Editor, path: Path) -> None:
     assert (last["state"], last["nodes"]["a"]["text"]) == ("finished", "2 stored")
 
 
+def test_a_part_of_the_labels_is_run(editor: Editor) -> None:
+    assert editor.get("/preview").data["axes"] == [["start", ["1", "5"]]]
+    part = editor.get(f"/preview?{urlencode({'only': json.dumps({'start': [0]})})}").data
+    assert (part["steps"], part["nodes"][0]) == (3, ["a", 1, 1])
+    editor.edit(action="run", arguments={"only": {"start": [0]}})
+    last = snapshots(editor)[-1]
+    assert (last["state"], last["only"], last["answer"]) == (
+        "finished",
+        "start 1",
+        "start 1: It is 1.",
+    )
+    assert last["nodes"]["strict"]["text"] == "1 done"
+    for places in ({"start": [2]}, {"other": [0]}):
+        refused = editor.edit(422, action="run", arguments={"only": places})["refused"]
+        assert refused == "the axes have changed meanwhile; choose labels again"
+
+
 def test_a_verdict_is_said_before_the_run_ends(editor: Editor, path: Path) -> None:
     editor.edit(text=waiting(path.parent).replace("[verdict]", "[a, verdict, strict]"))
     editor.edit(action="run")
@@ -222,6 +240,21 @@ def test_a_graph_is_run_from_the_page(tab: Page, address: str) -> None:
         tab.click("#run-nodes a")
     until(opened.value, "document.body.textContent.includes('too large')")
     assert opened.value.evaluate("document.querySelector('h1').textContent") == "strict"
+    tab.goto("about:blank")  # before the server ends
+
+
+def test_labels_are_chosen_on_the_page(tab: Page, address: str) -> None:
+    tab.goto(address)
+    tab.wait_for_selector("#picture [data-box=verdict]")
+    tab.click("#run")
+    until(tab, "document.getElementById('start').open")
+    tab.click("#start-only summary")
+    tab.select_option("#start-start", label="5")
+    until(tab, "/^3 of 3 steps/.test(document.getElementById('start-what').textContent)")
+    check_access(tab)
+    tab.click("#start-now")
+    until(tab, "document.getElementById('run-answer').textContent === 'start 5: It is 5.'")
+    assert tab.inner_text("#run-reached").startswith("Run graph, only start 5: ")
     tab.goto("about:blank")  # before the server ends
 
 
