@@ -22,9 +22,10 @@ nodegraph.define("run", ["page", "states", "editor"], ({ element, announce }, { 
     part("start-axes").replaceChildren();
     const preview = await look();
     if (!preview) return;
-    part("start-only").hidden = !preview.axes.length;
+    const axes = preview.axes.filter(([, labels]) => labels.length > 1);
+    part("start-only").hidden = !axes.length;
     part("start-only").open = false;
-    part("start-axes").replaceChildren(...preview.axes.map(axis));
+    part("start-axes").replaceChildren(...axes.map(axis));
     dialog.showModal();
     part("start-now").focus();
   };
