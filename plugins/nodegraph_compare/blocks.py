@@ -174,8 +174,6 @@ def groups(
     times = [*(_times(scores, name) for name in ("start", "frames")), *_of_takes(scores)]
     value = values_of(scores, question.metric)
     rows_of = _split(within.combined())
-    if without is not None:
-        rows_of = {key: np.setdiff1d(rows, without) for key, rows in rows_of.items()}
     methods = compare.combined()
     empty = _without_rows(scores, question, within, compare)
     shares = _Shares(scores, question)
@@ -183,6 +181,8 @@ def groups(
     for number in sorted({*rows_of, *empty}):
         rows = rows_of.get(number, np.empty(0, dtype=np.intp))
         kinds = sorted({*methods[rows].tolist(), *empty.get(number, ())})
+        if without is not None:
+            rows = np.setdiff1d(rows, without)
         labels, names = within.decoded(number), [compare.decoded(kind) for kind in kinds]
         place = np.searchsorted(kinds, methods[rows])
         blocks, of = np.unique(block[rows], return_inverse=True)

@@ -436,6 +436,24 @@ def test_a_block_in_which_every_method_fails_is_suspect_in_measured_data_alone()
     assert "suspect" not in notes(replace(across, synthetic=True))
 
 
+def test_a_group_of_which_every_block_is_suspect_says_nothing_without_them() -> None:
+    length, actor = np.repeat([5, 45], 12), np.tile(np.arange(6).repeat(2), 2)
+    errors = np.random.default_rng(0).uniform(0.9, 1.1, 24)
+    suspect = np.where(length == 5, "impulse", "")
+    scores = {
+        name: scored(errors * factor).assign(actor=actor, length=length, suspect=suspect)
+        for name, factor in {"near": 1.0, "far": 2.0}.items()
+    }
+    across = Across.of(scores, axis="fill")
+    settings: Any = {"within": ("length",), "blocks": ("gap",), "clusters": ("actor",)}
+    verdicts = table(across, **settings).overview.verdicts
+    short, long = verdicts.groups
+    assert len(short.suspects) == 12
+    assert short.without_suspects is not None
+    assert not short.without_suspects.best
+    assert long.without_suspects is None
+
+
 def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     scores = replace(trials(8), sources=("trial",), synthetic=True)
     entries = [({**labels, "recording": labels["trial"]}, each) for labels, each in scores]
