@@ -255,7 +255,7 @@ class _Planner:
         fields = {
             f"{name}.{field}": of
             for name, axis in zip(names, axes, strict=True)
-            if name in sources and axis in self._graph.axes
+            if axis in self._graph.axes
             for field, of in self._graph.axes[axis].fields.items()
         }
         read = [self._data_of(source.node) for source in feed.sources.values()]

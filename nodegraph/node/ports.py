@@ -121,8 +121,7 @@ class Across(Generic[T_co]):
     methods : mapping of axis to mapping of label to Declared
         Declarations of the alternatives of a gathered axis.
     fields : mapping of ``axis.field`` to mapping of label to label
-        Properties that labels of an axis among `sources` have in common, such as
-        ``recording.actor``.
+        Properties that labels of an axis have in common, such as ``recording.actor``.
     synthetic : bool
         Whether all data behind the values are made by a generator, not recorded.
     units : mapping of axis to str

@@ -70,7 +70,8 @@ class Recordings(Value):
 def recordings_of(scores: Across[Table]) -> Recordings:
     """Return what the recordings behind tables of scores say of themselves."""
     every = {poses for table in scores.values() if (poses := info_of(table).poses) is not None}
-    actors = [of for name, of in scores.fields.items() if name.endswith(f".{ACTOR}")]
+    names = [f"{axis}.{ACTOR}" for axis in scores.sources or ()]
+    actors = [scores.fields[name] for name in names if name in scores.fields]
     moving = [poses for poses in every if poses.frames > 1]
     return Recordings(
         scores.files,

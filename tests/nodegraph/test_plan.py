@@ -183,6 +183,31 @@ def test_a_gathering_port_knows_along_which_axes_the_data_differ(
     assert fed.sources == sources
 
 
+def test_a_gathering_port_knows_the_fields_of_labels(graph_of: Callable[..., Graph]) -> None:
+    """Those of axes along which the data differ, and those along which they are treated."""
+    plan = make_plan(
+        graph_of(
+            """
+            axes:
+              actor: {a: {file: 1.0, age: 30}, b: {file: 2.0, age: 40, hair: brown}}
+              cut: {short: {frames: 1, kind: easy}, long: {frames: 2, kind: hard}}
+            nodes:
+              capture: {use: read.number, with: {start: $actor}}
+              gaps: {use: gaps.cut, in: capture, with: {length: $cut.frames}}
+              error: {use: strict.positive, in: gaps}
+              table: {use: compare.table, in: error}
+            """
+        )
+    )
+    fed = plan.steps[next(iter(plan.cells["table"].values()))].inputs["scores"]
+    assert isinstance(fed, Across)
+    assert fed.fields == {
+        "actor.age": {"a": 30, "b": 40},
+        "cut.frames": {"short": 1, "long": 2},
+        "cut.kind": {"short": "easy", "long": "hard"},
+    }
+
+
 @pytest.mark.parametrize(
     ("scale", "unused"),
     [
