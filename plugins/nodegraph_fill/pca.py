@@ -64,6 +64,10 @@ def pca(
     have a gap are missing at once, d is the distance to the nearest of them, and complete are
     the frames that have every marker. Gap is here any run of missing samples, filled or not.
 
+    With all components, `singular_values` 1, and next to no `weight_missing`, "together" is linear
+    least squares on the markers that are never missing, whatever their weights. With more of it,
+    the components hold the missing markers as well, and all of them together give the mean.
+
     The code that was published multiplies by ``B' B0`` where ``B0' B`` is meant, so that the
     result hangs on the signs that the eigenvectors happen to have; here it does not.
 

@@ -79,6 +79,32 @@ def test_together_all_markers_with_gaps_are_hidden() -> None:
     np.testing.assert_allclose(filled.positions[45:50, 4], output[45:50, 1], rtol=0, atol=1e-7)
 
 
+def test_with_all_components_it_is_least_squares_or_the_mean() -> None:
+    gappy = take(markers=8)
+    gappy[20:30, 0] = gappy[25:32, 4] = np.nan
+    whole, gaps = [1, 2, 3, 5, 6, 7], {0: slice(20, 30), 4: slice(25, 32)}
+    middle = gappy[:, whole].mean(axis=1, keepdims=True)
+    centred = gappy - middle
+    complete = ~np.isnan(gappy).any(axis=(1, 2))
+    known = np.column_stack([np.ones(len(gappy)), centred[:, whole].reshape(len(gappy), -1)])
+    recording = make_recording(gappy)
+    for marker, gap in gaps.items():
+        learnt, *_ = np.linalg.lstsq(known[complete], centred[complete, marker], rcond=None)
+        fitted = (known @ learnt + middle[:, 0])[gap]
+        for scale in (50.0, 2000.0):
+            filled = pca(
+                recording,
+                strategy="together",
+                weight_scale=scale,
+                weight_missing=1e-6,
+                singular_values=1.0,
+            )
+            np.testing.assert_allclose(filled.positions[gap, marker], fitted, rtol=0, atol=1e-3)
+        filled = pca(recording, strategy="together", weight_missing=0.5, singular_values=1.0)
+        mean = (centred[complete, marker].mean(axis=0) + middle[:, 0])[gap]
+        np.testing.assert_allclose(filled.positions[gap, marker], mean, rtol=0, atol=1e-3)
+
+
 def test_a_near_marker_with_another_gap_is_asked_a_far_one_is_not() -> None:
     near, far = take(), take()
     near[:, 1] += near[:, 0].mean(axis=0) - near[:, 1].mean(axis=0) + [1.0, 0.0, 0.0]
