@@ -169,28 +169,30 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
 def _notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
     """Return what is said of methods beside their numbers.
 
-    It is how far those are from the best that are nearest to it, and the best over all.
+    It is how far those are from the best that are not certain to be worse, and the best over all.
     """
     if verdicts.is_sequence:
         return _step_notes(verdicts, group)
     if not group.stands or verdicts.metric.better == "none":
         return {}
-    tied, behind = (nearest_first(group, places) for places in (group.tied, group.behind))
-    if not group.told:
-        start = f"from the {EXTREME[verdicts.metric.better]}: {HERE}"
-        return {place: say(start, within_text(verdicts, group, place)) for place in tied[:1]}
     # numbers of rows have their unit below them
     metric = verdicts.metric
     bare = replace(verdicts, metric=replace(metric, unit=SHARE if metric.unit == SHARE else ""))
-    notes: dict[int, Text] = {}
-    for places, most, claim, text in (
-        (tied, _MOST_NAMES, "not certain", uncertain_text),
-        (behind, 1, "clearly behind", behind_text),
-    ):
-        for at, place in enumerate(places):
-            if at < most or place == verdicts.best_over_all:
-                what = "best over all, " * (place == verdicts.best_over_all)
-                notes[place] = say(f"{what}{claim}: {HERE}", text(bare, group, place))
+    tied = nearest_first(group, group.tied)
+    if not group.told:
+        start = f"from the {EXTREME[metric.better]}: {HERE}"
+        return {place: say(start, within_text(bare, group, place)) for place in tied[:1]}
+    notes = {
+        place: say(f"not certain: {HERE}", uncertain_text(bare, group, place))
+        for place in tied[:_MOST_NAMES]
+    }
+    best = verdicts.best_over_all
+    if best in group.tied:
+        text = uncertain_text(bare, group, best)
+        notes[best] = say(f"best over all, not certain: {HERE}", text)
+    elif best in group.behind:
+        text = behind_text(bare, group, best)
+        notes[best] = say(f"best over all, clearly behind: {HERE}", text)
     return notes
 
 

@@ -349,10 +349,9 @@ def over_all_text(verdicts: Verdicts, group: Verdict) -> Text:
     place = verdicts.best_over_all
     if place is None or place in group.best or not group.stands:
         return ()
-    behind = place in group.behind
-    text = (behind_text if behind else uncertain_text)(verdicts, group, place)
+    claim = "clearly behind" if place in group.behind else "not certain"
     (name,) = method_words(verdicts, [place])
-    return say(f"{HERE} {HERE}, {'clearly behind' if behind else 'not certain'}", name, text)
+    return say(f"{HERE} {HERE}, {claim}", name, behind_text(verdicts, group, place))
 
 
 def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:

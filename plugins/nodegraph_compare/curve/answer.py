@@ -30,7 +30,7 @@ from nodegraph_tables.numbers import number_text, span_text
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -38,8 +38,11 @@ if TYPE_CHECKING:
     from nodegraph_compare.curve.points import Points
     from nodegraph_compare.curve.scale import Scale
 
-_WIDTH, _HEIGHT = 440.0, 200.0
+_WIDTH, _HEIGHT = 500.0, 200.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 44.0, 428.0, 20.0, 172.0
+_LINE = 12.0
+"""From name to name."""
+
 _KINDS = {
     "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee", "enough": "enough",
 }  # fmt: skip
@@ -254,6 +257,7 @@ def _picture(curves: Curves) -> str:
         f'<text class="end" x="{_RIGHT:g}" y="{_HEIGHT - 2:g}">{escape(axes.x)} '
         "\N{RIGHTWARDS ARROW}</text>",
         *(_path(points, scales) for points in drawn),
+        *_names(drawn, scales),
         *(
             _mark(points, curves, scales)
             for points in drawn
@@ -261,6 +265,24 @@ def _picture(curves: Curves) -> str:
         ),
     ]
     return svg(f"{axes.metric} over {axes.x}", _HEIGHT, parts, _WIDTH)
+
+
+def _names(drawn: Sequence[Points], scales: _Scales) -> Iterator[str]:
+    """Yield the names of several curves, from the top down, with lines from their ends to them."""
+    if not 1 < len(drawn) <= MOST_CARDS:
+        return
+    ends = [
+        (float(scales.y(each.value)[at]), float(scales.x(each.x)[at]), str(each.label))
+        for each in drawn
+        for at in each.curve[-1:]
+    ]
+    above = -_LINE
+    for left, (y, x, name) in zip(range(len(ends) - 1, -1, -1), sorted(ends), strict=True):
+        above = min(max(y, above + _LINE), _BOTTOM - _LINE * left)
+        yield (
+            f'<line class="grid" x1="{x:.1f}" x2="{_RIGHT + 8:g}" y1="{y:.1f}" y2="{above:.1f}"/>'
+            f'<text x="{_RIGHT + 11:g}" y="{above + 4:.1f}">{escape(name)}</text>'
+        )
 
 
 def _mark(points: Points, curves: Curves, scales: _Scales) -> str:

@@ -149,7 +149,8 @@ def _grid(verdicts: Verdicts) -> str:
             for name, label in zip(names, side, strict=True)
         )
         + "".join(
-            f'<td data-head="{title}">{_cell(verdicts, cells.get((side, top)))}</td>'
+            f'<td data-head="{title}"{_mark(verdicts, cells.get((side, top)))}>'
+            f"{_cell(verdicts, cells.get((side, top)))}</td>"
             for top, title in titles.items()
         )
         for side in sides
@@ -158,7 +159,7 @@ def _grid(verdicts: Verdicts) -> str:
         rows.append(
             f'<th scope="row" data-head="all" colspan="{len(names)}">'
             f"{len(verdicts.groups)} groups together</th>"
-            f'<td data-head="best" colspan="{len(titles)}">'
+            f'<td data-head="best" colspan="{len(titles)}"{_mark(verdicts, verdicts.overall)}>'
             f"{_cell(verdicts, verdicts.overall)}</td>"
         )
     return _table(heads, rows)
@@ -173,7 +174,7 @@ def _list(verdicts: Verdicts) -> str:
     heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
     rows = [
         f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
-        f"<td>{_cell(verdicts, group)}</td>"
+        f"<td{_mark(verdicts, group)}>{_cell(verdicts, group)}</td>"
         f"<td>{_not_certain(verdicts, group)}</td>"
         for group in verdicts.groups
     ]
@@ -183,6 +184,12 @@ def _list(verdicts: Verdicts) -> str:
 def _not_certain(verdicts: Verdicts, group: Verdict) -> str:
     tied = group.tied if group.told else []
     return html_of(few(method_words(verdicts, tied), _MOST_NAMES))
+
+
+def _mark(verdicts: Verdicts, group: Verdict | None) -> str:
+    """Return the class of a cell whose best method is the one to take for all groups."""
+    best = () if group is None or not group.told else group.best
+    return ' class="for-all"' if verdicts.for_all in best else ""
 
 
 def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
@@ -221,11 +228,16 @@ def legend(verdicts: Verdicts) -> str:
     if len(verdicts.groups) > MOST_CARDS:
         several = any(group.told and group.tied for group in groups)
         texts.append("Not certain: how many others are not certain to be worse." * several)
+        texts.append(f"Tinted: {_tinted(verdicts)}." * (verdicts.for_all is not None))
     else:
         suspect = any(group.suspects_matter for group in verdicts.groups)
         doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
         texts += [_dots(verdicts), doubt]
     return " ".join(filter(None, texts))
+
+
+def _tinted(verdicts: Verdicts) -> str:
+    return "the best over all" if verdicts.best_over_all is not None else "clearly behind nowhere"
 
 
 def _dots(verdicts: Verdicts) -> str:
@@ -241,8 +253,7 @@ def _dots(verdicts: Verdicts) -> str:
     others = "; ringed: not certain to be worse" * any(group.tied for group in told)
     behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
     baseline = "" if verdicts.baseline is None else f"; hollow: {verdicts.baseline}"
-    tint = "the best over all" if verdicts.best_over_all is not None else "clearly behind nowhere"
-    tinted = f"; tinted: {tint}" * (verdicts.for_all is not None)
+    tinted = f"; tinted: {_tinted(verdicts)}" * (verdicts.for_all is not None)
     scale = ", on a logarithmic scale" if line is not None and line.log else ""
     scale += f" above {number_text(line.least)}" if line is not None and line.least else ""
     return (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -69,6 +71,17 @@ def test_a_curve_above_the_noise_says_so() -> None:
     answer = over_markers(0.001, ME=KNEE, JZ=KNEE)
     assert text(answer).endswith(" times that of measurement noise, which no curve reaches.")
     assert "not reached" in plain(answer.cards[0].facts[0][1])
+
+
+def test_curves_have_their_names_at_their_ends_apart_from_each_other() -> None:
+    values: Any = {f"actor {at}": {**KNEE, 40: 0.06 + at / 1000} for at in range(8)}
+    picture = over_markers(**values).cards[0].picture
+    names = re.findall(r'<text x="439" y="([\d.]+)">actor (\d)</text>', picture)
+    places = [float(y) for y, _ in names]
+    assert [int(actor) for _, actor in names] == list(range(7, -1, -1))
+    assert min(below - above for above, below in pairwise(places)) >= 12
+    assert max(places) <= 176
+    assert ">ME<" not in over_markers(ME=KNEE).cards[0].picture
 
 
 def test_a_shared_minimum_is_the_answer() -> None:

@@ -422,6 +422,8 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     assert "<article" not in lead
     assert lead.count("<tr>") == 13
     assert len(re.findall(r"rich \+[^,]*, clearly behind", text_of(lead))) == 1
+    assert lead.count('<td class="for-all"><strong data-method="rich"') == 11
+    assert "Tinted: the best over all." in text_of(lead)
 
 
 def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:

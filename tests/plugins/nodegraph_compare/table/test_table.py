@@ -126,11 +126,7 @@ def test_the_answer_names_the_best_and_the_scope() -> None:
         sentence,
     )
     assert scope.startswith("8 trials: holds for further trials. Mean rmse (mm) of a typical trial")
-    assert re.match(
-        r"length 5: near and twin, [\d.]+\smm, 95 %: [\d.]+ to [\d.]+; far [\d.]+, "
-        r"clearly behind: \+[\d.]+ \(133\s%\)\.$",
-        card,
-    )
+    assert re.match(r"length 5: near and twin, [\d.]+\smm, 95 %: [\d.]+ to [\d.]+\.$", card)
 
 
 @pytest.mark.parametrize(
