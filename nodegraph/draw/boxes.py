@@ -25,6 +25,7 @@ _MONOSPACE = 0.61
 _BOLD = 1.1
 
 
+_Parts = tuple[tuple[str, float, float, bool], ...]
 _cached = lru_cache(10_000)  # the same names, lengths and lines stand at many boxes
 
 
@@ -72,7 +73,12 @@ _MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
-_LONGEST_LINE = 36
+_LONGEST_LINE = 28
+_LONGEST_SHOWN = 40
+_LONGEST_AXIS = 34
+_AXIS_LINE = 14.0
+_BASELINE = 13.3
+_LIST = re.compile(r"\[[^\[\]]*\]")
 _MOST_LINES = 3
 _LONGEST = {"port": 24, "note": 30}
 _BETWEEN_SIDES = 18.0
@@ -98,17 +104,19 @@ class Chip:
 
     Attributes
     ----------
-    texts : tuple of (str, float)
-        Each with the distance of its start, or of its middle on an axis, from the corner.
+    texts : tuple of (str, float, float, bool)
+        Each with the distance of its start, or of its middle on an axis, and of its baseline from
+        the corner, and whether it is a name and no note.
     label : str
         Of an alternative.
     """
 
     style: str
-    texts: tuple[tuple[str, float], ...]
+    texts: _Parts
     x: float
     y: float
     width: float
+    height: float
     hint: str
     label: str = ""
 
@@ -154,8 +162,9 @@ def shape(
         Where arrows into an input begin, and where those from an output end, if that is not drawn:
         ``gaps.hidden``.
     """
+    longest = _LONGEST_SHOWN if box.kind == "report" else _LONGEST_LINE
     heading = [("name", label)]
-    heading += [("line", line) for text in box.lines for line in _wrapped(text, _LONGEST_LINE)]
+    heading += [("line", line) for text in box.lines for line in _wrapped(text, longest)]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
     sources, readers = ends
@@ -193,21 +202,25 @@ def shape(
     if rows:
         y = first_row + in_column * _ROW - _ROW_GAP
     limit = max(inner, _WIDEST_ROW)
-    x, top = limit + 1.0, y - CHIP_HEIGHT
+    x, top = limit + 1.0, y
     for text in box.axes:
-        short = shortened(text)
-        wide = width(short, _SIZES["chip"], bold=True) + 2 * _CHIP_INSET
-        if x + wide > limit:
-            x, top = 0.0, top + CHIP_HEIGHT + _CHIP_GAP
-        chips.append(Chip("axis", ((short, wide / 2),), INSET + x, top, wide, text))
+        wrapped = _wrapped(text, _LONGEST_AXIS)
+        widths = [width(each, _SIZES["chip"], bold=True) for each in wrapped]
+        wide, high = max(widths) + 2 * _CHIP_INSET, CHIP_HEIGHT + (len(wrapped) - 1) * _AXIS_LINE
+        if x + wide > limit or high > CHIP_HEIGHT:
+            x, top = 0.0, y + _CHIP_GAP
+        parts = tuple(
+            (each, wide / 2, _BASELINE + at * _AXIS_LINE, True) for at, each in enumerate(wrapped)
+        )
+        chips.append(Chip("axis", parts, INSET + x, top, wide, high, text))
         x += wide + _CHIP_GAP
-        y = top + CHIP_HEIGHT
+        y = max(y, top + high)
     inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
     for at, (each, (parts, _)) in enumerate(zip(box.alternatives, rows, strict=True)):
         column, row = divmod(at, in_column)
         wide = inner if len(rows) == in_column else (inner - _CHIP_GAP) / 2
         left = INSET + column * (wide + _CHIP_GAP)
-        place = left, first_row + row * _ROW, wide
+        place = left, first_row + row * _ROW, wide, CHIP_HEIGHT
         chips.append(Chip("alternative", parts, *place, str(each), each.label))
     rule = y + 7.0
     lows = [rule]
@@ -223,22 +236,22 @@ def shape(
             places[-1][socket.name] = y + _LEADING["port"] / 2
             own = (notes if side is inputs else onward).get(socket.name, ())
             hint = "; ".join([str(socket), *filter(None, own)])
-            for style, text in lines:
+            for style, line in lines:
                 y += _LEADING[style]
-                short = shortened(text, _LONGEST[style])
+                short = shortened(line, _LONGEST[style])
                 texts.append(Text(style, short, x, y - 3.5, hint, at_end=side is outputs))
         lows.append(y)
     wide, high = inner + 2 * INSET, max(lows) + 6.0
     return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
 
 
-def _row(alternative: Alternative) -> tuple[tuple[tuple[str, float], ...], float]:
+def _row(alternative: Alternative) -> tuple[_Parts, float]:
     """Return the texts of the row of an alternative, and how wide it is with its state."""
-    parts = []
+    parts: list[tuple[str, float, float, bool]] = []
     x = _CHIP_INSET
     for text in filter(None, (alternative.label, alternative.details)):
         short = shortened(text, _LONGEST_IN_ROW)
-        parts.append((short, x))
+        parts.append((short, x, _BASELINE, not parts))
         x += width(short, _SIZES["chip"]) + _CHIP_GAP
     return tuple(parts), x + _STATE
 
@@ -258,8 +271,11 @@ def _at(text: str, common: Sequence[str] = ()) -> str:
 
 
 def _wrapped(text: str, longest: int) -> list[str]:
-    """Return a note in lines, the last of which is cut where there would be more."""
-    return wrap(clean(text), longest, max_lines=_MOST_LINES, placeholder=" …")
+    """Return a note in lines, not broken within a setting; the last is cut where there are more."""
+    text = clean(text).replace(": ", ":\N{NO-BREAK SPACE}")
+    text = _LIST.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+    lines = wrap(text, longest, max_lines=_MOST_LINES, placeholder=" …", break_on_hyphens=False)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 
 
 def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -20,6 +21,8 @@ from nodegraph.node.ports import Label, Port
 _MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 16
+_LONGEST_SERIES = 24
+_NUMBERED = re.compile(r"(\D*)\d+")
 
 _Ends = tuple[str, str, str, str]
 """A node and its output, and the node and port that read it."""
@@ -101,11 +104,21 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         )
 
 
-def labels_text(labels: Sequence[Label], longest: int = 36) -> str:
-    """Return the labels of an axis if they are short, else the first, the last and their number."""
+def labels_text(labels: Sequence[Label], longest: int = 90) -> str:
+    """Return the labels of an axis, or the first and the last and their number where that is long.
+
+    Numbered labels need not be read one by one, so that a shorter text of them is long.
+
+    Examples
+    --------
+    >>> labels_text(["face_1", "face_2", "face_3", "face_4"])
+    'face_1 … face_4 (4)'
+    """
     short = [shortened(str(label), _LONGEST_LABEL) for label in labels]
+    numbered = [_NUMBERED.fullmatch(each) for each in short]
+    is_series = all(numbered) and len({found[1] for found in numbered if found}) == 1
     text = ", ".join(short)
-    if len(text) <= longest or len(short) < 3:
+    if len(text) <= (min(longest, _LONGEST_SERIES) if is_series else longest) or len(short) < 3:
         return text
     return f"{short[0]} … {short[-1]} ({len(short)})"
 

@@ -37,12 +37,12 @@ LABEL_HEIGHT = 26.0
 PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
-_BETWEEN_COLUMNS = 44.0
-_END = 15.0
+_BETWEEN_COLUMNS = 46.0
+_END = 12.0
 """Length of what is drawn of each end of an arrow between two bands."""
 _CUT = 0.05
 """Cost of an output that is read in another band; that of a band of full width is 1."""
-_WIDEST = 1000.0
+_WIDEST = 1020.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
 _SWEEPS = 16
 _STILL = 0.02
@@ -620,8 +620,7 @@ def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow
     fixed: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
     sources: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
     readers: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
-    said = {(box.name, each.source) for box in picture.boxes for each in box.alternatives}
-    said |= {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
+    said = {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].setdefault(arrow.target_port, []).append(arrow.fixed)

@@ -7,7 +7,7 @@ from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
 
-from nodegraph.draw.boxes import CHIP_HEIGHT, INSET, Chip, Shape, Text, escaped, shortened, width
+from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Picture
@@ -16,6 +16,7 @@ from nodegraph.gc_pause import gc_paused
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
 _WIDE_HALF = 5.4
+_LEVEL = 12.0
 
 _LOOK = {
     "paper": 'fill="#ffffff"',
@@ -61,7 +62,8 @@ def tag(name: str, text: str) -> str:
 def line(pieces: Sequence[Sequence[Point]]) -> str:
     """Return the path of an arrow; the last point is the tip, the line ends where the head begins.
 
-    It is straight between points of one height, else a curve that begins and ends level.
+    It is straight between points of one height, else a curve that begins and ends level, past the
+    ends of other arrows.
     """
     *others, (*before, (tip_x, tip_y)) = pieces
     path = ""
@@ -71,8 +73,10 @@ def line(pieces: Sequence[Sequence[Point]]) -> str:
             if y == to_y:
                 path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
             else:
-                middle = (x + to_x) / 2
-                path += f"C{_pair((middle, y))} {_pair((middle, to_y))} {_pair((to_x, to_y))}"
+                begin, end = x + _LEVEL, max(to_x - _LEVEL, x + _LEVEL)
+                middle = (begin + end) / 2
+                path += f"L{_pair((begin, y))}C{_pair((middle, y))} {_pair((middle, to_y))}"
+                path += f" {_pair((end, to_y))}L{_pair((to_x, to_y))}"
     return path
 
 
@@ -326,15 +330,15 @@ def _chip(chip: Chip) -> str:
     )
     anchor = "" if chip.label else ' text-anchor="middle"'
     texts = [
-        f'<text {look} x="{number(chip.x + x)}" y="{number(chip.y + 13.3)}"{anchor}>'
-        f"{escaped(text)}</text>"
-        for look, (text, x) in zip(looks, chip.texts, strict=False)
+        f'<text {looks[0] if is_name else looks[1]} x="{number(chip.x + x)}"'
+        f' y="{number(chip.y + y)}"{anchor}>{escaped(text)}</text>'
+        for text, x, y, is_name in chip.texts
     ]
     name = f' data-alternative="{escaped(chip.label)}"' if chip.label else ""
     return (
         f'<g class="chip {chip.style}"{name}>{tag("title", chip.hint)}'
         f"<rect {_LOOK[f'chip {chip.style}']}"
         f' x="{number(chip.x)}" y="{number(chip.y)}" width="{number(chip.width)}"'
-        f' height="{number(CHIP_HEIGHT)}" rx="{5 if chip.style == "alternative" else 9.5}"/>'
+        f' height="{number(chip.height)}" rx="{5 if chip.style == "alternative" else 9.5}"/>'
         f"{''.join(texts)}</g>"
     )

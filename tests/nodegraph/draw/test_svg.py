@@ -179,7 +179,7 @@ def check_arrow(
 def is_cut(drawn: list[list[tuple[float, float]]]) -> bool:
     """Return whether only ends of an arrow are drawn: level, and shorter than between columns."""
     return all(
-        len({y for _, y in points}) == 1 and 5 < points[-1][0] - points[0][0] < 20
+        len({y for _, y in points}) == 1 and 4 < points[-1][0] - points[0][0] < 20
         for points in drawn
     )
 
