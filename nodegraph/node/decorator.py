@@ -266,7 +266,7 @@ class Node:
         """The part after the point, the label among alternatives."""
         return self.name.partition(".")[2]
 
-    @property
+    @cached_property
     def doc(self) -> str:
         """The whole docstring, without its indentation."""
         return inspect.getdoc(self.function) or ""

@@ -271,6 +271,7 @@ def _check_contract(
         violations = list(contract(tried))
     except Exception as error:
         violations = [source.failure(name, error)]
-    for violation in violations:
+    if violations:
         promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
+    for violation in violations:
         trial.add_fault(f"breaks what every {node.family}.* node promises: {promise}", violation)

@@ -198,29 +198,36 @@ class _Stream:
                 _LATE, f"{what}: drain gives {len(rest)} frames, look-ahead {self._lookahead}"
             )
             return None
-        if changed := difference(copies, results, name="frame"):
+        if changed := self._changed(state.header, copies, results):
             self._trial.add_fault(_CHANGES, f"{what}: {changed}")
             return None
         results += rest
-        if not self._is_alone(rows, results, what):
-            return None
-        if not self._trial.node.splits:
-            return [streamable_of(type(state.header)).join(state.header, results)]
-        columns = zip_longest(state.header, zip(*results, strict=True), fillvalue=())
-        return [
-            None if header is None else streamable_of(type(header)).join(header, column)
-            for header, column in columns
-        ]
-
-    def _is_alone(self, rows: Sequence[Row], results: Sequence[object], what: str) -> bool:
-        """Return whether a new instance gives the same, now that no other one is in use."""
+        # by a new instance, now that no other one is in use
         state = self._state()
-        again = [state.push(*row) for row in rows][self._lookahead :]
-        again += list(state.drain())
-        changed = difference(list(results), again, name="frame")
-        if changed:
+        again = [state.push(*row) for row in rows][self._lookahead :] + list(state.drain())
+        if changed := self._changed(state.header, results, again):
             self._trial.add_fault(_SHARES, f"{what}: {changed}")
-        return not changed
+            return None
+        return self._joined(state.header, results)
+
+    def _changed(self, header: Any, first: Sequence[object], second: Sequence[object]) -> str:
+        """Return where two streams of one header first differ, or an empty text.
+
+        Joined, they have one array where each frame has one.
+        """
+        if not first:
+            return ""
+        return difference(self._joined(header, first), self._joined(header, second), name="stream")
+
+    def _joined(self, header: Any, results: Sequence[Any]) -> Sequence[object]:
+        """Return the value of each output; None for one that has no header."""
+        if not self._trial.node.splits:
+            return [streamable_of(type(header)).join(header, results)]
+        columns = zip_longest(header, zip(*results, strict=True), fillvalue=())
+        return [
+            None if each is None else streamable_of(type(each)).join(each, column)
+            for each, column in columns
+        ]
 
     def _state(self) -> LiveState:
         return live_state(self._trial.node, self._headers, self._rest, self._settings)
