@@ -18,7 +18,7 @@ from playwright.sync_api import Page
 from nodegraph.graphfile.yaml_text import read_yaml
 from tests.browser import drag, load, needs_axe, resize, until, violations
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
-from tests.studies import GRAPHS, Studies
+from tests.studies import GRAPHS, STUDIES, Studies
 
 LABELS = {"component", "length", "ghosts", "dropout"}
 CLIPBOARD = """
@@ -93,7 +93,7 @@ UNNAMED = """
 """
 
 
-@pytest.fixture(scope="module", params=[path.stem for path in GRAPHS])
+@pytest.fixture(scope="module", params=STUDIES)
 def run(request: pytest.FixtureRequest, studies: Studies) -> Path:
     """The folder of a run of one shipped graph, on few trials."""
     return studies.few(request.param)

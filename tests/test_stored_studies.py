@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.records import read_record
-from tests.studies import FEW, GRAPHS, ONE, ROOT, Studies
+from tests.studies import FEW, ONE, ROOT, STUDIES, Studies
 
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
@@ -58,7 +58,7 @@ def computed(record: dict[str, Any]) -> set[str]:
     return {f"{step['node']} {step['labels'].get('fill', '')}".strip() for step in steps}
 
 
-@pytest.mark.parametrize("name", [path.stem for path in GRAPHS])
+@pytest.mark.parametrize("name", STUDIES)
 def test_a_second_run_computes_nothing(studies: Studies, name: str) -> None:
     earlier = studies.few(name)
     later = studies.run(name, *FEW.get(name, ()))
