@@ -12,6 +12,7 @@ from contextlib import suppress
 from io import BytesIO
 from itertools import takewhile
 from pathlib import Path
+from threading import Thread
 from typing import IO, Any
 
 from nodegraph.errors import NodegraphError, Problems, listed
@@ -222,16 +223,24 @@ class Running:
         return self.runs.all().get(self._folder.name)
 
     def _first_answer(self, run: OpenRun, nodes: Mapping[str, NodeState]) -> str:
-        """Return what the run answers so far, looked up when one more reported node has ended."""
+        """Return what the run answers so far, looked up when one more reported node has ended.
+
+        That may take longer than a look at how far the run is.
+        """
         ended = takewhile(
             lambda node: node not in nodes or nodes[node]["settled"] == 1, self._reported
         )
         count = len([*ended])
         if count > self._ended and not self._answer:
             self._ended = count
-            with suppress(NodegraphError):  # the report says it
-                self._answer = first_answer(run.values()[0])
+            Thread(target=self._look_up_answer, args=(run, self._number), daemon=True).start()
         return self._answer
+
+    def _look_up_answer(self, run: OpenRun, number: int) -> None:
+        with suppress(NodegraphError):  # the report says it
+            answer = first_answer(run.values()[0])
+            if number == self._number:
+                self._answer = answer
 
     def _version(self) -> object:
         try:

@@ -82,6 +82,7 @@ class OpenRun:
         self._record: tuple[_Version, Record] | None = None
         self._values: tuple[_Version, Run] | None = None
         self._lock = RLock()
+        self._opening = Lock()  # of values, which takes longer than a look at the events
 
     def condition(self) -> Condition:
         """Return in which state the folder is now."""
@@ -211,7 +212,7 @@ class OpenRun:
         """
         record = self.record()
         version = _version(self.folder / (EVENTS if record is None else RECORD))
-        with self._lock:
+        with self._opening:
             if self._values is None or self._values[0] != version:
                 settings, origin = (
                     self._begun() if record is None else (record.settings, Path(record.folder))
