@@ -208,5 +208,5 @@ def test_three_performers_have_their_curves_floors_and_marks(
         for step in steps
         if step["labels"] == {"actor": "B"}
     }
-    assert "stable landmarks" in sentences["own.marked"]
+    assert "stable landmarks" in sentences["this_actor.marked"]
     assert "3 of 4033 frames" in sentences["aligned"]

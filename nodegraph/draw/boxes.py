@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from html import escape
@@ -73,8 +73,7 @@ _MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
-_LONGEST_LINE = 28
-_LONGEST_SHOWN = 40
+_LONGEST_SETTINGS = 28
 _LONGEST_AXIS = 34
 _AXIS_LINE = 14.0
 _BASELINE = 13.3
@@ -162,9 +161,7 @@ def shape(
         Where arrows into an input begin, and where those from an output end, if that is not drawn:
         ``gaps.hidden``.
     """
-    longest = _LONGEST_SHOWN if box.kind == "report" else _LONGEST_LINE
-    heading = [("name", label)]
-    heading += [("line", line) for text in box.lines for line in _wrapped(text, longest)]
+    heading = [("name", label), *(("line", line) for line in _heading(box))]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
     sources, readers = ends
@@ -268,6 +265,12 @@ def _at(text: str, common: Sequence[str] = ()) -> str:
     """Return the note of a port: the labels that are not common."""
     own = ", ".join(label for label in text.split(", ") if label not in common)
     return own and f"at {own}"
+
+
+def _heading(box: Box) -> Iterator[str]:
+    """Yield the lines below the name of a box: its settings in several."""
+    for text in box.lines:
+        yield from _wrapped(text, _LONGEST_SETTINGS) if ": " in text else [text]
 
 
 def _wrapped(text: str, longest: int) -> list[str]:

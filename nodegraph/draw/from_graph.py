@@ -165,6 +165,8 @@ def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
     }
     sizes = {axis: len(graph.axes[axis].labels) for axis in node.gathered if axis in free}
     counts = [f"{size} {axis}" for axis, size in sizes.items() if size > 1]
+    if len(counts) == 1 and not feed.axis:
+        return f"all {counts[0]}"
     return " \N{MULTIPLICATION SIGN} ".join([named, *counts] if feed.axis else counts)
 
 

@@ -38,12 +38,14 @@ PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
 _BETWEEN_COLUMNS = 46.0
-_END = 12.0
+_END = 10.0
 """Length of what is drawn of each end of an arrow between two bands."""
 _CUT = 0.05
 """Cost of an output that is read in another band; that of a band of full width is 1."""
 _WIDEST = 1020.0
 """Width of a drawing that can still be read on a page of 720 pixels."""
+_MOST_ORIGINS = 2
+"""Origins that stand at a port although the rows of alternatives have them."""
 _SWEEPS = 16
 _STILL = 0.02
 _STRAIGHTENINGS = 3
@@ -621,6 +623,9 @@ def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow
     sources: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
     readers: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
     said = {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
+    for box in picture.boxes:
+        named = {each.source for each in box.alternatives}
+        said |= {(box.name, each) for each in named if len(named) > _MOST_ORIGINS}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].setdefault(arrow.target_port, []).append(arrow.fixed)

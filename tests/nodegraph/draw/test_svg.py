@@ -172,14 +172,14 @@ def check_arrow(
         assert source[1] < begin[1] < source[3]
     for points in drawn:
         for name, (left, top, right, bottom) in boxes.items():
-            inside = [p for p in points if left + 0.1 < p[0] < right - 0.1 and top < p[1] < bottom]
+            inside = [p for p in points if left + 0.11 < p[0] < right - 0.11 and top < p[1] < bottom]
             assert not inside, f"{arrow} runs through {name}"
 
 
 def is_cut(drawn: list[list[tuple[float, float]]]) -> bool:
     """Return whether only ends of an arrow are drawn: level, and shorter than between columns."""
     return all(
-        len({y for _, y in points}) == 1 and 4 < points[-1][0] - points[0][0] < 20
+        len({y for _, y in points}) == 1 and 2 < points[-1][0] - points[0][0] < 20
         for points in drawn
     )
 
