@@ -172,7 +172,9 @@ def check_arrow(
         assert source[1] < begin[1] < source[3]
     for points in drawn:
         for name, (left, top, right, bottom) in boxes.items():
-            inside = [p for p in points if left + 0.11 < p[0] < right - 0.11 and top < p[1] < bottom]
+            inside = [
+                p for p in points if left + 0.11 < p[0] < right - 0.11 and top < p[1] < bottom
+            ]
             assert not inside, f"{arrow} runs through {name}"
 
 
