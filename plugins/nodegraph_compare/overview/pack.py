@@ -164,15 +164,15 @@ def _shown_group(verdicts: Verdicts) -> int:
 
 
 def _numbers_of(group: Verdict) -> dict[str, object]:
-    other = group.without_suspects
+    other, mean = group.without_suspects, ("mean", "low", "high")
     return {
-        **{name: _numbers(getattr(group, name)) for name in ("mean", "median", "rank")},
+        **{name: _numbers(getattr(group, name)) for name in (*mean, "median", "rank")},
         "best": group.marked("best"),
         "tied": group.marked("tied"),
         "without_suspects": None
         if other is None
         else {
-            "mean": _numbers(other.mean),
+            **{name: _numbers(getattr(other, name)) for name in mean},
             "best": other.marked("best"),
             "tied": other.marked("tied"),
         },

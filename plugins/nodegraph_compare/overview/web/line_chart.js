@@ -91,6 +91,8 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       }).join("");
       mark.append(svg("path", { class: "line", d: path }), svg("path", { class: "reach", d: path }));
       for (const [px, y, group] of points) {
+        const [from, to] = ["low", "high"].map((end) => scales.between(axis.place(view.numbers(group)[end][method]), TOP - 6, bottom));
+        if (to < from) mark.append(line(px, from, px, to, "interval"));
         mark.append(svg("circle", { cx: px, cy: y, ...view.dot(method, group, 2.4) }));
       }
       // what can be seen of the name belongs to no button, which says more
@@ -146,7 +148,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       finding: finding(view),
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.name && `, ${axis.name}`}. `),
-        ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, a large dot where it is. "] : []),
+        ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, with its 95 % intervals; a large dot where it is. "] : []),
         ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: not certain to be worse there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
         axis.log ? "Equal slopes are equal ratios. " : "", hint("Click a line or a name to follow it through the page."),

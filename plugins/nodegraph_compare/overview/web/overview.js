@@ -168,13 +168,11 @@ nodegraph.define("compare/overview", ["page"], (page) => {
       const better = statistic === "rank" ? "lower" : overview.metric(metric).better;
       if (plain && doubtless) {
         const values = numeric(json[statistic]);
-        const { best, tied } = statistic === "mean" ? json : UNMARKED;
-        return { values, blocks, filtered: false, first: firstOf(values, better), best, tied };
+        return { values, blocks, filtered: false, first: firstOf(values, better), ...(statistic === "mean" ? judged(json) : UNMARKED) };
       }
       if (plain && statistic === "mean" && json.without_suspects) {
-        const { mean, best, tied } = json.without_suspects;
-        const values = numeric(mean);
-        return { values, blocks, filtered: true, first: firstOf(values, better), best, tied };
+        const values = numeric(json.without_suspects.mean);
+        return { values, blocks, filtered: true, first: firstOf(values, better), ...judged(json.without_suspects) };
       }
       const values = this.compute(metric, statistic, blocks);
       return { values, blocks, filtered: !whole || !doubtless, first: firstOf(values, better), ...UNMARKED };
@@ -215,8 +213,9 @@ nodegraph.define("compare/overview", ["page"], (page) => {
     }
   }
 
-  // Only a verdict marks: what is described alone has none.
-  const UNMARKED = { best: [], tied: [] };
+  // Only a verdict marks and has intervals: what is described alone has none.
+  const UNMARKED = { best: [], tied: [], low: [], high: [] };
+  const judged = ({ best, tied, low, high }) => ({ best, tied, low: numeric(low), high: numeric(high) });
 
   // The methods at the better end, which no verdict need have found best.
   const firstOf = (values, better) => {

@@ -209,6 +209,10 @@ def test_the_charts_show_the_numbers_of_the_table(tab: Page, bakery: Path) -> No
         ".map((cell) => cell.closest('tr').dataset.method)"
     )
     assert sorted(best) == ["plain", "rich"]
+    bars = "[...document.querySelectorAll('.interval')].filter((bar) => bar.checkVisibility())"
+    ends = tab.evaluate(f"{bars}.map((bar) => ['y1', 'y2'].map((y) => +bar.getAttribute(y)))")
+    assert len(ends) == len(best) * len(FACTORS)
+    assert all(low > high for low, high in ends)
     assert tab.evaluate(COUNT % ".cost-chart g.method") == len(RECIPES)
     assert tab.evaluate(COUNT % ".map-chart circle.disc[data-marker]") == 6 * len(
         tab.evaluate("[...document.querySelectorAll('.map')].map(() => 1)")
