@@ -721,16 +721,16 @@ def _classes(row: Row) -> str:
     return f' class="{" ".join(names)}"' if names else ""
 
 
-def _strip(of: Iterable[Row], rows: Rows) -> str:
-    """Return dots with their intervals, and where 0 is."""
+def _strip(of: Sequence[Row], rows: Rows) -> str:
+    """Return a dot with its interval, or several dots, and where 0 is."""
     parts = [_upright(rows.line, 0.0)] if not rows.line.log and rows.line.low <= 0.0 else []
     for row in of:
         x, low, high = (_place(rows.line, each) for each in (row.value, row.low, row.high))
-        if row.low < row.high:
+        if len(of) == 1 and row.low < row.high:
             parts.append(f'<line class="reach" x1="{low}" x2="{high}" y1="8" y2="8"/>')
         radius = 4 if row.kind == "rest" else 5
         name = escape(f"{row.name} {rows.number(row)}")
-        of_method = f' data-method="{escape(row.name)}"' if row in rows.others else ""
+        of_method = f' data-method="{escape(row.name)}"' if len(of) > 1 else ""
         parts.append(
             f'<circle class="{row.kind}" cx="{x}" cy="8" r="{radius}"{of_method}>'
             f"<title>{name}</title></circle>"
