@@ -46,7 +46,7 @@ FEW = {
     ),
     "pipeline": ("--axis", "actor=0,1", "--only", "damage=usual,gaps only"),
     "spline_orders": TWO,
-    "step_order": ("--axis", "actor=0,1"),
+    "step_order": ("--axis", "actor=0,1", "--only", "damage=noise,usual"),
     "tracking": TWO,
 }
 """A few combinations of each graph that takes longer."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,13 @@ def leave_what_an_earlier_version_left(place: Environment) -> None:
         (left / "a_kernel.run-1.py311.nbi").touch()
 
 
+def check_run(place: Environment, steps: str, *words: str) -> None:
+    """Check that the graph runs, and that nothing is written to what is installed."""
+    installed = place.files()
+    assert steps in place.run("nodegraph", "run", "graph.yaml", *words)
+    assert place.files() == installed
+
+
 def check_all_is_there(place: Environment) -> None:
     """Check that nodes and example graphs are listed."""
     nodes, graphs = place.run("python", "-c", LISTS).split("---\n")
@@ -52,32 +60,28 @@ def test_wheel_and_checkout_replace_each_other_and_a_run_writes_nothing_there(
     place: Environment, wheel: Path
 ) -> None:
     before = place.files()
-    for source, words, steps in (
-        ([wheel], ("--executor", "processes", "--jobs", "1"), "3 computed"),
-        (["-e", ROOT], (), "3 stored"),
-    ):
-        place.install("--force-reinstall", *source)
-        installed = place.files()
-        assert f"3 steps: {steps}" in place.run("nodegraph", "run", "graph.yaml", *words)
-        assert place.files() == installed
-    place.install("--force-reinstall", "--no-compile", wheel)
+    leave_what_an_earlier_version_left(place)
+    place.install("--no-compile", wheel)
+    # files where folders would be written
+    in_the_way = [
+        place.home,
+        *(each / "__pycache__" for each in place.site_packages.glob("nodegraph_*/")),
+    ]
+    for path in in_the_way:
+        path.touch()
+    check_run(place, "3 steps: 3 computed")  # kernels are compiled for this run alone
+    for path in in_the_way:
+        path.unlink()
+
+    place.install("-e", ROOT)
     check_all_is_there(place)
+    check_run(place, "3 steps: 3 stored")
+
+    for left in place.site_packages.glob("nodegraph_*/"):
+        shutil.rmtree(left)
+    place.install("--force-reinstall", wheel)
+    other = ("--no-cache", "--executor", "processes", "--jobs", "1")
+    check_run(place, "3 steps: 3 computed", *other)
     assert list(place.home.rglob("nodegraph/kernels/*/one_euro_kernel.*.nbc"))
     place.uninstall("nodegraph")
     assert place.files() == before
-    leave_what_an_earlier_version_left(place)
-    place.install("-e", ROOT)
-    check_all_is_there(place)
-
-
-def test_kernels_compile_where_neither_packages_nor_home_can_be_written(
-    place: Environment, wheel: Path
-) -> None:
-    leave_what_an_earlier_version_left(place)
-    place.install("--no-compile", wheel)
-    for package in place.site_packages.glob("nodegraph_*"):
-        (package / "__pycache__").touch()  # a file where a folder would be written
-    place.home.touch()
-    installed = place.files()
-    assert "3 steps: 3 computed" in place.run("nodegraph", "run", "graph.yaml")
-    assert place.files() == installed
