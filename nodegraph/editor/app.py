@@ -190,18 +190,19 @@ class _Page:
         if "text" in data:
             return partial(self._file.edit, str(data["text"]))
         name, arguments = data["action"], data.get("arguments", {})
-        actions: dict[str, Callable[[], None]] = {
+        actions = {
             "undo": self._file.undo,
             "redo": self._file.redo,
             "save": self._file.save,
             "save_to_run": self._save_to_run,
-            "run": partial(self._run, arguments.get("only", {})),
             "stop": self._running.stop,
             "take_theirs": self._file.take_theirs,
             "keep_mine": self._file.keep_mine,
         }
         if name in actions:
             return actions[name]
+        if name == "run":
+            return partial(self._run, {**{**arguments}.get("only", {})})
         edit = self._edits.named(name, arguments)
         return lambda: self._file.put(edit(self._file.text))
 
@@ -224,7 +225,7 @@ class _Page:
                 axis: tuple(graph.axes[axis].labels[place] for place in chosen)
                 for axis, chosen in places.items()
             }
-        except LookupError as error:
+        except (LookupError, TypeError) as error:
             raise NodegraphError("the axes have changed meanwhile; choose labels again") from error
         return build(graph.spec, self._registry, Choices(only=only)) if only else graph
 

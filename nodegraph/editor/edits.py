@@ -85,10 +85,13 @@ class Edits:
         return edit.set_value(text, path, read_value(str(path[-1]), value), file=self._file)
 
     def _add_node(self, text: str, *, name: str, use: str, after: str) -> str:
-        """Add a node behind another, which feeds it if it fits, or by one of its outputs."""
+        """Add a node behind another, which feeds it if it fits, or by one of its outputs.
+
+        Other ports that need a value have it where the graph leaves no choice.
+        """
         entry: dict[str, object] = {"use": use}
         with suppress(GraphError):  # the text is not YAML, which the edit will say
-            if feed := Links(text, self._path, self._registry).fitting(use, after):
+            if feed := Links(text, self._path, self._registry).wiring(use, after):
                 entry["in"] = feed
         if not text.strip("\ufeff \r\n"):
             text = f"nodegraph: {FORMAT}\nnodes:\n  {name}: {{}}\n"

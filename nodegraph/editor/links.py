@@ -149,6 +149,34 @@ class Links:
                     return wire if place == 0 else {target.name: wire}
         return None
 
+    def wiring(self, use: str, source: str) -> object:
+        """Return what feeds a method that a node fits; None if none does.
+
+        That is the node at the first port that it fits, and at other ports that need one the only
+        output of the graph that fits: the truth, of several, where the port takes the truth.
+
+        Parameters
+        ----------
+        use, source
+            As in `fitting`.
+        """
+        first = self.fitting(use, source)
+        if first is None:
+            return None
+        node = self.of(use)[0]
+        wires = {**mapping(first)} or {node.inputs[0].name: first}
+        for target in node.inputs:
+            fits = [
+                f"{name}.{output.name}" if len(outputs) > 1 else name
+                for name in self.nodes
+                for outputs in [self._outputs(name)]
+                for output in outputs
+                if output.truth == target.truth and not mismatch(output, target)
+            ]
+            if target.name not in wires and not target.optional and len(fits) == 1:
+                wires[target.name] = fits[0]
+        return first if len(wires) == 1 else wires
+
     def _output(self, box: str, output: str) -> tuple[str, str, Port]:
         """Return the node of an output of a box, the output as a link names it, and its port."""
         name, _, inside = box.partition(".")

@@ -113,10 +113,16 @@ class _Panel:
                 "about": _shared(str(each[name]["description"]) for each in schemas),
                 "words": words_of(schema),
                 "is_closed": is_closed(schema),
+                "is_required": any(node.settings[name].required for node in used),
             }
             for name, schema in common.items()
         } | {
-            name: {"about": f"Default: {flow(value)}.", "words": [], "is_closed": False}
+            name: {
+                "about": f"Default: {flow(value)}.",
+                "words": [],
+                "is_closed": False,
+                "is_required": False,
+            }
             for node in used[:1]
             for name, value in self._links.defaults.get(node.name, {}).items()
         }

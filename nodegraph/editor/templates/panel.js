@@ -28,14 +28,17 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
 
   const setting = (item) => {
     const id = id_of(...item.path);
-    const save = (event) => edit("set", { path: item.path, value: event.target.value });
+    const save = ({ target }) => {
+      target.defaultValue = target.value;
+      edit("set", { path: item.path, value: target.value });
+    };
     const known = [...item.words, ...item.variables];
-    const attributes = { id, onchange: save, "aria-describedby": `${id}-about` };
+    const attributes = { id, onchange: save, "aria-describedby": `${id}-about`, required: item.is_required && !item.shared };
     const field = item.is_closed
       ? element("select", attributes, option("", item.shared ? `(${item.shared}, as in all alternatives)` : "(default)"), known.map((word) => option(word)),
         item.value && !known.includes(item.value) ? option(item.value) : null)
       : element("input", { ...attributes, list: `${id}-list`, placeholder: item.shared, autocomplete: "off", spellcheck: "false" });
-    field.value = item.value;
+    field.value = field.defaultValue = item.value;
     return element("div", { class: "editor-field" },
       element("label", { for: id }, item.name), field,
       item.is_closed ? null : element("datalist", { id: `${id}-list` }, known.map((word) => option(word))),
@@ -104,6 +107,7 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     const name = element("input", { id: "panel-name", value: node.name, autocomplete: "off", spellcheck: "false" });
     const rename = async () => {
       const wanted = name.value.trim();
+      name.defaultValue = name.value;
       if (wanted && wanted !== node.name && await edit("rename", { old: node.name, new: wanted })) editor.choose(wanted, { scroll: "picture" });
     };
     name.addEventListener("keydown", (event) => { if (event.key === "Enter") rename(); });
@@ -138,7 +142,8 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
       return;
     }
     if (wanted !== shown) return;
-    const focused = document.activeElement?.id;
+    const focused = document.activeElement;
+    const typed = focused?.matches("input:not([type])") ? { value: focused.value, range: [focused.selectionStart, focused.selectionEnd] } : null;
     const place = holder.dataset.node === name ? holder.scrollTop : 0;
     holder.dataset.node = name;
     holder.replaceChildren(
@@ -147,7 +152,12 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
       rivals(node) ?? "", ...node.sections.map((part) => section(node, part)),
     );
     holder.scrollTop = place;
-    if (focused && holder.querySelector(`#${CSS.escape(focused)}`)) document.getElementById(focused).focus();
+    const field = focused?.id && holder.querySelector(`#${CSS.escape(focused.id)}`);
+    if (!field) return;
+    field.focus();
+    if (!typed) return;
+    if (typed.value !== focused.defaultValue) field.value = typed.value; // of which the server has not heard
+    field.setSelectionRange(...typed.range);
   };
 
   // ---- add a node ----
@@ -166,9 +176,11 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     suggest();
   };
   const suggest = () => {
-    const base = (list.value.split(".").pop() || "node").replace(/\W/g, "_");
-    let free = base;
-    for (let number = 2; Object.hasOwn(editor.known.nodes, free); number += 1) free = `${base}_${number}`;
+    // The family: a node may have several methods of it. Another node of the family, its method.
+    const bases = list.value ? list.value.split(":").pop().split(".").map((word) => word.replace(/\W/g, "_")) : ["node"];
+    const is_free = (word) => !Object.hasOwn(editor.known.nodes, word);
+    let free = bases.find(is_free);
+    for (let number = 2; !free; number += 1) free = [`${bases[0]}_${number}`].find(is_free);
     name.value = free;
     const about = all.find(({ use }) => use === list.value)?.about ?? ["Nothing has these words."];
     search.querySelector("#search-about").replaceChildren(...about.map((text) => element("p", {}, text)));
@@ -178,7 +190,8 @@ nodegraph.define("panel", ["page", "editor"], ({ element }, editor) => {
     search.close();
     const wanted = name.value.trim();
     if (await edit("add_node", { name: wanted, use: list.value, after: source || editor.chosen() })) editor.choose(wanted, { scroll: "both" });
-    draw();
+    await draw();
+    holder.querySelector("input:invalid")?.focus();
   };
   // Search the nodes that can be added, or those that an output can feed.
   const open_search = async (output = "") => {

@@ -181,7 +181,7 @@ def test_a_part_of_the_labels_is_run(editor: Editor) -> None:
         "start 1: It is 1.",
     )
     assert last["nodes"]["strict"]["text"] == "1 done"
-    for places in ({"start": [2]}, {"other": [0]}):
+    for places in ({"start": [2]}, {"other": [0]}, {"start": ["1"]}):
         refused = editor.edit(422, action="run", arguments={"only": places})["refused"]
         assert refused == "the axes have changed meanwhile; choose labels again"
 
