@@ -79,7 +79,7 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
             problem.place.line for problem in error.problems if problem.place.file == path.name
         }
         wrong = [name for name, (first, last) in nodes.items() if lines & {*range(first, last + 1)}]
-        reason = reason if text.strip() else "the file is empty"
+        reason = reason if text.strip() else "the file is empty: add a node, or write the text"
         return View(None, problems, drawing, reason, nodes, wrong)
     except Exception as error:  # of a plugin, or of ours: the text must stay editable
         message = f"internal error; please report it: {type(error).__name__}: {error}"
