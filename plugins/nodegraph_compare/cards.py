@@ -18,6 +18,7 @@ from nodegraph_compare.words import (
     changes,
     count_text,
     group_title,
+    has_panels,
     method_words,
     nearest_first,
     plain_names,
@@ -28,7 +29,20 @@ from nodegraph_compare.words import (
     units_text,
     within_text,
 )
-from nodegraph_tables.answer import HERE, Card, Line, Row, Rows, Text, Word, few, listing, say
+from nodegraph_tables.answer import (
+    HERE,
+    MOST_ROWS,
+    ONE_ROW,
+    Card,
+    Line,
+    Row,
+    Rows,
+    Text,
+    Word,
+    few,
+    listing,
+    say,
+)
 from nodegraph_tables.answer import line_of as line_through
 from nodegraph_tables.numbers import MINUS, number_text, span_text, without_rounding
 from nodegraph_tables.style import SHARE
@@ -40,6 +54,8 @@ if TYPE_CHECKING:
     from nodegraph_tables.answer import Kind
 
 _MOST_NAMES = 3
+_FEW_ROWS = 4
+"""On cards below each other."""
 
 _BEYOND = 0.25
 """Share of the line of all means that the ends of intervals may be beyond it."""
@@ -146,7 +162,9 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
         )
         for place in (group.known if described else ranked)
     ]
-    return Rows.of(rows, line, verdicts.metric.unit)
+    below = len(verdicts.groups) > ONE_ROW and not has_panels(verdicts)
+    most = _FEW_ROWS if below else MOST_ROWS
+    return Rows.of(rows, line, verdicts.metric.unit, most)
 
 
 def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:

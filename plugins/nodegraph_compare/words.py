@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MOST_CARDS, Word, joined, say
+from nodegraph_tables.answer import HERE, MOST_CARDS, ONE_ROW, Word, joined, say
 from nodegraph_tables.numbers import MINUS, SMALLEST, SPACE, percent, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
@@ -27,7 +27,6 @@ UNCLEAR = "with no clear change"
 
 _FEW_BLOCKS = 10
 _MOST_NAMES = 3
-_MOST_IN_SIGHT = 4
 
 
 def scope_text(scope: Scope) -> str:
@@ -409,4 +408,4 @@ def varying(verdicts: Verdicts) -> list[int]:
 
 def has_panels(verdicts: Verdicts) -> bool:
     """Whether only the cards of one label of the first axis are in sight."""
-    return _MOST_IN_SIGHT < len(verdicts.groups) <= MOST_CARDS and len(varying(verdicts)) > 1
+    return ONE_ROW < len(verdicts.groups) <= MOST_CARDS and len(varying(verdicts)) > 1

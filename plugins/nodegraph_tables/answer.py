@@ -36,8 +36,11 @@ _T = TypeVar("_T")
 MOST_CARDS = 8
 """Cards that a reader sees at once."""
 
-_ONE_ROW = 4
-_MOST_ROWS = 9
+ONE_ROW = 4
+"""Cards that stand in one row."""
+
+MOST_ROWS = 9
+"""Of a card that stands beside no more than three others."""
 
 _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
@@ -279,12 +282,19 @@ class Rows(Value):
     others: tuple[Row, ...] = ()
 
     @classmethod
-    def of(cls, rows: Sequence[Row], line: Line, unit: str = "") -> Rows:
-        """Return rows in their order; of many, with names for those that matter, then the first."""
-        if len(rows) <= _MOST_ROWS:
+    def of(cls, rows: Sequence[Row], line: Line, unit: str = "", most: int = MOST_ROWS) -> Rows:
+        """Return rows in their order; of many, with names for those that matter, then the first.
+
+        Parameters
+        ----------
+        rows, line, unit
+        most
+            Rows on the card.
+        """
+        if len(rows) <= most:
             return cls(tuple(rows), line, unit)
         order = sorted(rows, key=lambda row: not (row.for_all or row.kind in ("best", "before")))
-        named = {row.name for row in order[: _MOST_ROWS - 1]}
+        named = {row.name for row in order[: most - 1]}
         return cls(
             tuple(row for row in rows if row.name in named),
             line,
@@ -669,7 +679,7 @@ def lead_of_parts(answer: Answer, cards: str, legend: str) -> Markup:
 
 def cards_html(cards: Sequence[Card]) -> str:
     """Return cards side by side; nothing where there are none."""
-    columns = len(cards) if len(cards) <= _ONE_ROW else math.ceil(len(cards) / 2)
+    columns = len(cards) if len(cards) <= ONE_ROW else math.ceil(len(cards) / 2)
     inside = "".join(map(_card, cards))
     return f'<div class="lead-cards" style="--columns: {columns}">{inside}</div>' if cards else ""
 

@@ -417,6 +417,10 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     lead = rendered(compared(kitchens(recipes, 5), within=("heat",)).overview).lead
     assert lead.count("<circle") == 200
     assert text_of(lead).count("92 others") == 2
+    six = rendered(
+        compared(kitchens(recipes, 5, heats=(1, 2, 3, 4, 5, 6)), within=("heat",)).overview
+    )
+    assert (six.lead.count("<circle"), text_of(six.lead).count("97 others")) == (600, 6)
     many = kitchens({"plain": 1.0, "rich": 2.0}, 5, heats=tuple(range(100, 112)))
     lead = rendered(compared(many, within=("heat",)).overview).lead
     assert "<article" not in lead
