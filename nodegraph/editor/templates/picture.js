@@ -16,6 +16,8 @@ nodegraph.define("picture", [], () => {
     let drawn = 0; // the scale at which it is drawn while another is shown
     let settling = 0;
     let fixed = null; // a point of the window, and what of the picture is there while that changes its size
+    const layer = document.createElement("div"); // of the picture: what is stretched itself is laid out anew
+    layer.style.transformOrigin = "0 0";
     const boxes = () => [...holder.querySelectorAll("[data-box]")];
     const has = (box, name) => box.dataset.box === name || box.dataset.box.startsWith(`${name}.`);
     const show = () => {
@@ -67,7 +69,8 @@ nodegraph.define("picture", [], () => {
       parts = wanted;
       const picture = holder.querySelector("svg");
       if (!picture) {
-        holder.replaceChildren(next);
+        layer.replaceChildren(next);
+        holder.replaceChildren(layer);
         return;
       }
       for (const name of ["width", "height", "viewBox", "style"]) set(picture, name, next.getAttribute(name));
@@ -91,7 +94,7 @@ nodegraph.define("picture", [], () => {
       const picture = holder.querySelector("svg");
       if (!picture || !scale) return;
       const { scrollLeft, scrollTop } = holder;
-      picture.style.transform = picture.style.willChange = "";
+      layer.style.transform = layer.style.willChange = "";
       picture.style.minWidth = picture.style.maxWidth = `${scale * width_of(picture)}px`;
       if (drawn) keep_point(picture);
       else holder.scrollTo(scrollLeft, scrollTop);
@@ -102,8 +105,8 @@ nodegraph.define("picture", [], () => {
       holder.scrollBy(left + fixed.right * scale - fixed.x, top + fixed.down * scale - fixed.y);
     };
     const scale_now = (picture) => picture.getBoundingClientRect().width / width_of(picture);
-    // A picture that changes its size is a layer that is stretched, and is drawn anew once it keeps it:
-    // to lay out all its words at each step would take many frames. A point of it stays where it is in
+    // The layer of a picture that changes its size is stretched; the picture is drawn anew once it keeps
+    // that: to lay out all its words at each step would take many frames. A point of it stays where it is in
     // the window, at the latest in the end: a stretched layer may have no room yet to be scrolled.
     const zoom_to = (wanted, x, y) => {
       const picture = holder.querySelector("svg");
@@ -116,9 +119,8 @@ nodegraph.define("picture", [], () => {
       const style = getComputedStyle(holder);
       const room = holder.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
       const left = (size) => Math.max(0, (room - size * width) / 2); // it stands in the middle
-      picture.style.willChange = "transform";
-      picture.style.transformOrigin = "0 0";
-      picture.style.transform = `translateX(${left(scale) - left(drawn)}px) scale(${scale / drawn})`;
+      layer.style.willChange = "transform";
+      layer.style.transform = `translateX(${left(scale) - left(drawn) * scale / drawn}px) scale(${scale / drawn})`;
       keep_point(picture);
       clearTimeout(settling);
       settling = setTimeout(settle, SETTLED);
