@@ -28,6 +28,9 @@ hypothesis.settings.load_profile("tests")
 # other, which takes a third more time; numpy reads it when it is imported
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+# the C library of workers keeps what threads have freed for all of them, not for each by itself
+os.environ.setdefault("MALLOC_ARENA_MAX", "1")
+
 # in the background, a shell without job control has SIGINT ignored, by children as well
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -44,9 +47,10 @@ gc.disable()  # until all tests are collected: nothing of theirs is garbage
 
 LONG = (
     *("test_contracts", "test_stored_studies", "test_reports", "test_misbehaving_nodes"),
-    *("test_third_party", "test_installation", "test_locked_studies", "test_fill_study"),
-    *("test_executor", "test_tracking_study", "test_readme", "test_jupyter", "test_hostile"),
-    *("test_documentation", "test_random_stores", "test_marker_selection_study"),
+    *("test_third_party", "test_locked_studies", "test_fill_study", "test_executor"),
+    *("test_page", "test_charts", "test_installation", "test_answers", "test_jupyter"),
+    *("test_readme", "test_live_page", "test_machines", "test_odd_reports"),
+    *("test_documentation", "test_tracking_study", "test_marker_selection_study"),
 )
 """Modules that take longest."""
 
