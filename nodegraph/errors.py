@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
@@ -41,6 +42,7 @@ class Problem(NamedTuple):
 _LONGEST = 2000
 _LONGEST_NAME = 60
 _MOST_SHOWN = 20
+_MOST_AT_PLACE = 2
 
 
 def one_line(text: str) -> str:
@@ -88,8 +90,14 @@ class GraphError(NodegraphError):
 
     @property
     def first(self) -> tuple[Problem, ...]:
-        """The errors that a message shows."""
-        return self.problems[:_MOST_SHOWN]
+        """The errors that a message shows: of many at one place, the first."""
+        at_place: Counter[Place] = Counter()
+        shown = []
+        for problem in self.problems:
+            at_place[problem.place] += 1
+            if at_place[problem.place] <= _MOST_AT_PLACE or not problem.place.line:
+                shown.append(problem)
+        return tuple(shown[:_MOST_SHOWN])
 
     @property
     def more(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from bisect import bisect_right, insort
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import accumulate, pairwise, takewhile
 from math import inf
@@ -23,7 +23,7 @@ import networkx as nx
 
 from nodegraph.draw.boxes import Shape, shape, shortened, width
 from nodegraph.draw.frames import Frame, frames_of, label_of
-from nodegraph.draw.picture import Arrow, Picture, origins
+from nodegraph.draw.picture import Arrow, Box, Picture, origins
 
 Point = tuple[float, float]
 Cell = tuple[str, Hashable]
@@ -456,10 +456,24 @@ def layout(picture: Picture) -> Layout:
     band_of = {name: grid[_outermost(name, frame)].band for name, frame in frames.items()}
     cut = {arrow for arrow in picture.arrows if band_of[arrow.source] != band_of[arrow.target]}
     if cut:
+        picture = _with_drawn_first(picture, cut)
         shapes = _shapes(picture, frames, cut)
         outlines = _outlines(shapes)
     corners, drawn, routes, wide, high = _placed(first, outlines, links)
     return Layout(tuple(zip(shapes, corners, strict=True)), drawn, routes, bool(cut), wide, high)
+
+
+def _with_drawn_first(picture: Picture, cut: Collection[Arrow]) -> Picture:
+    """Return a picture whose ports without a name of their own begin with those of whole arrows."""
+    ends = {(arrow.target, arrow.target_port) for arrow in cut}
+
+    def ordered(box: Box) -> Box:
+        if not all(socket.shown for socket in box.inputs):
+            return box
+        inputs = sorted(box.inputs, key=lambda socket: (box.name, socket.name) in ends)
+        return replace(box, inputs=tuple(inputs))
+
+    return replace(picture, boxes=tuple(map(ordered, picture.boxes)))
 
 
 def _outlines(shapes: Iterable[Shape]) -> tuple[_Outline, ...]:

@@ -100,3 +100,12 @@ def test_the_closest_name_is_found_in_any_case() -> None:
     assert closest("NOSE1", ["nose1", "chin"]) == "nose1"
     assert closest("nose1", ["Nose_1", "chin"]) == "Nose_1"
     assert closest("q", ["nose1", "chin"]) == ""
+
+
+def test_of_many_errors_at_one_place_the_first_are_shown() -> None:
+    here, there = Place("graph.yaml", 3, 5), Place("graph.yaml", 9, 1)
+    problems = [Problem(here, f"file {number} is not there") for number in range(16)]
+    error = GraphError([*problems, Problem(there, "no node is named 'fil'")])
+    assert [problem.place for problem in error.first] == [here, here, there]
+    assert str(error).endswith("and 14 more; correct these first")
+    assert len(error.problems) == 17
