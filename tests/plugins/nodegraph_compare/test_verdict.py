@@ -97,7 +97,7 @@ def test_every_place_marks_what_the_verdict_tells_and_nothing_else(
     assert {f"m{place}" for place in group["tied"]} == tied
     lead = answer_html(result.overview.answer, verdicts, "table", {}, {})
     for kind, names in (("best", best), ("tied", tied)):
-        assert set(re.findall(rf'class="{kind}"[^>]*data-method="(m\d)"', lead)) == names
+        assert set(re.findall(rf'<circle class="{kind}"[^>]*><title>(m\d) ', lead)) == names
     blue = {
         text.get_text()
         for text in result.figure.axes[0].get_yticklabels()
