@@ -85,6 +85,10 @@ _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
 
 
+Notes = tuple[tuple[str, str], ...]
+"""Ports, each with a text."""
+
+
 @dataclass(frozen=True, slots=True)
 class Text:
     """One line of text: its place is the start, or the end, of its baseline."""
@@ -142,11 +146,9 @@ class Shape:
     outputs: Mapping[str, float]
 
 
+@_cached
 def shape(
-    box: Box,
-    label: str,
-    fixed: Mapping[str, Sequence[str]],
-    ends: tuple[Mapping[str, Sequence[str]], Mapping[str, Sequence[str]]] = ({}, {}),
+    box: Box, label: str, fixed: Notes = (), sources: Notes = (), readers: Notes = ()
 ) -> Shape:
     """Return the box laid out.
 
@@ -155,25 +157,28 @@ def shape(
     box : Box
     label : str
         Shown as its name.
-    fixed : mapping of input port to texts
+    fixed : tuple of (input port, text)
         The labels that each arrow into the port fixes: ``trial=0, length=45``.
-    ends : pair of (mapping of port to names)
+    sources, readers : tuple of (port, name)
         Where arrows into an input begin, and where those from an output end, if that is not drawn:
         ``gaps.hidden``.
     """
     heading = [("name", label), *(("line", line) for line in _heading(box))]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
-    sources, readers = ends
     notes = {
         socket.name: [
             socket.gathers,
-            *(f"from {source}" for source in sources.get(socket.name, ())),
-            *(_at(text, common) for text in fixed.get(socket.name, ())),
+            *(f"from {source}" for source in _of(socket, sources)),
+            *(_at(text, common) for text in _of(socket, fixed)),
         ]
         for socket in box.inputs
     }
-    onward = {port: [f"to {', '.join(names)}"] for port, names in readers.items()}
+    onward = {
+        socket.name: [f"to {', '.join(names)}"]
+        for socket in box.outputs
+        if (names := _of(socket, readers))
+    }
     inputs = [_lines(socket, notes[socket.name]) for socket in box.inputs]
     outputs = [_lines(socket, onward.get(socket.name, ())) for socket in box.outputs]
     sides = [
@@ -253,12 +258,16 @@ def _row(alternative: Alternative) -> tuple[_Parts, float]:
     return tuple(parts), x + _STATE
 
 
-def _common(fixed: Mapping[str, Sequence[str]]) -> list[str]:
+def _of(socket: Socket, notes: Notes) -> list[str]:
+    return list(dict.fromkeys(text for port, text in notes if port == socket.name))
+
+
+def _common(fixed: Notes) -> list[str]:
     """Return the labels that stand at several ports, at all that have any."""
-    marked = [text.split(", ") for texts in fixed.values() for text in texts]
-    if sum(map(bool, fixed.values())) < 2:
+    if len({port for port, _ in fixed}) < 2:
         return []
-    return [label for label in marked[0] if all(label in labels for labels in marked)]
+    first, *others = [text.split(", ") for _, text in fixed]
+    return [label for label in first if all(label in labels for labels in others)]
 
 
 def _at(text: str, common: Sequence[str] = ()) -> str:
@@ -270,15 +279,16 @@ def _at(text: str, common: Sequence[str] = ()) -> str:
 def _heading(box: Box) -> Iterator[str]:
     """Yield the lines below the name of a box: its settings in several."""
     for text in box.lines:
-        yield from _wrapped(text, _LONGEST_SETTINGS) if ": " in text else [text]
+        yield from _wrapped(text, _LONGEST_SETTINGS) if ": " in text else (text,)
 
 
-def _wrapped(text: str, longest: int) -> list[str]:
+@_cached
+def _wrapped(text: str, longest: int) -> tuple[str, ...]:
     """Return a note in lines, not broken within a setting; the last is cut where there are more."""
     text = clean(text).replace(": ", ":\N{NO-BREAK SPACE}")
     text = _LIST.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
     lines = wrap(text, longest, max_lines=_MOST_LINES, placeholder=" …", break_on_hyphens=False)
-    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
+    return tuple([line.replace("\N{NO-BREAK SPACE}", " ") for line in lines])
 
 
 def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:

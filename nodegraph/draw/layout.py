@@ -633,26 +633,25 @@ def _outermost(name: str, frame: Frame) -> Cell:
 
 def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow]) -> list[Shape]:
     """Return the shapes of boxes; their ports say where arrows begin and end that are cut."""
-    fixed: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
-    sources: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
-    readers: dict[str, dict[str, list[str]]] = {box.name: {} for box in picture.boxes}
+    fixed: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
+    sources: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
+    readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     said = {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
     for box in picture.boxes:
         named = {each.source for each in box.alternatives}
         said |= {(box.name, each) for each in named if len(named) > _MOST_ORIGINS}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
-            fixed[arrow.target].setdefault(arrow.target_port, []).append(arrow.fixed)
+            fixed[arrow.target].append((arrow.target_port, arrow.fixed))
         if arrow in cut:
-            readers[arrow.source].setdefault(arrow.source_port, []).append(arrow.target)
+            readers[arrow.source].append((arrow.source_port, arrow.target))
             if (arrow.target, origin) not in said:
-                sources[arrow.target].setdefault(arrow.target_port, []).append(origin)
+                sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(
             box,
             label_of(box.name, frames[box.name]),
-            fixed[box.name],
-            (sources[box.name], readers[box.name]),
+            *(tuple(notes[box.name]) for notes in (fixed, sources, readers)),
         )
         for box in picture.boxes
     ]

@@ -25,8 +25,8 @@ def test_widths_grow_with_text_and_type() -> None:
 def test_labels_that_all_arrows_fix_are_said_once_in_lines() -> None:
     box = Box("table", inputs=(Socket("scores"), Socket("truth"), Socket("hidden")))
     common = "actor=1, damage=occlusions, length=45"
-    drawn = shape(box, "table", {"scores": [f"{common}, fill=muscle"], "truth": [common]})
+    drawn = shape(box, "table", (("scores", f"{common}, fill=muscle"), ("truth", common)))
     notes = [text.text for text in drawn.texts if text.style == "note"]
     assert notes == ["at actor=1, damage=occlusions,", "length=45", "at fill=muscle"]
-    alone = shape(box, "table", {"scores": [common], "truth": []})
+    alone = shape(box, "table", (("scores", common),))
     assert {text.hint for text in alone.texts if text.style == "note"} == {f"scores; at {common}"}
