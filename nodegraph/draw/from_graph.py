@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -77,7 +78,7 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
 
 
 def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
-    """Yield the boxes; alternatives that read from several outputs by one port say from which."""
+    """Yield the boxes; alternatives that read another output than most by one port say which."""
     into: dict[str, dict[str, dict[tuple[str, str], str]]] = {}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         ports = into.setdefault(arrow.target, {})
@@ -92,16 +93,15 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         return ", ".join(texts)
 
     for box in picture.boxes:
-        methods = graph.nodes[box.name].methods
-        yield replace(
-            box,
-            alternatives=tuple(
-                each._replace(source=source(methods[each.label], box.name))
-                if each.label in methods and box.name in into
-                else each
-                for each in box.alternatives
-            ),
-        )
+        methods = graph.nodes[box.name].methods if box.name in into else {}
+        sources = {label: source(method, box.name) for label, method in methods.items()}
+        usual = Counter(sources.values()).most_common(1)
+        if usual and 2 * usual[0][1] > len(sources):
+            sources = {label: text for label, text in sources.items() if text != usual[0][0]}
+        alternatives = [
+            each._replace(source=sources.get(each.label, "")) for each in box.alternatives
+        ]
+        yield replace(box, alternatives=tuple(alternatives))
 
 
 def labels_text(labels: Sequence[Label], longest: int = 90) -> str:
@@ -186,10 +186,11 @@ def _box(
     ]
     outputs = [socket_of(port) for port in described.outputs if (node.name, port.name) in read]
     settings = {label: _settings(method) for label, method in node.methods.items()}
+    own = [settings[label] for label, method in node.methods.items() if method.node.name != PASS]
     common = {
         name: value
-        for name, value in next(iter(settings.values())).items()
-        if all(each.get(name) == value for each in settings.values())
+        for name, value in next(iter(own), {}).items()
+        if all(each.get(name) == value for each in own)
     }
     uses = {label: method.node.name for label, method in node.methods.items()}
     methods = {*uses.values()} - {PASS}

@@ -645,7 +645,7 @@ def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow
             fixed[arrow.target].append((arrow.target_port, arrow.fixed))
         if arrow in cut:
             readers[arrow.source].append((arrow.source_port, arrow.target))
-            if (arrow.target, origin) not in said:
+            if not {(arrow.target, origin), (arrow.target, f"from {origin}")} & said:
                 sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(

@@ -56,7 +56,7 @@ class Alternative(NamedTuple):
     settings : str
         Those of its own that differ from the default: ``neighbours: 40``.
     source : str
-        Where what it reads begins, if others read something else: ``aligned``.
+        Where what it reads begins, if most others read something else: ``aligned``.
     """
 
     label: str
@@ -215,7 +215,7 @@ def folded(picture: Picture) -> Picture:
             kept.append(arrow)
         elif arrow.source not in shown:
             ends = arrow.source, arrow.source_port
-            names[ends] = origin
+            names[ends] = f"from {origin}"
             known = wires.get(ends, arrow)
             wires[ends] = Arrow(
                 *ends,

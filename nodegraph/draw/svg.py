@@ -16,7 +16,7 @@ from nodegraph.gc_pause import gc_paused
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
 _WIDE_HALF = 5.4
-_LEVEL = 15.0
+_LEVEL = 9.0
 
 _LOOK = {
     "paper": 'fill="#ffffff"',

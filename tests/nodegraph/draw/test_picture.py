@@ -55,7 +55,10 @@ def test_boxes_that_only_show_are_one_list() -> None:
     assert [box.name for box in picture.boxes] == ["face", "fill", "chosen", "kept", "report"]
     report = picture.boxes[-1]
     assert report.lines == ("curve compare.curve", "figure plot.selection")
-    assert [socket.shown or socket.name for socket in report.inputs] == ["kept", "face.truth"]
+    assert [socket.shown or socket.name for socket in report.inputs] == [
+        "from kept",
+        "from face.truth",
+    ]
     assert picture.arrows[:3] == arrows[:3]  # a box that another one reads stays
     assert picture.arrows[3:] == (
         Arrow("kept", "out", "report", "kept.out", gathers=True),

@@ -141,10 +141,10 @@ def test_a_method_that_lacks_whole_actors_withdraws_only_what_rests_on_them(
     run: Callable[..., int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run("fallback: plain", third="few") == 0
-    text = capsys.readouterr().out
-    assert "plain " in text
+    text = " ".join(capsys.readouterr().out.split())
     assert "the rules for missing blocks disagree" not in text
-    assert "no difference is clear. Lowest mean rmse: plain (" in text
+    assert "Lowest mean rmse: plain (" in text
+    assert "The data cannot tell which is best: no difference is clear" in text
     assert re.search(r"clearly behind only with plain in place of missing gaps: .*other", text)
 
 
