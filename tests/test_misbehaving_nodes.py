@@ -198,6 +198,8 @@ ENDS = {
     "bad.holds": "it takes longer than 2 s, which is the limit",
 }
 """Those that end or hold the process that they run in."""
+JOBS = {"serial": "1", "threads": "2", "processes": "1", "dask": "1"}
+"""The fewest with which each executor is itself: a single thread would be that of the run."""
 
 
 def check_failures(record: dict[str, Any], expected: dict[str, str]) -> None:
@@ -207,10 +209,11 @@ def check_failures(record: dict[str, Any], expected: dict[str, str]) -> None:
     assert failed == expected
 
 
-@pytest.mark.parametrize("executor", ["serial", "threads", "processes", "dask"])
+@pytest.mark.parametrize("executor", JOBS)
 def test_a_bad_node_fails_alone(tmp_path: Path, executor: str) -> None:
     # a node's own limit of time is the shorter one
-    record = record_of(tmp_path, ", ".join(BAD), "--executor", executor, "--timeout", "60")
+    words = ("--executor", executor, "--jobs", JOBS[executor], "--timeout", "60")
+    record = record_of(tmp_path, ", ".join(BAD), *words)
     check_failures(record, BAD)
 
 
@@ -224,7 +227,7 @@ def test_processes_that_a_node_leaves_end_with_the_run(tmp_path: Path) -> None:
     sign = tmp_path / "sign"
     bad = f"{{bad: {{use: bad.starts, with: {{sign: {sign}}}}}, good: {{use: good.sum}}}}"
     (tmp_path / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", bad))
-    words = words_for(tmp_path, "--executor", "processes")
+    words = words_for(tmp_path, "--executor", "processes", "--jobs", JOBS["processes"])
     assert command(*words, folder=tmp_path).status == 0
     state = Path("/proc", sign.read_text(), "stat")
     assert not state.exists() or state.read_text().split()[2] == "Z"
@@ -237,7 +240,7 @@ def test_nodes_that_spoil_their_process_spoil_nothing_else(tmp_path: Path) -> No
         folder = tmp_path / executor
         folder.mkdir()
         (folder / "bad.yaml").write_text(GRAPH.replace("BAD", bad))
-        words = ("--executor", executor, "--store", str(folder / "store"))
+        words = ("--executor", executor, "--jobs", JOBS[executor], "--store", str(folder / "store"))
         processes[executor] = started(folder, *words)
     for executor, process in processes.items():
         _, errors = process.communicate(timeout=60)
@@ -358,7 +361,7 @@ def test_nodes_that_never_return_are_interrupted(tmp_path: Path) -> None:
         with_sign = f"{{use: {bad}, with: {{sign: {folder / 'sign'}}}}}"
         nodes = f"{{make: {{use: good.sum}}, bad: {with_sign}}}"
         (folder / "bad.yaml").write_text(GRAPH.replace("[BAD, good.sum]", nodes))
-        words = ("--executor", executor, "--jobs", "2", "--store", str(folder / "store"))
+        words = ("--executor", executor, "--jobs", JOBS[executor], "--store", str(folder / "store"))
         processes.append(started(folder, *words))
     for number, process in enumerate(processes):
         while not (tmp_path / str(number) / "sign").exists():
