@@ -185,6 +185,10 @@ def judge(judge_of: Callable[..., Judge]) -> Judge:
     return judge_of(NODES)
 
 
+def test_the_schema_is_valid(judge: Judge) -> None:
+    Draft202012Validator.check_schema(judge.schema)
+
+
 @pytest.mark.parametrize("name", GOOD)
 def test_both_take_good_nodes(name: str, judge: Judge) -> None:
     data = graph(one=GOOD[name])
@@ -402,6 +406,7 @@ def test_a_node_has_its_summary_ports_and_citation(judge: Judge) -> None:
 def test_a_name_that_two_plugins_claim_needs_its_plugin(judge_of: Callable[..., Judge]) -> None:
     judge = judge_of([read_number, hold])
     judge.registry._add_nodes("my-own", "", [hold])
+    Draft202012Validator.check_schema(judge.schema)
     for use, good in (("fill.hold", False), ("toys:fill.hold", True), ("my-own:fill.hold", True)):
         data = {
             "nodegraph": 1,

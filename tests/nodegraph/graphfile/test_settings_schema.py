@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import pytest
+from jsonschema import Draft202012Validator
 from pydantic import BaseModel, BeforeValidator, Field, Strict
 
 from nodegraph import InputFile, Unit, node
@@ -99,7 +100,7 @@ WORDS = (
 SCALARS = (None, True, False, -1, 0, 1, 2, 10, 0.3, 0.5, 1.0, 3.0, -1.5, 1e30, *WORDS)
 
 
-def setting_of(kind: object, default: object = ...) -> Callable[..., object]:
+def setting_of(kind: object, default: object = ..., name: str = "toy.set") -> Callable[..., object]:
     """Return a node whose one setting has this type."""
 
     def make(*, value: object = default) -> float:
@@ -108,7 +109,7 @@ def setting_of(kind: object, default: object = ...) -> Callable[..., object]:
     make.__annotations__ = {"value": kind, "return": float}
     if default is ...:
         make.__kwdefaults__ = None
-    return node("toy.set")(make)
+    return node(name)(make)
 
 
 @node("toy.any")
@@ -132,6 +133,12 @@ def graph(value: object, start: object = 1) -> dict[str, Any]:
 @pytest.fixture(scope="session")
 def judge(judge_of: Callable[..., Judge]) -> Callable[[str], Judge]:
     return lru_cache(maxsize=None)(lambda name: judge_of([anything, setting_of(TYPES[name])]))
+
+
+def test_the_schema_of_every_type_is_valid(judge_of: Callable[..., Judge]) -> None:
+    nodes = [setting_of(kind, name=f"toy.{name}") for name, kind in TYPES.items()]
+    unwritten = setting_of(range | None, None, name="toy.unwritten")
+    Draft202012Validator.check_schema(judge_of([documented, unwritten, *nodes]).schema)
 
 
 @pytest.mark.parametrize("name", TYPES)
