@@ -36,7 +36,7 @@ def text_of(path: Path) -> str:
 
 
 def data_of(text: str) -> Any:
-    return yaml.safe_load(text)
+    return yaml.load(text, yaml.CSafeLoader)
 
 
 def changed(before: str, after: str) -> tuple[list[str], list[str]]:
