@@ -112,7 +112,7 @@ class Area:
                 ways[wire].append((bend, ""))
             ways[wire].append(wire[1])
         pieces = _pieces(ways.values(), sizes)
-        ordered = [*filter(None, _ordered(columns, sizes, pieces))]
+        ordered = _ordered([*filter(None, columns)], sizes, pieces)
         tops = _settled(ordered, sizes, pieces)
         edges: dict[Cell, tuple[float, float]] = {}
         x = 0.0
