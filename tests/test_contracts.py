@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -98,12 +99,15 @@ def cases() -> Iterator[object]:
             yield pytest.param(full_name, settings, id=f"{full_name}{label}")
 
 
+def begin() -> None:
+    warnings.simplefilter("error")
+    gc.set_threshold(20_000, 20, 20)  # to look for garbage as often as Python does takes a tenth
+
+
 @pytest.fixture(scope="module")
 def process() -> Iterator[ProcessPoolExecutor]:
     """A process that checks nodes: where their kernels are compiled, it takes half a gigabyte."""
-    with ProcessPoolExecutor(
-        1, get_context("spawn"), initializer=warnings.simplefilter, initargs=("error",)
-    ) as pool:
+    with ProcessPoolExecutor(1, get_context("spawn"), initializer=begin) as pool:
         yield pool
 
 

@@ -35,10 +35,11 @@ def oddities(value: object) -> set[str]:
 
 def first_shared(first: Values, second: Values, inputs: Values) -> str:
     """Return which array the outputs of two calls share that no input has, or an empty text."""
-    known = [array for _, array in _arrays_of_all(inputs)]
     pairs = zip(_arrays_of_all(first), _arrays_of_all(second), strict=False)
     for (place, array), (_, other) in pairs:
-        if _overlap(array, other) and not any(_overlap(array, each) for each in known):
+        if _overlap(array, other) and not any(
+            _overlap(array, each) for _, each in _arrays_of_all(inputs)
+        ):
             return place
     return ""
 

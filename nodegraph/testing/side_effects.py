@@ -43,34 +43,45 @@ def side_effects(seed: int) -> Iterator[dict[str, str]]:
         The seed of the global random states during the call.
     """
     effects: dict[str, str] = {}
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught, _seeded(seed):
         # not "ignore", which a node that silences all warnings would leave unchanged
         warnings.simplefilter("always")
         shared = _shared_states()
-        originals = [state.read() for state in shared]
-        random.seed(seed)
-        np.random.seed(seed)  # noqa: NPY002  (it is what is watched)
         before = [state.read() for state in shared]
         printed = io.StringIO()
         try:
             with _files_written() as written, redirect_stdout(printed), redirect_stderr(printed):
                 yield effects
         finally:
-            effects.update(_changed(shared, before))
-            for state, original in zip(shared, originals, strict=True):
-                if state.read() != original:
-                    state.restore(original)
+            effects.update(_put_back(shared, before))
             effects.update(_emitted(printed.getvalue(), caught, written))
 
 
-def _changed(shared: Iterable[SharedState], before: Iterable[object]) -> Iterator[tuple[str, str]]:
+@contextmanager
+def _seeded(seed: int) -> Iterator[None]:
+    """Seed the global random states, and restore them."""
+    original, numpys = random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002  (it is what is watched)
+    try:
+        yield
+    finally:
+        random.setstate(original)
+        np.random.set_state(numpys)  # noqa: NPY002
+
+
+def _put_back(shared: Iterable[SharedState], before: Iterable[object]) -> Iterator[tuple[str, str]]:
+    """Restore what has changed, and yield what that is."""
     for state, value in zip(shared, before, strict=True):
         now = state.read()
-        if now != value and (changed := difference(value, now, name="it")):
+        if now == value:
+            continue
+        if changed := difference(value, now, name="it"):
             yield (
                 f"{state.name} for everything else in the process: {state.instead}",
                 changed.removeprefix("it"),
             )
+        state.restore(value)
 
 
 def _emitted(
