@@ -93,7 +93,8 @@ def test_a_node_of_several_answers_costs_the_status_and_is_in_doubt_until_it_is_
 
 def test_a_node_that_dies_ends_nothing_else(command: Command) -> None:
     add("  odd: {use: odd.dies, in: a}\n")
-    status, out, _ = command("verify", "toy.yaml", "--repeat", *_STORE)
+    words = ("--executor", "processes", "--jobs", "1")
+    status, out, _ = command("verify", "toy.yaml", "--repeat", *_STORE, *words)
     assert status == 1
     assert rows(out)[-1][:3] == ["odd", "odd.dies", "failed"]
     assert "ended with exit status 7" in out
