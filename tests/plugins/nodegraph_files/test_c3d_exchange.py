@@ -128,7 +128,7 @@ def test_an_odd_recording_is_read_alike_everywhere(name: str, tmp_path: Path) ->
 def test_a_long_take_is_read_alike_everywhere(frames: int, tmp_path: Path) -> None:
     # Around 2^15 and 2^16 the counters of 16 bits end. py-c3d takes a second for so many frames.
     readers = ["ezc3d"] if frames in (32_767, 65_534, 65_536) else list(READERS)
-    assert_read_alike(moving(frames, 3), tmp_path / "it.c3d", readers)
+    assert_read_alike(moving(frames, 1), tmp_path / "it.c3d", readers)
 
 
 @pytest.mark.parametrize("rate", [0.5, 23.976, 29.97, 59.94, 59.94005994, 119.88, 240.0, 10_000.0])
