@@ -9,9 +9,8 @@ import zipfile
 from pathlib import Path
 
 from tests.environments import run
-from tests.studies import ROOT, command
+from tests.studies import ROOT, Studies, command
 
-GRAPH = ROOT / "graphs" / "procrustes_example.yaml"
 PROFILES = [
     *("process-run-crate-0.5", "ro-crate-1.1", "workflow-ro-crate-1.0"),
     "workflow-run-crate-0.5",
@@ -20,11 +19,11 @@ PROFILES = [
 
 
 def test_an_archive_is_a_crate_of_its_profiles_and_is_none_without_its_workflow(
-    tmp_path: Path,
+    studies: Studies, tmp_path: Path
 ) -> None:
-    for words in (("run", str(GRAPH), "--out", "ran"), ("archive", "ran")):
-        ended = command(*words, folder=tmp_path)
-        assert ended.status == 0, ended.err
+    ran = str(studies.few("procrustes_example"))
+    ended = command("archive", ran, "--out", "ran.zip", folder=tmp_path)
+    assert ended.status == 0, ended.err
     with zipfile.ZipFile(tmp_path / "ran.zip") as file:
         file.extractall(tmp_path / "whole")
     shutil.copytree(tmp_path / "whole", tmp_path / "without")
