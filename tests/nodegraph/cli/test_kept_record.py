@@ -126,18 +126,18 @@ def limited(command: Command) -> Command:
 
 
 @pytest.mark.parametrize(
-    ("kind", "executor", "cache"),
+    ("kind", "executor", "words"),
     [
         ("list", "serial", ()),
         ("mapping", "serial", ("--no-cache",)),
         ("tuple", "threads", ()),
         ("alone", "threads", ("--no-cache",)),
-        ("list", "processes", ("--no-cache",)),
-        ("alone", "processes", ()),
+        ("list", "processes", ("--jobs", "1", "--no-cache")),
+        ("alone", "processes", ("--jobs", "1")),
     ],
 )
 def test_a_value_that_cannot_be_copied_fails_its_step_alone(
-    command: Command, kind: str, executor: str, cache: tuple[str, ...]
+    command: Command, kind: str, executor: str, words: tuple[str, ...]
 ) -> None:
     graph(
         f"  once: {{use: once.{kind}}}\n"
@@ -146,7 +146,7 @@ def test_a_value_that_cannot_be_copied_fails_its_step_alone(
         "  word: {use: toy.word}\n"
         "report: [once, reader, word]"
     )
-    status, out, err = command("run", "toy.yaml", "--executor", executor, *cache)
+    status, out, err = command("run", "toy.yaml", "--executor", executor, *words)
     assert status == 1
     data = record()
     states = {name: step["state"] for name, step in steps(data).items()}

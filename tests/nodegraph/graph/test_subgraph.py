@@ -551,12 +551,12 @@ def test_a_graph_of_graphs_is_drawn(files: Files, graph_of: Callable[..., Graph]
         assert "clean" in draw(picture)
 
 
-@pytest.mark.parametrize("executor", ["threads", "processes"])
+@pytest.mark.parametrize(("executor", "jobs"), [("threads", 2), ("processes", 1)])
 def test_every_executor_runs_pass_through_nodes(
-    files: Files, run_of: Callable[..., Run], executor: str
+    files: Files, run_of: Callable[..., Run], executor: str, jobs: int
 ) -> None:
     files(damage=DAMAGE)
-    run = run_of(SCORED.replace("ESTIMATE", "fill"), how=HowToRun(executor, 2))
+    run = run_of(SCORED.replace("ESTIMATE", "fill"), how=HowToRun(executor, jobs))
     assert values(run, "error") == {("hold",): 0.5, ("pass",): 1.0}
 
 
