@@ -639,13 +639,13 @@ def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow
     said = {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
     for box in picture.boxes:
         named = {each.source for each in box.alternatives}
-        said |= {(box.name, each) for each in named if len(named) > _MOST_ORIGINS}
+        said |= {(box.name, f"from {each}") for each in named if len(named) > _MOST_ORIGINS}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].append((arrow.target_port, arrow.fixed))
         if arrow in cut:
             readers[arrow.source].append((arrow.source_port, arrow.target))
-            if not {(arrow.target, origin), (arrow.target, f"from {origin}")} & said:
+            if (arrow.target, f"from {origin}") not in said:
                 sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(
