@@ -127,6 +127,7 @@ def collecting_warnings() -> Iterator[None]:
 
         outer, _calls.collect = _calls.collect, collect
         _calls.collect_again()
+        _kept.forget()
         try:
             yield
         finally:

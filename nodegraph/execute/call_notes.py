@@ -24,6 +24,7 @@ _BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threa
 """Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
+_CHANGES = ("os.putenv", "os.unsetenv")
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
 """The notes of the call that is being made."""
@@ -169,6 +170,17 @@ def _install() -> None:
     os._exit = refuse  # type: ignore[assignment]
 
 
+_changes = 0
+
+
+def environment_changes() -> int:
+    """Return the number of changes of environment variables since reads are noted."""
+    return _changes
+
+
 def _note(event: str, arguments: tuple[object, ...]) -> None:
+    global _changes
     if event in _EVENTS and (notes := notes_of_call.get()):
         notes.note(event, *arguments)
+    elif event in _CHANGES:
+        _changes += 1

@@ -11,9 +11,12 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+
+from nodegraph.execute.call_notes import environment_changes
 
 
 @dataclass(frozen=True)
@@ -47,16 +50,24 @@ class StateBefore:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._calls: set[int] = set()
+        self._marks: tuple[object, ...] = ()
+        self._files: list[tuple[int, int] | None] = []
         self._before: list[object] = []
+
+    def forget(self) -> None:
+        """Read all of the state before the next call, as a run begins.
+
+        In a run, files of the standard streams are looked at after each call alone.
+        """
+        self._marks = ()
 
     def begin(self, call: object) -> None:
         """Note that a call begins."""
         with self._lock:
-            if not self._calls:
-                before = [state.read() for state in SHARED]
-                if before != self._before:
-                    _copy_descriptors()
-                self._before = before
+            if not self._calls and (marks := _marks()) != self._marks:
+                self._marks, self._files = marks, _files()
+                self._before = [state.read() for state in SHARED]
+                _copy_descriptors()
             self._calls.add(id(call))
 
     def put_back(self, call: object) -> list[str]:
@@ -65,6 +76,8 @@ class StateBefore:
             if id(call) not in self._calls:
                 return []
             self._calls.remove(id(call))
+            if _marks() == self._marks and _files() == self._files:
+                return []
             return list(self._put_back())
 
     def _put_back(self) -> Iterator[str]:
@@ -76,6 +89,36 @@ class StateBefore:
                     yield f"it {state.name}, which cannot be put back: {error.strerror}"
                 else:
                     yield f"it {state.name}, which is put back: {state.instead}"
+
+
+def _marks() -> tuple[object, ...]:
+    """Return what differs if any of the state does but files, in a tenth of the time to read that.
+
+    Nodes of a chain may take less time than the states of the generators alone, which are compared
+    by their memory.
+    """
+    engine = _numpy().get_bit_generator()
+    numpys, own, pythons = _memory_of_generators(engine)
+    errors, printing = _OPTIONS
+    return (
+        engine,
+        object() if numpys is None else numpys.raw,
+        own.raw,
+        pythons.raw,
+        _PYTHON.gauss_next,
+        errors.get(),
+        printing.get(),
+        environment_changes(),
+        _folder(),
+        sys.path.copy(),
+        sys.getrecursionlimit(),
+        sys.stdin,
+        sys.stdout,
+        sys.stderr,
+        getattr(sys.stdin, "closed", False),
+        getattr(sys.stdout, "closed", False),
+        getattr(sys.stderr, "closed", False),
+    )
 
 
 def _folder() -> str:
@@ -102,33 +145,27 @@ def _set_environment(original: dict[Any, Any]) -> None:
     os.environ.update({os.fsdecode(name): os.fsdecode(value) for name, value in original.items()})
 
 
+_CORE: Any = vars(np)["_core"]
+_OPTIONS = (_CORE.umath._extobj_contextvar, _CORE.arrayprint.format_options)
+"""The variables in which numpy has its treatment of errors and its print options."""
 _PYTHON: Any = vars(random)["getstate"].__self__
 _WORDS = 625
 """Words of four bytes in the state of a Mersenne Twister."""
-_last_read: tuple[tuple[object, ...], tuple[object, bytes]] = ((), (None, b""))
-"""The memory of the generators when they were last read, and what was read."""
 
 
 def _random_states() -> tuple[object, bytes]:
-    """Return numpy's engine and the states of the generators, read only if their memory differs.
-
-    Such a read takes 0.2 ms, which is longer than most nodes of a chain.
-    """
-    global _last_read
-    memory = _memory_of_generators()
-    if memory != _last_read[0]:
-        states = random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
-        _last_read = memory, (_numpy().get_bit_generator(), pickle.dumps(states))
-    return _last_read[1]
+    """Return numpy's engine and the states of the generators."""
+    states = random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
+    return _numpy().get_bit_generator(), pickle.dumps(states)
 
 
-def _memory_of_generators() -> tuple[object, ...]:
-    numpy = _numpy()
-    engine = numpy.get_bit_generator()
-    if type(engine) is not np.random.MT19937:
-        return (object(),)  # the memory of other engines is not known
-    words = ctypes.string_at(engine.ctypes.state_address, 4 * _WORDS)
-    return engine, words, _fields(numpy.get_state.__self__), _fields(_PYTHON), _PYTHON.gauss_next
+@lru_cache(maxsize=1)
+def _memory_of_generators(engine: Any) -> tuple[Any, Any, Any]:
+    """Return the memory of numpy's engine, where that is known, and of numpy's and Python's own."""
+    words: Any = None
+    if type(engine) is np.random.MT19937:
+        words = (ctypes.c_char * (4 * _WORDS)).from_address(engine.ctypes.state_address)
+    return words, _fields(_numpy().get_state.__self__), _fields(_PYTHON)
 
 
 def _numpy() -> Any:
@@ -136,10 +173,11 @@ def _numpy() -> Any:
     return np.random
 
 
-def _fields(generator: Any) -> bytes:
+def _fields(generator: Any) -> Any:
     """Return the memory of a generator, without its count of references."""
     head = object.__basicsize__
-    return ctypes.string_at(id(generator) + head, type(generator).__basicsize__ - head)
+    size = type(generator).__basicsize__ - head
+    return (ctypes.c_char * size).from_address(id(generator) + head)
 
 
 def _set_random_states(original: tuple[object, bytes]) -> None:
@@ -161,9 +199,15 @@ _copies: dict[int, tuple[int, tuple[int, int]]] = {}
 
 def _streams() -> tuple[list[object], list[bool], list[tuple[int, int] | None]]:
     """Return the standard streams, which of them are closed, and the files of their descriptors."""
-    files = [_file(number) for number in _STREAMS.values()]
     streams = [getattr(sys, name) for name in _STREAMS]
-    return streams, [getattr(stream, "closed", False) for stream in streams], files
+    return streams, [getattr(stream, "closed", False) for stream in streams], _files()
+
+
+def _files() -> list[tuple[int, int] | None]:
+    try:
+        return [os.fstat(number)[1:3] for number in _STREAMS.values()]
+    except OSError:
+        return [_file(number) for number in _STREAMS.values()]
 
 
 def _set_streams(original: tuple[list[Any], list[bool], list[tuple[int, int] | None]]) -> None:
