@@ -171,6 +171,8 @@ class _Planner:
     def plan(self) -> Plan:
         """Return the plan of all that was added."""
         order = _depth_first_order([step.needed for step in self._steps])
+        if order == list(range(len(order))):
+            return Plan(self._graph, tuple(self._steps), self._cells, self._skipped)
         index = [0] * len(order)
         for new, old in enumerate(order):
             index[old] = new
@@ -206,7 +208,10 @@ class _Planner:
             else:
                 needed |= dict.fromkeys([output.step for output in source.values()])
         row = tuple([labels[axis] for axis in method.settings.axes])
-        fed = [(port, _comparable(source)) for port, source in inputs.items()]
+        fed = [
+            (port, source if isinstance(source, Output) else _comparable(source))
+            for port, source in inputs.items()
+        ]
         call = (method.plugin, method.node.name, texts[label][row], *fed)
         index = self._by_call.setdefault(call, len(self._steps))
         if index == len(self._steps):
@@ -362,10 +367,8 @@ def _applies(item: SkipSpec, labels: Mapping[str, Label]) -> bool:
     return all(axis in labels and labels[axis] in of for axis, of in item.labels.items())
 
 
-def _comparable(source: StepInput) -> object:
-    """Return what two calls have in common if one port of them is fed alike; it can be hashed."""
-    if isinstance(source, Output):
-        return source
+def _comparable(source: Across[Output]) -> object:
+    """Return what two calls have in common that gather alike at a port; it can be hashed."""
     entries = tuple((*labels.values(), output) for labels, output in source)
     absent = tuple((*each.labels.values(), each.reason) for each in source.absent)
     return source.axes, entries, absent, tuple(source.known.values()), source.sources, source.unused

@@ -6,7 +6,7 @@ import os
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -151,16 +151,17 @@ class _Calls:
         with self._lock:
             self._count += 1
 
-    def end(self) -> Iterator[str]:
-        """Yield a warning if warnings would no longer be collected."""
+    def end(self) -> Sequence[str]:
+        """Return a warning if warnings would no longer be collected."""
         with self._lock:
             self._count -= 1
-            if not self._count and self.collect is not None and not self._are_collected():
-                self.collect_again()
-                yield (
-                    "it changes the filters of warnings, which are put back: put `with "
-                    "warnings.catch_warnings():` around the line"
-                )
+            if self._count or self.collect is None or self._are_collected():
+                return ()
+            self.collect_again()
+        return (
+            "it changes the filters of warnings, which are put back: put `with "
+            "warnings.catch_warnings():` around the line",
+        )
 
     def collect_again(self) -> None:
         for category in _COLLECTED:

@@ -43,23 +43,21 @@ class Notes:
     """
 
     # one is made for every call
-    __slots__ = ("_kept", "_package", "_threads", "node", "process", "reads", "warnings")
+    __slots__ = ("_kept", "_threads", "node", "process", "reads", "warnings")
 
     def __init__(self, node: Node, settings: Mapping[str, object], *, with_reads: bool) -> None:
         self.node = node
         self.process = os.getpid()
         self.warnings: list[str] = []
         self.reads: dict[str, None] | None = None
-        self._threads: tuple[threading.Thread, ...] = ()
+        self._threads: list[threading.Thread] = []
         if with_reads:
             _install()
             self.reads = {}
-            self._package = _package(node.function.__module__)
-            self._kept = [  # files that settings name, and from here on what the call writes
-                os.path.abspath(str(settings[name]))
-                for name, setting in node.settings.items()
-                if setting.is_file and settings.get(name) is not None
-            ]
+            self._kept = []  # files that settings name, and from here on what the call writes
+            for name, setting in node.settings.items():
+                if setting.is_file and settings.get(name) is not None:
+                    self._kept.append(os.path.abspath(str(settings[name])))
 
     def note(self, event: str, path: object, *how: object) -> None:
         """Note what Python reports before it opens a file, lists or makes a folder."""
@@ -83,12 +81,12 @@ class Notes:
     def _is_by_package(self) -> bool:
         """Return whether the line that has led here is in the node's own package."""
         callers = (name for name in _modules_from(sys._getframe(1)) if name not in _BETWEEN)
-        return _package(next(callers, "")) == self._package
+        return _package(next(callers, "")) == _package(self.node.function.__module__)
 
     def thread(self, thread: threading.Thread) -> None:
         """Note a thread that the node's own package starts; those of libraries may wait."""
         if self.reads is not None and self._is_by_package():
-            self._threads += (thread,)
+            self._threads.append(thread)
 
     def check_threads(self) -> None:
         """Check that no thread of the node's own package is left, which could write to values.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from datetime import datetime
 from enum import StrEnum
 from types import MappingProxyType
@@ -99,7 +99,7 @@ class EventLog:
         self._ended: dict[int, State] = {}
         self._steps = len(plan.steps)
         self._next = _INTERVAL
-        self._left: Callable[[], int] = lambda: self._steps - len(self._ended)
+        self._left: Collection[int] | None = None
         self._remaining = RemainingTime((), {})
         self._begun: dict[int, float] = {}
         if listeners:
@@ -108,7 +108,6 @@ class EventLog:
             alternatives = Counter(f"{step.node}={step.method.label}" for step in labelled)
             self._emit(
                 EventKind.PLANNED,
-                None,
                 {
                     "format": FORMAT,
                     "steps": self._steps,
@@ -125,14 +124,14 @@ class EventLog:
         return time.perf_counter() - self._start
 
     def begin(
-        self, left: Callable[[], int], steps: Iterable[Step], seconds: Mapping[str, float]
+        self, left: Collection[int], steps: Iterable[Step], seconds: Mapping[str, float]
     ) -> None:
         """Note what is to be computed, once stored results have been looked up.
 
         Parameters
         ----------
         left
-            Returns how many steps are still to be settled.
+            The steps that are still to be settled, at any time.
         steps
             The steps to be computed.
         seconds
@@ -147,44 +146,43 @@ class EventLog:
 
     def started(self, step: Step) -> None:
         """Report that a step is being computed."""
-        now = self._emit(EventKind.STARTED, step, {"use": step.method.node.name})
-        self._begun[step.index] = now
+        begun = self._emit(EventKind.STARTED, {"use": step.method.node.name}, step)
+        self._begun[step.index] = begun
 
     def settled(self, step: Step, outcome: Outcome) -> None:
         """Report how a step ended, and from time to time the progress of the run."""
         if not self.listeners:
             return
         status = outcome.status
-        if step.index in self._begun:
-            self._remaining.add(step, self.seconds() - self._begun[step.index])
-        else:
-            self._remaining.drop(step)
         detail: dict[str, object] = {"took": round(outcome.seconds, 6)}
         if outcome.stored and status is not State.STORED:
             detail["stored"] = True
-        for name in ("reason", "place"):
-            if text := getattr(outcome, name):
-                detail[name] = text
+        if outcome.reason:
+            detail["reason"] = outcome.reason
+        if outcome.place:
+            detail["place"] = outcome.place
         if outcome.warnings:
             detail["warnings"] = list(outcome.warnings)
-        now = self._emit(status, step, detail)
+        now = self._emit(status, detail, step)
+        begun = self._begun.get(step.index)
+        self._remaining.add(step, None if begun is None else now - begun)
         self._ended[step.index] = status
         if now >= self._next:
             self._next = now + _INTERVAL
-            self._emit(EventKind.PROGRESS, None, self._progress())
+            self._emit(EventKind.PROGRESS, self._progress())
 
     def interrupted(self) -> None:
         """Report that the run ends early."""
-        self._emit(EventKind.INTERRUPTED, None, self._progress())
+        self._emit(EventKind.INTERRUPTED, self._progress())
 
     def finished(self, counts: Callable[[], Mapping[str, int]]) -> None:
         """Report that the run is over, and how many steps ended in each state."""
         if self.listeners:
-            self._emit(EventKind.FINISHED, None, dict(counts()))
+            self._emit(EventKind.FINISHED, dict(counts()))
 
     def _progress(self) -> dict[str, object]:
         counts = Counter(self._ended.values())
-        left = self._left()
+        left = self._steps - len(self._ended) if self._left is None else len(self._left)
         elapsed = self.seconds() - next(iter(self._begun.values()), 0.0)
         to_go = self._remaining.estimate(elapsed)
         listed = (State.STORED, State.REFUSED, State.FAILED, State.SKIPPED)
@@ -196,7 +194,7 @@ class EventLog:
             "to_go": None if to_go is None else round(to_go, 1),
         }
 
-    def _emit(self, kind: str, step: Step | None, detail: Mapping[str, object]) -> float:
+    def _emit(self, kind: str, detail: Mapping[str, object], step: Step | None = None) -> float:
         """Hand an event to the listeners, and return its time."""
         seconds = time.perf_counter() - self._start
         event = (

@@ -32,13 +32,9 @@ class RemainingTime:
         self._left: Counter[str] = Counter()
         self._took: defaultdict[str, list[float]] = defaultdict(list)
 
-    def add(self, step: Step, seconds: float) -> None:
-        """Note that a step was computed, and how long that took, with its inputs and its result."""
+    def add(self, step: Step, seconds: float | None) -> None:
+        """Note how long a step took, with its inputs and its result; None if it was not computed."""
         self._settled.append((step, seconds))
-
-    def drop(self, step: Step) -> None:
-        """Note that a step need not be computed any more."""
-        self._settled.append((step, None))
 
     def estimate(self, elapsed: float) -> float | None:
         """Return the seconds to go; None while methods of unknown times may take most of them.

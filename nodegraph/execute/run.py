@@ -79,7 +79,7 @@ def execute(
             timeout=how.timeout,
         )
         earlier = store.recall(_SECONDS) if store is not None and schedule.left else {}
-        log.begin(lambda: len(schedule.left), map(plan.steps.__getitem__, schedule.left), earlier)
+        log.begin(schedule.left, map(plan.steps.__getitem__, schedule.left), earlier)
         registry = formats_of(plan.graph.registry)
         threads = one_thread_each() if schedule.left else nullcontext()
         with collecting_warnings(), registry, threads, in_turn(), interruptible():

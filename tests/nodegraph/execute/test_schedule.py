@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import pytest
 
 from nodegraph import Across, Value, node
-from nodegraph.execute import HowToRun, Run
+from nodegraph.execute import HowToRun, Run, execute
 from nodegraph.execute.call import perform
 from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.schedule import Schedule
+from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Graph
 from nodegraph.plan import Step, plan
 from nodegraph.state import State
@@ -180,3 +181,14 @@ def test_what_is_reported_stays(run_of: Callable[..., Run], peak: list[int]) -> 
     assert [big.number for big in ALIVE] == [1]
     assert run["b"].value is next(iter(ALIVE))
     assert run["c"].value.number == 2
+
+
+def test_values_of_a_run_that_is_dropped_are_freed_at_once(
+    graph_of: Callable[..., Graph], peak: list[int]
+) -> None:
+    graph = graph_of("nodes:\n  a: {use: big.make}\n", more=BIG)
+    with gc_paused():
+        run = execute(plan(graph), keep=["a"], listeners=[lambda event: None])
+        assert (run["a"].value.number, len(ALIVE)) == (0.0, 1)
+        del run
+        assert len(ALIVE) == 0
