@@ -33,7 +33,7 @@ class RemainingTime:
         self._took: defaultdict[str, list[float]] = defaultdict(list)
 
     def add(self, step: Step, seconds: float | None) -> None:
-        """Note how long a step took, with its inputs and its result; None if it was not computed."""
+        """Note the time of a step, with its inputs and its result; None if it was not computed."""
         self._settled.append((step, seconds))
 
     def estimate(self, elapsed: float) -> float | None:
