@@ -51,11 +51,6 @@ def write_c3d(recording: Trajectories, *, file: File) -> Files:
     recording
         Any.
 
-    Returns
-    -------
-    Files
-        One file.
-
     Raises
     ------
     ValueError
@@ -76,11 +71,6 @@ def write_trc(recording: Trajectories, *, file: File) -> Files:
     ----------
     recording
         Any.
-
-    Returns
-    -------
-    Files
-        One file.
 
     Raises
     ------
@@ -103,11 +93,6 @@ def write_csv(recording: Trajectories, *, file: File) -> Files:
     recording
         Any.
 
-    Returns
-    -------
-    Files
-        One file.
-
     Raises
     ------
     ValueError
@@ -126,11 +111,6 @@ def write_npz(recording: Trajectories, *, file: File) -> Files:
     ----------
     recording
         Any.
-
-    Returns
-    -------
-    Files
-        One file.
     """
     from nodegraph_files.npz import npz_bytes
 
@@ -145,11 +125,6 @@ def write_marker_set(marker_set: MarkerSet, *, file: File) -> Files:
     ----------
     marker_set
         Any.
-
-    Returns
-    -------
-    Files
-        One file.
     """
     from nodegraph_files.marker_set import marker_set_text
 
@@ -164,11 +139,6 @@ def write_model(model: BlendshapeModel, *, file: File) -> Files:
     ----------
     model
         Any.
-
-    Returns
-    -------
-    Files
-        One file.
     """
     from nodegraph_files.npz import model_bytes
 
@@ -183,11 +153,6 @@ def write_weights(weights: Weights, *, file: File) -> Files:
     ----------
     weights
         Any; the cell of a weight that is not known is empty.
-
-    Returns
-    -------
-    Files
-        One file.
     """
     times = np.arange(weights.frames) / weights.rate
     rows = [
@@ -274,10 +239,6 @@ def write_glb(animation: Animation | None = None, head: Head | None = None) -> F
         Becomes ``animation.glb``: the head with its weights and motion, a key per frame.
     head
         Becomes ``head.glb``: a head at rest.
-
-    Returns
-    -------
-    Files
 
     Raises
     ------

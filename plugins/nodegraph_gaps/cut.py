@@ -144,11 +144,6 @@ def cut(
         Same seed, same gaps. A list, such as ``[$trial, $recording]`` in a graph, is another
         seed for each recording.
 
-    Returns
-    -------
-    Cut
-        gappy, truth, hidden.
-
     Raises
     ------
     ValueError

@@ -105,11 +105,6 @@ def dropout(
     seed
         Same seed, same gaps. A list is another seed for each of its values.
 
-    Returns
-    -------
-    Cut
-        gappy, truth, hidden.
-
     Raises
     ------
     ValueError

@@ -39,11 +39,6 @@ def from_matrix(
         stays and 0 for one that is hidden, three alike for the coordinates of a marker. As it
         names no markers, they are those of the recording, in its order.
 
-    Returns
-    -------
-    Cut
-        gappy, truth, hidden.
-
     Raises
     ------
     ValueError

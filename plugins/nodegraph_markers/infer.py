@@ -106,11 +106,6 @@ def infer(
         landmarks, edges. Only empty parts are then proposed, with a warning that names them; a
         set without empty parts is returned as it is.
 
-    Returns
-    -------
-    Inferred
-        recording, marker_set.
-
     Raises
     ------
     Refusal

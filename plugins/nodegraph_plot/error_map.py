@@ -52,10 +52,6 @@ def error_map(
     view
         As for ``plot.faces``.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     ValueError

@@ -51,10 +51,6 @@ def faces(
         Without pairs, forward is the direction of least extent, and up the recording's y or z
         axis.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     ValueError

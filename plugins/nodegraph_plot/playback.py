@@ -65,10 +65,6 @@ def playback(
         ``auto`` finds the front of each recording's mean face as `plot.faces` does, and that of a
         head by the vertices that carry its markers.
 
-    Returns
-    -------
-    Playback
-
     Raises
     ------
     Refusal

@@ -46,10 +46,6 @@ def selection(
         ``auto``, or the recording's axes that point right and up in the picture, such as
         ``+x+y``. ``auto`` finds the front of each recording's mean face, as in `plot.faces`.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     Refusal

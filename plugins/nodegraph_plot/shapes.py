@@ -45,10 +45,6 @@ def shapes(
         ``auto``, or the axes that point right and up in the picture, such as ``+x+y``. ``auto``
         sees each reference from the front, fewer than four points with x to the right and y up.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     ValueError

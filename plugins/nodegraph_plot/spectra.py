@@ -57,10 +57,6 @@ def spectra(
         markers of every recording have a run without a gap. Markers without such a run are left
         out, and counted in a warning.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     ValueError

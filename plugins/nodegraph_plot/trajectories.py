@@ -75,10 +75,6 @@ def trajectories(
     reference
         Name of a recording that is drawn in full and dashed, whatever its error.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     ValueError

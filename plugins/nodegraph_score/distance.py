@@ -68,11 +68,6 @@ def distance(
     unit
         The unit of coordinates: ``none`` for shapes that were scaled to one size.
 
-    Returns
-    -------
-    Table
-        As above.
-
     Raises
     ------
     ValueError

@@ -40,11 +40,6 @@ def head_motion(
     truth
         T frames.
 
-    Returns
-    -------
-    Table
-        As above.
-
     Raises
     ------
     ValueError

@@ -88,11 +88,6 @@ def impulses(
     per
         The unit of a row: the take, or a marker.
 
-    Returns
-    -------
-    Table
-        As above.
-
     Raises
     ------
     ValueError

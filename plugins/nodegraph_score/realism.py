@@ -108,11 +108,6 @@ def realism(recordings: Truth[Across[Trajectories]]) -> Realism:
     recordings
         Any recordings, with or without gaps; of made faces the truth or what was measured of it.
 
-    Returns
-    -------
-    Realism
-        table, figure.
-
     Raises
     ------
     Refusal

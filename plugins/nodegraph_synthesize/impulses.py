@@ -75,11 +75,6 @@ def add(
         Same seed and present samples, same places and directions. A list, such as
         ``[$trial, $recording]`` in a graph, is another seed for each recording.
 
-    Returns
-    -------
-    Spiky
-        spiky, truth, impulses.
-
     Raises
     ------
     ValueError

@@ -73,11 +73,6 @@ def add(
         Same seed, same noise. A list, such as ``[$trial, $recording]`` in a graph, is another
         seed for each recording.
 
-    Returns
-    -------
-    Noisy
-        noisy, truth.
-
     Raises
     ------
     ValueError

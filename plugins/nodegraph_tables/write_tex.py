@@ -41,11 +41,6 @@ def write_tex(
     name
         Name of the file, without its suffix.
 
-    Returns
-    -------
-    Files
-        One file.
-
     Raises
     ------
     ValueError

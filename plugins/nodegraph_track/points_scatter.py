@@ -67,11 +67,6 @@ def scatter(
         Same seed and recording, same points. A list, such as ``[$trial, $recording]`` in a
         graph, is another seed for each recording.
 
-    Returns
-    -------
-    Scattered
-        detections, truth.
-
     Raises
     ------
     ValueError
