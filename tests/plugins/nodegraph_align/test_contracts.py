@@ -9,19 +9,14 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-import nodegraph_align
-import nodegraph_mocap
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_align.huber import huber
 from nodegraph_align.poses import Aligned
 from nodegraph_align.procrustes import procrustes
 from nodegraph_align.trimmed import trimmed
 from nodegraph_mocap import HeadMotion, Origin, Trajectories
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("align", nodegraph_align)])
+ALIGN = Family("align")
 Spoil = Callable[[Trajectories, Aligned], Aligned]
 
 
@@ -90,22 +85,19 @@ def turns_by_what_was_there(take: Trajectories, output: Aligned) -> Aligned:
     ],
 )
 def test_an_alignment_that_breaks_a_promise(spoil: Spoil, text: str) -> None:
-    @node("align.broken")
     def broken(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
         """Align, and spoil it."""
         return spoil(recording, procrustes(recording, reference))
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    ALIGN.refuses(broken, text)
 
 
 def test_frames_that_stay_as_they_are_are_no_fault() -> None:
-    @node("align.partial")
     def partial(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
         """Align all frames but the last, which cannot be."""
         return does_nothing_to_the_last_frame(recording, procrustes(recording, reference))
 
-    check_node(partial, registry=REGISTRY)
+    ALIGN.accepts(partial)
 
 
 class Renamed(NamedTuple):
@@ -115,23 +107,19 @@ class Renamed(NamedTuple):
 
 
 def test_outputs_by_other_names() -> None:
-    @node("align.broken")
     def broken(recording: Trajectories, reference: Trajectories | None = None) -> Renamed:
         """Align, and call it otherwise."""
         return Renamed(*procrustes(recording, reference))
 
-    with pytest.raises(AssertionError, match="let it return aligned, head_motion, reference"):
-        check_node(broken, registry=REGISTRY)
+    ALIGN.refuses(broken, "let it return aligned, head_motion, reference")
 
 
 def test_one_that_depends_on_the_head_although_it_has_a_reference() -> None:
-    @node("align.broken")
     def broken(recording: Trajectories, reference: Trajectories | None = None) -> Aligned:
         """Align to the recording's own first frame, whatever the reference."""
         return procrustes(recording)
 
-    with pytest.raises(AssertionError, match="Give the same face wherever the head is"):
-        check_node(broken, registry=REGISTRY)
+    ALIGN.refuses(broken, "Give the same face wherever the head is")
 
 
 @pytest.mark.parametrize(
@@ -144,4 +132,4 @@ def test_one_that_depends_on_the_head_although_it_has_a_reference() -> None:
     ],
 )
 def test_good_ones_pass(align: Callable[..., Aligned], settings: dict[str, object]) -> None:
-    check_node(align, settings=settings, registry=REGISTRY)
+    ALIGN.accepts(align, **settings)

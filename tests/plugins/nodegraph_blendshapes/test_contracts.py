@@ -8,22 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import nodegraph_blendshapes
-import nodegraph_mocap
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_blendshapes.animate_mesh import mesh
 from nodegraph_blendshapes.from_head import from_head
 from nodegraph_blendshapes.from_pca import from_pca
 from nodegraph_blendshapes.model import ModelAndNeutral
 from nodegraph_blendshapes.pose import pose
 from nodegraph_mocap import Animation, BlendshapeModel, Head, Trajectories, Weights
+from tests.promises import Family
 
-REGISTRY = Registry(
-    loaded=[Plugin("mocap", nodegraph_mocap), Plugin("blendshapes", nodegraph_blendshapes)]
-)
+BLENDSHAPES = Family("blendshapes")
+ANIMATE = Family("animate", "blendshapes")
 
 
 def stranger(model: BlendshapeModel) -> BlendshapeModel:
@@ -56,23 +50,19 @@ def flat(model: BlendshapeModel) -> BlendshapeModel:
 def test_a_model_that_breaks_a_promise(
     spoil: Callable[[BlendshapeModel], BlendshapeModel], text: str
 ) -> None:
-    @node("blendshapes.broken")
     def of_head(head: Head) -> BlendshapeModel:
         """Build a model, and spoil it."""
         return spoil(from_head(head).model)
 
-    @node("blendshapes.broken")
     def of_recording(recording: Trajectories) -> BlendshapeModel:
         """Build a model, and spoil it."""
         return spoil(from_pca(recording).model)
 
     for broken in (of_head, of_recording):
-        with pytest.raises(AssertionError, match=text):
-            check_node(broken, registry=REGISTRY)
+        BLENDSHAPES.refuses(broken, text)
 
 
 def test_a_neutral_that_is_not_the_model_s() -> None:
-    @node("blendshapes.broken")
     def broken(head: Head) -> ModelAndNeutral:
         """Build a model, and give another neutral."""
         animation = from_head(head)
@@ -80,28 +70,23 @@ def test_a_neutral_that_is_not_the_model_s() -> None:
             neutral=replace(animation.neutral, positions=animation.neutral.positions + 1.0)
         )
 
-    with pytest.raises(AssertionError, match="`neutral` differs from the model's"):
-        check_node(broken, registry=REGISTRY)
+    BLENDSHAPES.refuses(broken, "`neutral` differs from the model's")
 
 
 def test_a_pose_that_takes_weights_by_their_column() -> None:
-    @node("blendshapes.broken")
     def broken(weights: Weights, model: BlendshapeModel) -> Trajectories:
         """Pose, by column."""
         return pose(replace(weights, names=model.names), model)
 
-    with pytest.raises(AssertionError, match="Do the same with the shapes of weights in another"):
-        check_node(broken, registry=REGISTRY)
+    BLENDSHAPES.refuses(broken, "Do the same with the shapes of weights in another")
 
 
 def test_a_node_that_gives_something_else() -> None:
-    @node("blendshapes.broken")
     def broken(head: Head) -> Head:
         """Give the head."""
         return head
 
-    with pytest.raises(AssertionError, match="its first output is Head"):
-        check_node(broken, registry=REGISTRY)
+    BLENDSHAPES.refuses(broken, "its first output is Head")
 
 
 def doubled(animation: Animation) -> Animation:
@@ -131,20 +116,16 @@ def swollen(animation: Animation) -> Animation:
 def test_an_animation_that_breaks_a_promise(
     spoil: Callable[[Animation], Animation], text: str
 ) -> None:
-    @node("animate.broken")
     def broken(weights: Weights, head: Head) -> Animation:
         """Animate, and spoil it."""
         return spoil(mesh(weights, head))
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    ANIMATE.refuses(broken, text)
 
 
 def test_an_animation_whose_ports_have_other_names() -> None:
-    @node("animate.broken")
     def broken(curves: Weights, head: Head) -> Animation:
         """Animate."""
         return mesh(curves, head)
 
-    with pytest.raises(AssertionError, match="name them `weights` and `head`"):
-        check_node(broken, registry=REGISTRY)
+    ANIMATE.refuses(broken, "name them `weights` and `head`")

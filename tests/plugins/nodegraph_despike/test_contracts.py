@@ -10,15 +10,11 @@ import numpy as np
 import pytest
 
 import nodegraph_despike
-import nodegraph_mocap
-from nodegraph import node
 from nodegraph.node.decorator import node_of
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("despike", nodegraph_despike)])
+DESPIKE = Family("despike")
 
 
 def marked(recording: Trajectories, positions: Any, bad: Any) -> Trajectories:
@@ -100,23 +96,19 @@ def faster(before: Trajectories) -> Trajectories:
 def test_a_despiker_that_breaks_a_promise(
     spoil: Callable[[Trajectories], Trajectories], text: str
 ) -> None:
-    @node("despike.broken")
     def broken(recording: Trajectories) -> Trajectories:
         """Spoil the recording."""
         return spoil(recording)
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    DESPIKE.refuses(broken, text)
 
 
 def test_a_despiker_with_other_ports() -> None:
-    @node("despike.broken")
     def broken(take: Trajectories) -> Trajectories:
         """Leave it."""
         return take
 
-    with pytest.raises(AssertionError, match="name the recording `recording`"):
-        check_node(broken, registry=REGISTRY)
+    DESPIKE.refuses(broken, "name the recording `recording`")
 
 
 @pytest.mark.parametrize("despiker", list(nodegraph_despike.nodegraph_nodes()))
@@ -124,4 +116,4 @@ def test_good_ones_pass_where_they_repair_much(despiker: Callable[..., Trajector
     known = node_of(despiker)
     assert known is not None
     names = [name for name in ("factor", "threshold") if name in known.settings]
-    check_node(despiker, settings=dict.fromkeys(names, 0.05), registry=REGISTRY)
+    DESPIKE.accepts(despiker, **dict.fromkeys(names, 0.05))

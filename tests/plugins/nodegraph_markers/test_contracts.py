@@ -8,15 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import nodegraph_markers
-import nodegraph_mocap
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Origin, Trajectories
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("markers", nodegraph_markers)])
+MARKERS = Family("markers")
 
 
 def moved(given: Trajectories) -> Trajectories:
@@ -54,20 +49,16 @@ def shorter(given: Trajectories) -> Trajectories:
 def test_a_node_that_breaks_a_promise(
     spoil: Callable[[Trajectories], Trajectories], text: str
 ) -> None:
-    @node("markers.broken")
     def broken(recording: Trajectories) -> Trajectories:
         """Spoil a recording."""
         return spoil(recording)
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    MARKERS.refuses(broken, text)
 
 
 def test_a_node_with_other_ports() -> None:
-    @node("markers.broken")
     def broken(take: Trajectories) -> Trajectories:
         """Hand on a recording."""
         return take
 
-    with pytest.raises(AssertionError, match="name the recording `recording`"):
-        check_node(broken, registry=REGISTRY)
+    MARKERS.refuses(broken, "name the recording `recording`")

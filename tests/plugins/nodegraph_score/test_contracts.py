@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-import nodegraph_mocap
-import nodegraph_score
-from nodegraph import Truth, node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
+from nodegraph import Truth
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_tables import TableInfo, with_info
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("score", nodegraph_score)])
+SCORE = Family("score")
 
 
 def distances(estimate: Trajectories, truth: Trajectories) -> Table:
@@ -27,31 +22,26 @@ def distances(estimate: Trajectories, truth: Trajectories) -> Table:
 
 
 def test_a_good_score_passes() -> None:
-    @node("score.worst")
     def worst(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
         """Largest distance of each marker."""
         return distances(estimate, truth)
 
-    check_node(worst, registry=REGISTRY)
+    SCORE.accepts(worst)
 
 
 def test_an_error_where_there_is_none() -> None:
-    @node("score.broken")
     def broken(estimate: Trajectories, truth: Truth[Trajectories]) -> Table:
         """Largest distance of each marker, and a millimetre."""
         table = distances(estimate, truth)
         table["worst"] += 1.0
         return table
 
-    with pytest.raises(AssertionError, match="column 'worst' has 1 mm"):
-        check_node(broken, registry=REGISTRY)
+    SCORE.refuses(broken, "column 'worst' has 1 mm")
 
 
 def test_a_score_without_a_table() -> None:
-    @node("score.broken")
     def broken(estimate: Trajectories) -> Trajectories:
         """Return no score."""
         return estimate
 
-    with pytest.raises(AssertionError, match="not a pandas DataFrame"):
-        check_node(broken, registry=REGISTRY)
+    SCORE.refuses(broken, "not a pandas DataFrame")

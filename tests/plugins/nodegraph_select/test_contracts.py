@@ -8,16 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import nodegraph_mocap
-import nodegraph_select
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.variance import variance
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("select", nodegraph_select)])
+SELECT = Family("select")
 Spoil = Callable[[Trajectories, Selection], object]
 
 
@@ -92,25 +87,21 @@ def test_a_selection_that_breaks_a_promise(spoil: Spoil, text: str) -> None:
         return spoil(recording, variance(recording, k=5))
 
     broken.__annotations__["return"] = kind
-    with pytest.raises(AssertionError, match=text):
-        check_node(node("select.broken")(broken), registry=REGISTRY)
+    SELECT.refuses(broken, text)
 
 
 @pytest.mark.filterwarnings("ignore:.*chosen or left each by itself")
 def test_who_depends_on_the_axes_may_say_so() -> None:
-    @node("select.topmost")
     def declared(recording: Trajectories) -> Selection:
         """Choose the topmost marker of a complete take. It depends on the axes."""
         return topmost(recording, variance(recording, k=1))
 
-    check_node(declared, registry=REGISTRY)
+    SELECT.accepts(declared)
 
 
 def test_another_name_of_the_port() -> None:
-    @node("select.broken")
     def broken(take: Trajectories) -> Selection:
         """Choose the first marker."""
         return whole(take, take.markers[0])
 
-    with pytest.raises(AssertionError, match="its ports are take; name the recording `recording`"):
-        check_node(broken, registry=REGISTRY)
+    SELECT.refuses(broken, "its ports are take; name the recording `recording`")

@@ -9,16 +9,12 @@ from typing import Annotated
 import numpy as np
 import pytest
 
-import nodegraph_mocap
-import nodegraph_smooth
-from nodegraph import Unit, node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
+from nodegraph import Unit
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_smooth.bspline import bspline
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("smooth", nodegraph_smooth)])
+SMOOTH = Family("smooth")
 
 
 def faster(before: Trajectories, after: Trajectories) -> Trajectories:
@@ -101,37 +97,30 @@ def trusts(before: Trajectories, after: Trajectories) -> Trajectories:
 def test_a_smoothing_that_breaks_a_promise(
     spoil: Callable[[Trajectories, Trajectories], Trajectories], text: str
 ) -> None:
-    @node("smooth.broken")
     def broken(recording: Trajectories) -> Trajectories:
         """Smooth, and spoil it."""
         return spoil(recording, bspline(recording))
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    SMOOTH.refuses(broken, text)
 
 
 def test_a_smoothing_that_lags_although_it_looks_ahead() -> None:
-    @node("smooth.broken")
     def broken(recording: Trajectories) -> Trajectories:
         """Smooth with a long window, and hand it on late."""
         return late(recording, bspline(recording, order=9))
 
-    with pytest.raises(AssertionError, match=r"a nod comes out 2\.00 frames late, although"):
-        check_node(broken, registry=REGISTRY)
+    SMOOTH.refuses(broken, r"a nod comes out 2\.00 frames late, although")
 
 
 def test_a_smoothing_with_other_ports() -> None:
-    @node("smooth.broken")
     def broken(captured: Trajectories) -> Trajectories:
         """Smooth."""
         return bspline(captured)
 
-    with pytest.raises(AssertionError, match="name the recording `recording`"):
-        check_node(broken, registry=REGISTRY)
+    SMOOTH.refuses(broken, "name the recording `recording`")
 
 
 def test_one_that_sees_no_frame_ahead_may_lag() -> None:
-    @node("smooth.lagging")
     def lagging(recording: Trajectories) -> Trajectories:
         """Smooth causally: the mean of each sample and the one before."""
         positions = recording.positions.copy()
@@ -141,11 +130,10 @@ def test_one_that_sees_no_frame_ahead_may_lag() -> None:
         sigma = None if recording.sigma is None else np.full_like(recording.sigma, np.nan)
         return replace(recording, positions=positions, sigma=sigma)
 
-    check_node(lagging, registry=REGISTRY)
+    SMOOTH.accepts(lagging)
 
 
 def test_one_that_goes_by_coordinates_may_depend_on_the_axes() -> None:
-    @node("smooth.stepwise")
     def stepwise(
         recording: Trajectories, *, most: Annotated[float, Unit("mm")] = 0.01
     ) -> Trajectories:
@@ -162,4 +150,4 @@ def test_one_that_goes_by_coordinates_may_depend_on_the_axes() -> None:
         small = np.sign(change) * np.minimum(np.abs(change), most)
         return replace(recording, positions=recording.positions + small, sigma=None)
 
-    check_node(stepwise, registry=REGISTRY)
+    SMOOTH.accepts(stepwise)

@@ -8,21 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import nodegraph_mocap
-import nodegraph_synthesize
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Mask, Origin, Trajectories
 from nodegraph_synthesize.impulses import Spiky
 from nodegraph_synthesize.impulses import add as add_impulses
 from nodegraph_synthesize.noise import Noisy
 from nodegraph_synthesize.noise import add as add_noise
+from tests.promises import Family
 
-REGISTRY = Registry(
-    loaded=[Plugin("mocap", nodegraph_mocap), Plugin("synthesize", nodegraph_synthesize)]
-)
+NOISE = Family("noise", "synthesize")
+IMPULSES = Family("impulses", "synthesize")
 
 
 def other_truth(face: Noisy) -> Noisy:
@@ -49,13 +43,11 @@ def says_repaired(face: Noisy) -> Noisy:
     ],
 )
 def test_noise_that_breaks_a_promise(spoil: Callable[[Noisy], Noisy], text: str) -> None:
-    @node("noise.broken")
     def broken(recording: Trajectories) -> Noisy:
         """Add noise, and spoil it."""
         return spoil(add_noise(recording))
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    NOISE.refuses(broken, text)
 
 
 def everywhere(face: Spiky) -> Spiky:
@@ -77,27 +69,21 @@ def without_impulse(face: Spiky) -> Spiky:
 def test_impulses_that_are_not_where_they_are_said_to_be(
     spoil: Callable[[Spiky], Spiky], text: str
 ) -> None:
-    @node("impulses.broken")
     def broken(recording: Trajectories) -> Spiky:
         """Add impulses, and spoil them."""
         return spoil(add_impulses(recording, share=0.1))
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    IMPULSES.refuses(broken, text)
 
 
 def test_other_ports() -> None:
-    @node("noise.broken")
     def noise(recording: Trajectories) -> Trajectories:
         """Add no noise."""
         return recording
 
-    @node("impulses.broken")
     def impulses(recording: Trajectories) -> Mask:
         """Hit nothing."""
         return Mask(hidden=np.zeros_like(recording.present), markers=recording.markers)
 
-    with pytest.raises(AssertionError, match="'noisy' is not a Trajectories; its ports are rec"):
-        check_node(noise, registry=REGISTRY)
-    with pytest.raises(AssertionError, match="the first output is 'output', not 'spiky'"):
-        check_node(impulses, registry=REGISTRY)
+    NOISE.refuses(noise, "'noisy' is not a Trajectories; its ports are rec")
+    IMPULSES.refuses(impulses, "the first output is 'output', not 'spiky'")

@@ -8,16 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import nodegraph_mocap
-import nodegraph_track
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.nearest import nearest
+from tests.promises import Family
 
-REGISTRY = Registry(loaded=[Plugin("mocap", nodegraph_mocap), Plugin("track", nodegraph_track)])
+TRACK = Family("track")
 
 
 def moved(detections: Detections, recording: Trajectories) -> Trajectories:
@@ -57,20 +52,16 @@ def one_side(detections: Detections, recording: Trajectories) -> Trajectories:
 def test_a_tracker_that_breaks_a_promise(
     spoil: Callable[[Detections, Trajectories], Trajectories], text: str
 ) -> None:
-    @node("track.broken")
     def broken(detections: Detections) -> Trajectories:
         """Follow points, and spoil the tracks."""
         return spoil(detections, nearest(detections, shortest=1))
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    TRACK.refuses(broken, text)
 
 
 def test_a_tracker_with_other_ports() -> None:
-    @node("track.broken")
     def broken(points: Detections) -> Trajectories:
         """Follow points."""
         return nearest(points)
 
-    with pytest.raises(AssertionError, match="name the points `detections`"):
-        check_node(broken, registry=REGISTRY)
+    TRACK.refuses(broken, "name the points `detections`")

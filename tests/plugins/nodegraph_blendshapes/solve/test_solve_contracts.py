@@ -8,18 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import nodegraph_blendshapes
-import nodegraph_mocap
-from nodegraph import node
-from nodegraph.plugin.loading import Plugin
-from nodegraph.plugin.registry import Registry
-from nodegraph.testing import check_node
 from nodegraph_blendshapes.solve.weights import solve_weights
 from nodegraph_mocap import BlendshapeModel, Trajectories, Weights
+from tests.promises import Family
 
-REGISTRY = Registry(
-    loaded=[Plugin("mocap", nodegraph_mocap), Plugin("blendshapes", nodegraph_blendshapes)]
-)
+SOLVE = Family("solve", "blendshapes")
 Spoiled = Callable[[Weights, Trajectories, BlendshapeModel], Weights]
 
 
@@ -62,17 +55,14 @@ def favourite(weights: Weights, _: Trajectories, __: BlendshapeModel) -> Weights
     ],
 )
 def test_a_solver_that_breaks_a_promise(spoil: Spoiled, text: str) -> None:
-    @node("solve.broken")
     def broken(recording: Trajectories, model: BlendshapeModel) -> Weights:
         """Find weights, and spoil them."""
         return spoil(solve_weights(recording, model).weights, recording, model)
 
-    with pytest.raises(AssertionError, match=text):
-        check_node(broken, registry=REGISTRY)
+    SOLVE.refuses(broken, text)
 
 
 def test_weights_outside_of_the_bounds() -> None:
-    @node("solve.broken")
     def broken(
         recording: Trajectories, model: BlendshapeModel, *, bounds: tuple[float, float] = (0.0, 0.3)
     ) -> Weights:
@@ -85,5 +75,4 @@ def test_weights_outside_of_the_bounds() -> None:
         """
         return solve_weights(recording, model).weights
 
-    with pytest.raises(AssertionError, match="Give no weight outside of the setting"):
-        check_node(broken, registry=REGISTRY)
+    SOLVE.refuses(broken, "Give no weight outside of the setting")
