@@ -93,7 +93,7 @@ def add_run(parser: ArgumentParser) -> None:
     parser.add_argument("run", type=Path, metavar="RUN", help="Folder of a run, such as runs/fill.")
 
 
-def add_executor(parser: ArgumentParser, default: str = "") -> None:
+def add_executor(parser: ArgumentParser) -> None:
     """Add the options that say where steps are computed."""
     parser.add_argument(
         "--jobs",
@@ -103,11 +103,10 @@ def add_executor(parser: ArgumentParser, default: str = "") -> None:
     )
     parser.add_argument(
         "--executor",
-        default=default,
+        default="",
         metavar="NAME",
-        help="threads, serial, processes, dask, or a plugin's (default: "
-        + (default or "threads; processes with --timeout or --memory")
-        + ").",
+        help="threads, serial, processes, dask, or a plugin's (default: threads; processes with "
+        "--timeout or --memory).",
     )
     parser.add_argument(
         "--scheduler", default="", metavar="ADDRESS", help="Address of a Dask scheduler."

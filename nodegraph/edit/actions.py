@@ -154,8 +154,6 @@ def connect(
     source: str | Mapping[str, object],
     *,
     port: str = "",
-    label: str = "",
-    alternative: str = "",
     registry: Registry | None = None,
     file: str = "graph",
 ) -> str:
@@ -169,10 +167,6 @@ def connect(
         ``node``, ``node.port`` or ``{"from": ..., "at": ...}``.
     port
         By default the first.
-    label
-        The label of the source, where a port gathers several.
-    alternative
-        The alternative whose port it is; by default that of all of them.
     registry
         Loaded plugins, which tell a node's first port; by default those that are installed.
     file
@@ -183,48 +177,37 @@ def connect(
         See `set_value`; or if the first port has to be named and is not known.
     """
     document = Document(text, file)
-    path = _wiring_path(document, node, alternative)
+    path = _wiring_path(document, node)
     value = dict(source) if isinstance(source, Mapping) else source
     there = value_at(document.data, path)
     is_named = isinstance(there, dict) and "from" not in there
-    if there is None and not port and not label:
+    if there is None and not port:
         return document.put(path, value, _behind(document, path))
     if is_named and port:
-        return document.put((*path, port, *([label] if label else [])), value)
-    first = _first_port(document, node, alternative, registry or Registry.installed())
+        return document.put((*path, port), value)
+    first = _first_port(document, node, registry or Registry.installed())
     port = port or first
     if not port:
         message = f"the first port of {quoted(node)} is not known"
         raise document.error(document.find(("nodes", node)), message, "name the port")
     if is_named:
-        return document.put((*path, port, *([label] if label else [])), value)
-    if there is not None and port == first and not label:
+        return document.put((*path, port), value)
+    if there is not None and port == first:
         return document.put(path, value)
     if there is not None and not first:
         message = f"the port of {quoted(node)} that is fed already is not known"
         raise document.error(document.find(path), message, "write in: {port: source}")
-    feeds = {first: there} if there is not None and port != first else {}
-    feeds[port] = {label: value} if label else value
+    feeds = {port: value} if there is None else {first: there, port: value}
     return document.put(path, feeds, _behind(document, path))
 
 
-def disconnect(
-    text: str,
-    node: str,
-    *,
-    port: str = "",
-    label: str = "",
-    alternative: str = "",
-    file: str = "graph",
-) -> str:
+def disconnect(text: str, node: str, *, port: str = "", file: str = "graph") -> str:
     """Remove what feeds a port; see `connect`.
 
     Without a port, all that feeds the node is removed.
     """
-    document = Document(text, file)
-    path = _wiring_path(document, node, alternative)
-    names = [name for name in (port, label) if name]
-    return unset(text, (*path, *names), file=file)
+    path = _wiring_path(Document(text, file), node)
+    return unset(text, (*path, port) if port else path, file=file)
 
 
 def add_alternative(
@@ -363,15 +346,13 @@ def _behind(document: Document, path: Path) -> str | None:
     return "use" if isinstance(there, dict) and "use" in there else None
 
 
-def _wiring_path(document: Document, node: str, alternative: str) -> Path:
-    path = ("nodes", node, *(("alternatives", alternative) if alternative else ()))
-    document.find(path)
-    return (*path, "in")
+def _wiring_path(document: Document, node: str) -> Path:
+    document.find(("nodes", node))
+    return ("nodes", node, "in")
 
 
-def _first_port(document: Document, node: str, alternative: str, registry: Registry) -> str:
+def _first_port(document: Document, node: str, registry: Registry) -> str:
     """Return the first port of a node's method, if that is installed."""
     entry = value_at(document.data, ("nodes", node))
-    inner = value_at(entry, ("alternatives", alternative)) if alternative else entry
-    ports = (port.name for each in nodes_of(inner, registry) for port in each.inputs)
+    ports = (port.name for each in nodes_of(entry, registry) for port in each.inputs)
     return next(ports, "")
