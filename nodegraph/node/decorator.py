@@ -400,22 +400,14 @@ class Node:
         Raises
         ------
         NodeError
-            If the declared function fails, or what is declared is not a number of frames.
+            If the declared function fails, or what is declared is of another kind.
         """
         return self._frames("lookahead", self.declaration.lookahead, settings)
 
     def live_lookahead(self, settings: Mapping[str, object]) -> int | None:
         """Return how many frames later its live form gives a frame; None if nothing bounds them.
 
-        Parameters
-        ----------
-        settings
-            All of them, defaults included.
-
-        Raises
-        ------
-        NodeError
-            If the declared function fails, or what is declared is not a number of frames.
+        See `lookahead`.
         """
         declared: Any = UNDECLARED
         if isinstance(self.live, WindowForm):
@@ -451,15 +443,7 @@ class Node:
     def meets_ends(self, settings: Mapping[str, object]) -> bool | None:
         """Return whether the result meets both ends of a gap; None if that is not declared.
 
-        Parameters
-        ----------
-        settings
-            All of them, defaults included.
-
-        Raises
-        ------
-        NodeError
-            If the declared function fails, or what is declared is neither true nor false.
+        See `lookahead`.
         """
         declared = self._declared("ends", self.declaration.ends, settings)
         if declared is None or isinstance(declared, bool):
@@ -469,15 +453,7 @@ class Node:
     def adapted_from(self, settings: Mapping[str, object]) -> str:
         """Return what the method is taken from and what differs; empty if it is as published.
 
-        Parameters
-        ----------
-        settings
-            All of them, defaults included.
-
-        Raises
-        ------
-        NodeError
-            If the declared function fails, or what is declared is not a text.
+        See `lookahead`.
         """
         declared = self._declared("adapted", self.declaration.adapted, settings)
         if isinstance(declared, str):
@@ -487,15 +463,7 @@ class Node:
     def is_synthetic(self, settings: Mapping[str, object]) -> bool:
         """Return whether the data that the node gives are made, not recorded.
 
-        Parameters
-        ----------
-        settings
-            All of them, defaults included.
-
-        Raises
-        ------
-        NodeError
-            If the declared function fails, or what is declared is neither true nor false.
+        See `lookahead`.
         """
         declared = self._declared("synthetic", self.declaration.synthetic, settings)
         if isinstance(declared, bool):
