@@ -142,7 +142,8 @@ def node(
         A frozen dataclass of ports and settings that several nodes have, with their documentation
         under "Attributes"; or a value of it, whose fields are the defaults. The function takes it
         in an argument that is annotated with it; the node, and whoever calls it, has the fields
-        in place of that argument: those for keywords only as settings, the others as ports.
+        in place of that argument: those for keywords only as settings, the others as ports. What
+        it says under "Returns" and "Raises" is said of the node, but for entries of its own.
 
     Raises
     ------

@@ -19,8 +19,9 @@ def section_of(title: str) -> re.Pattern[str]:
     return re.compile(rf"^{title}\n-+\n(.*?)(?=^\w[\w ]*\n-+$|\Z)", re.MULTILINE | re.DOTALL)
 
 
-_PARAMETERS, _ATTRIBUTES = section_of("Parameters"), section_of("Attributes")
-_NEXT_SECTION = re.compile(r"(?=^\w[\w ]*\n-+$)|\Z", re.MULTILINE)
+_SHARED = {"Parameters": "Attributes", "Returns": "Returns", "Raises": "Raises"}
+"""Sections of a node's docstring, and those of the dataclass whose entries stand there, too."""
+_TYPE = re.compile(r"^(\S.*?) :.*", re.MULTILINE)
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
 
@@ -97,24 +98,30 @@ def _arguments(kind: type, shares: object) -> Iterator[inspect.Parameter]:
 
 
 def _documented(doc: str, kind: type, names: Iterable[str]) -> str:
-    """Return a docstring whose parameters are those of the function and of a dataclass."""
-    entries: dict[str, str] = {}
-    for base in reversed(kind.__mro__):
-        section = _ATTRIBUTES.search(inspect.cleandoc(base.__doc__ or ""))
-        entries |= _entries(section[1] if section else "")
-    section = _PARAMETERS.search(doc)
-    entries |= _entries(section[1] if section else "")
-    text = "\n".join(dict.fromkeys(entries[name] for name in names if name in entries))
-    if section is None:
-        section = next(_NEXT_SECTION.finditer(doc, 1))
-    before, after = doc[: section.start()].rstrip(), doc[section.end() :].lstrip()
-    return "\n\n".join(filter(None, [before, f"Parameters\n----------\n{text}", after]))
+    """Return a docstring with the entries of a dataclass beside its own, which replace those."""
+    text, own = _sections(doc)
+    bases = [_sections(inspect.cleandoc(base.__doc__ or ""))[1] for base in reversed(kind.__mro__)]
+    sections = {}
+    for title, shared in _SHARED.items():
+        entries: dict[str, str] = {}
+        for section in (*(base.get(shared, "") for base in bases), own.pop(title, "")):
+            entries |= _entries(section)
+        order = names if title == "Parameters" else entries
+        texts = dict.fromkeys(entries[each] for each in order if each in entries)
+        sections[title] = "\n".join(texts)
+    sections["Parameters"] = _TYPE.sub(r"\1", sections["Parameters"])
+    known = {title: body for title, body in (sections | own).items() if body}
+    return "\n\n".join([text, *(f"{each}\n{'-' * len(each)}\n{known[each]}" for each in known)])
+
+
+def _sections(doc: str) -> tuple[str, dict[str, str]]:
+    """Return the text of a docstring before its first section, and the sections by title."""
+    text, *parts = re.split(r"^(\w[\w ]*)\n-+\n", doc, flags=re.MULTILINE)
+    return text.rstrip(), dict(zip(parts[::2], map(str.rstrip, parts[1::2]), strict=True))
 
 
 def _entries(section: str) -> Iterator[tuple[str, str]]:
-    """Yield the names and the text of each entry of a section, without the types."""
+    """Yield the names and the text of each entry of a section."""
     for entry in re.split(r"^(?=\S)", section, flags=re.MULTILINE)[1:]:
-        head, _, text = entry.partition("\n")
-        names = head.partition(" :")[0]
-        for name in names.split(","):
-            yield name.strip(), f"{names}\n{text.rstrip()}"
+        for name in entry.partition("\n")[0].partition(" :")[0].split(","):
+            yield name.strip(), entry.rstrip()

@@ -27,6 +27,26 @@ class Faces:
         none: the head keeps its size. rms: as large as the reference by the root mean square
         distance from their mean of the landmarks, as they are weighted. least_squares: as fits
         best.
+
+    Returns
+    -------
+    aligned : Trajectories
+        The recording, each frame moved; gaps, `origin` and marker set as they were, `sigma`
+        scaled.
+    head_motion : HeadMotion
+        ``captured = s R aligned + t``.
+    reference : Trajectories
+        The frame that was aligned to.
+
+    Raises
+    ------
+    ValueError
+        If a landmark is unknown (the message names the nearest), listed twice, or there are fewer
+        than three; if none are named and no marker set says which markers are stable; if a
+        setting is out of range.
+    Refusal
+        If no reference is given and no frame has all landmarks; if the reference's landmarks are
+        fewer than three, on a line or in one place; if no frame has three that are not on a line.
     """
 
     recording: Trajectories

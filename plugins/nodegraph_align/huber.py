@@ -41,25 +41,6 @@ def huber(
     ----------
     width
         How far from its place a landmark still counts fully.
-
-    Returns
-    -------
-    aligned : Trajectories
-        The recording, each frame moved; gaps, `origin` and marker set as they were, `sigma`
-        scaled.
-    head_motion : HeadMotion
-        ``captured = s R aligned + t``.
-    reference : Trajectories
-        The frame that was aligned to.
-
-    Raises
-    ------
-    ValueError
-        If a landmark is unknown, listed twice, or there are fewer than three; if none are named
-        and no marker set says which markers are stable; if `width` is not positive.
-    Refusal
-        If no reference is given and no frame has all landmarks; if the reference's landmarks are
-        fewer than three, on a line or in one place; if no frame has three that are not on a line.
     """
     if not width > 0:
         raise ValueError(f"width must be positive, got {width}")

@@ -148,9 +148,6 @@ def procrustes(
 
     Returns
     -------
-    aligned : Trajectories
-        The recording, each frame moved; gaps, `origin` and marker set as they were, `sigma`
-        scaled.
     head_motion : HeadMotion
         ``captured = s R aligned + t``, also for some of the steps and where nothing is restored.
     reference : Trajectories
@@ -162,9 +159,6 @@ def procrustes(
         If a landmark is unknown (the message names the nearest), listed twice, or there are fewer
         than three; if none are named and no marker set says which markers are stable; if steps
         are not the first ones of translate, scale, rotate.
-    Refusal
-        If no reference is given and no frame has all landmarks; if the reference's landmarks are
-        fewer than three, on a line or in one place; if no frame has three that are not on a line.
     """
     requested = tuple(steps)
     if requested != STEPS[: len(requested)]:

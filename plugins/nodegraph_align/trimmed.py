@@ -54,25 +54,6 @@ def trimmed(
     ----------
     share
         The share of the landmarks that counts; 1 is align.procrustes.
-
-    Returns
-    -------
-    aligned : Trajectories
-        The recording, each frame moved; gaps, `origin` and marker set as they were, `sigma`
-        scaled.
-    head_motion : HeadMotion
-        ``captured = s R aligned + t``.
-    reference : Trajectories
-        The frame that was aligned to.
-
-    Raises
-    ------
-    ValueError
-        If a landmark is unknown, listed twice, or there are fewer than three; if none are named
-        and no marker set says which markers are stable; if `share` is not above 0 and at most 1.
-    Refusal
-        If no reference is given and no frame has all landmarks; if the reference's landmarks are
-        fewer than three, on a line or in one place; if no frame has three that are not on a line.
     """
     if not 0 < share <= 1:
         raise ValueError(f"share must be above 0 and at most 1, got {share}")

@@ -42,12 +42,6 @@ come out as they went in; those that an earlier fill has made count like measure
 CALLER = 4
 """The `stacklevel` by which a warning in what a fill calls names the caller of the fill."""
 
-_RETURNS = """\
-Returns
--------
-Trajectories
-    The recording with filled samples, their origin `Origin.FILLED`."""
-
 
 F = TypeVar("F", bound=Filling)
 
@@ -122,8 +116,7 @@ def make_fill(
     )
     filled.__annotations__ = {each.name: each.annotation for each in own}
     text, *sections = re.split(r"\n\n(?=\w+\n-+\n)", inspect.getdoc(method) or "")
-    at = sum(section.startswith("Parameters") for section in sections)
-    filled.__doc__ = "\n\n".join([text, left, *sections[:at], _RETURNS, *sections[at:]])
+    filled.__doc__ = "\n\n".join([text, left, *sections])
     return filled
 
 

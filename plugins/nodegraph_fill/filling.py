@@ -33,6 +33,11 @@ class Filling:
         chosen by the recording itself. Its gaps are laid over samples that are present, and
         these are hidden; setting after setting takes the value with the least mean error there,
         of six in all. With fewer than ten such gaps they stay as they are set.
+
+    Returns
+    -------
+    Trajectories
+        The recording with filled samples, their origin `Origin.FILLED`.
     """
 
     recording: Trajectories

@@ -36,15 +36,6 @@ def qr(wanted: Wanted) -> Selection:
         The markers chosen, in the order of the recording; all pairs; and a row per pair that was
         chosen, the first one first: `markers` so far, `residual` in mm, the distance
         ``|R_ii| / sqrt(T)`` of the feature that chose it.
-
-    Raises
-    ------
-    Refusal
-        If the recording has fewer than k markers, samples are missing, there are fewer than two
-        frames, or nothing moves by more than rounding.
-    ValueError
-        If the marker set puts a marker into two pairs, a setting is out of range, or there is
-        neither or both of `k` and `like`.
     """
     recording, count = wanted.recording, wanted.count()
     features, pairs = features_of(recording), pairs_of(recording, stacklevel=4)

@@ -36,9 +36,6 @@ def random(wanted: Wanted, *, seed: Seed = 0) -> Selection:
     ------
     Refusal
         If the recording has fewer than k markers.
-    ValueError
-        If the marker set puts a marker into two pairs, a setting is out of range, or there is
-        neither or both of `k` and `like`.
     """
     recording, count = wanted.recording, wanted.count()
     pairs = pairs_of(recording, stacklevel=4)

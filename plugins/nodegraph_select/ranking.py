@@ -47,6 +47,15 @@ class Wanted:
         being passed over; one fewer where only pairs are left. In place of `k`.
     k
         Number of markers; one more where the last pair exceeds it, as pairs stay whole.
+
+    Raises
+    ------
+    Refusal
+        If the recording has fewer than k markers, samples are missing, there are fewer than two
+        frames, or nothing moves by more than rounding.
+    ValueError
+        If the marker set puts a marker into two pairs, a setting is out of range, or there is
+        neither or both of `k` and `like`.
     """
 
     recording: Trajectories

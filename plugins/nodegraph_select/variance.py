@@ -30,15 +30,6 @@ def variance(wanted: Wanted) -> Selection:
         The markers chosen, in the order of the recording; all pairs; and a row per pair that was
         chosen, the first one first: `markers` so far, `variance` in mm^2 of its marker that
         moves more.
-
-    Raises
-    ------
-    Refusal
-        If the recording has fewer than k markers, samples are missing, there are fewer than two
-        frames, or nothing moves by more than rounding.
-    ValueError
-        If the marker set puts a marker into two pairs, a setting is out of range, or there is
-        neither or both of `k` and `like`.
     """
     recording, count = wanted.recording, wanted.count()
     features, pairs = features_of(recording), pairs_of(recording, stacklevel=4)

@@ -73,11 +73,6 @@ def assignment(
     fade
         The share that is left of a track's velocity from frame to frame while it has no point: 1
         continues at constant velocity, 0 stays after the first frame.
-
-    Returns
-    -------
-    Trajectories
-        The tracks; every sample is a point of that frame, and no point is used twice.
     """
     method = _method(fade)
     return follow(given, method)

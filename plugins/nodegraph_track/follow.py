@@ -48,6 +48,11 @@ class TrackingInput:
     shortest
         Tracks of fewer points are dropped as ghosts, and counted in a warning. Never more than
         the take has frames.
+
+    Returns
+    -------
+    Trajectories
+        The tracks; every sample is a point of that frame, and no point is used twice.
     """
 
     detections: Detections

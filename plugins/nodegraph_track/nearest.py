@@ -41,10 +41,5 @@ def nearest(given: TrackingInput) -> Trajectories:
 
     Looks ahead 0 frames to link a frame's points, ``shortest - 1`` frames to drop short tracks,
     and to the take's end for a `gate` made from the data. Frame by frame, it needs a reference.
-
-    Returns
-    -------
-    Trajectories
-        The tracks; every sample is a point of that frame, and no point is used twice.
     """
     return follow(given, _link)

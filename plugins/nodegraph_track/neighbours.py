@@ -100,11 +100,6 @@ def neighbours(
     ----------
     neighbours
         How many neighbours' motion is looked at, fewer where there are fewer.
-
-    Returns
-    -------
-    Trajectories
-        The tracks; every sample is a point of that frame, and no point is used twice.
     """
     method = _Method(neighbours)
     return follow(given, method)

@@ -92,6 +92,18 @@ class Asked:
     count, share : float
         How many, and which
         part of them.
+
+    Returns
+    -------
+    line : str
+        All that is asked.
+    kind : str
+        A kind.
+
+    Raises
+    ------
+    ValueError
+        If nothing is asked.
     """
 
     recording: float
@@ -145,7 +157,12 @@ def first(asked: Asked, floor: float | None = None, *, names: tuple[str, ...] = 
 
     Returns
     -------
-    str
+    kind : int
+        Another kind.
+
+    Examples
+    --------
+    One.
     """
     return f"{asked.recording} {asked.count} {asked.share} {floor} {names}"
 
@@ -172,8 +189,11 @@ def test_the_documentation_is_that_of_the_dataclass_and_of_the_function() -> Non
         "floor\n    A floor.\n"
         "count, share\n    How many, and which\n    part of them.\n"
         "names\n    Names.\n\n"
-        "Returns\n-------\nstr"
+        "Returns\n-------\nline : str\n    All that is asked.\nkind : int\n    Another kind.\n\n"
+        "Raises\n------\nValueError\n    If nothing is asked.\n\n"
+        "Examples\n--------\nOne."
     )
+    assert described(last).doc.endswith("\nValueError\n    If nothing is asked.")
     assert meanings(described(last)) == {
         "recording": "A recording.",
         "count": "How many, and which part of them.",
