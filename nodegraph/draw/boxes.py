@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from html import escape
 from textwrap import wrap
+from typing import NamedTuple
 
 from nodegraph.draw.picture import Alternative, Box, Socket
 
@@ -65,21 +66,21 @@ INSET = 12.0
 _CHIP_INSET = 8.0
 _CHIP_GAP = 5.0
 _ROW_GAP = 2.0
-_ROW = CHIP_HEIGHT + _ROW_GAP
 _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
-_LONGEST_IN_ROW = 60
+_LONGEST_IN_ROW = 50
 _MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 36
-_LONGEST_SETTINGS = 28
+_LONGEST_SETTINGS = 26
 _LONGEST_AXIS = 34
-_AXIS_LINE = 14.0
+_LINE = 14.0
 _BASELINE = 13.3
-_LIST = re.compile(r"\[[^\[\]]*\]")
+_BREAK = re.compile(r"(?<=[,\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
+"""Between two parts of a text; a list is one."""
 _MOST_LINES = 4
-_LONGEST = {"port": 24, "note": 30}
+_LONGEST_AT_PORT = 24
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
@@ -148,7 +149,13 @@ class Shape:
 
 @_cached
 def shape(
-    box: Box, label: str, fixed: Notes = (), sources: Notes = (), readers: Notes = ()
+    box: Box,
+    label: str,
+    fixed: Notes = (),
+    sources: Notes = (),
+    readers: Notes = (),
+    *,
+    states: bool = False,
 ) -> Shape:
     """Return the box laid out.
 
@@ -162,32 +169,28 @@ def shape(
     sources, readers : tuple of (port, name)
         Where arrows into an input begin, and where those from an output end, if that is not drawn:
         ``gaps.hidden``.
+    states
+        Whether rows of alternatives have room for their states in a run.
     """
     heading = [("name", label), *(("line", line) for line in _heading(box))]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
-    notes = {
-        socket.name: [
-            socket.gathers,
-            *(f"from {source}" for source in _of(socket, sources)),
-            *(_at(text, common) for text in _of(socket, fixed)),
-        ]
-        for socket in box.inputs
-    }
-    onward = {
-        socket.name: [f"to {', '.join(names)}"]
-        for socket in box.outputs
-        if (names := _of(socket, readers))
-    }
-    inputs = [_lines(socket, notes[socket.name]) for socket in box.inputs]
-    outputs = [_lines(socket, onward.get(socket.name, ())) for socket in box.outputs]
-    sides = [
-        _widest(
-            (style, shortened(text, _LONGEST[style])) for lines in side for style, text in lines
+    inputs = _side(
+        (
+            socket,
+            [
+                socket.gathers,
+                *(f"from {source}" for source in _of(socket, sources)),
+                *(_at(text, common) for text in _of(socket, fixed)),
+            ],
         )
-        for side in (inputs, outputs)
-    ]
-    inner = max(_NARROWEST, _widest(heading), sum(sides) + _BETWEEN_SIDES * all(sides))
+        for socket in box.inputs
+    )
+    outputs = _side(
+        (socket, [f"to {', '.join(names)}"] if (names := _of(socket, readers)) else [])
+        for socket in box.outputs
+    )
+    inner = max(_NARROWEST, _widest(heading), _beside(inputs.lines, outputs.lines))
     texts: list[Text] = []
     y = 4.0
     for style, text in heading:
@@ -195,67 +198,102 @@ def shape(
         hint = clean(text) if shortened(text) != clean(text) else ""
         texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
     chips: list[Chip] = []
-    rows = [_row(each) for each in box.alternatives]
+    rows = [_row(each, states=states) for each in box.alternatives]
     in_column = len(rows) if len(rows) <= _MOST_ROWS else -(-len(rows) // 2)
-    inner = max([inner, *(wide for _, wide in rows)])
-    if len(rows) > in_column:
-        inner = max(inner, 2 * max(wide for _, wide in rows) + _CHIP_GAP)
+    columns = [rows[at : at + in_column] for at in range(0, len(rows), max(in_column, 1))]
+    widths = [max(wide for _, wide, _ in column) for column in columns]
+    inner = max(inner, sum(widths) + _CHIP_GAP * (len(widths) - 1))
     first_row = y + _CHIP_GAP
     if rows:
-        y = first_row + in_column * _ROW - _ROW_GAP
+        y = first_row - _ROW_GAP
+        y += max(sum(high + _ROW_GAP for *_, high in column) for column in columns)
     limit = max(inner, _WIDEST_ROW)
     x, top = limit + 1.0, y
     for text in box.axes:
         wrapped = _wrapped(text, _LONGEST_AXIS)
-        widths = [width(each, _SIZES["chip"], bold=True) for each in wrapped]
-        wide, high = max(widths) + 2 * _CHIP_INSET, CHIP_HEIGHT + (len(wrapped) - 1) * _AXIS_LINE
+        wide = max(width(each, _SIZES["chip"], bold=True) for each in wrapped) + 2 * _CHIP_INSET
+        high = CHIP_HEIGHT + (len(wrapped) - 1) * _LINE
         if x + wide > limit or high > CHIP_HEIGHT:
             x, top = 0.0, y + _CHIP_GAP
         parts = tuple(
-            (each, wide / 2, _BASELINE + at * _AXIS_LINE, True) for at, each in enumerate(wrapped)
+            (each, wide / 2, _BASELINE + at * _LINE, True) for at, each in enumerate(wrapped)
         )
         chips.append(Chip("axis", parts, INSET + x, top, wide, high, text))
         x += wide + _CHIP_GAP
         y = max(y, top + high)
     inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
-    for at, (each, (parts, _)) in enumerate(zip(box.alternatives, rows, strict=True)):
-        column, row = divmod(at, in_column)
-        wide = inner if len(rows) == in_column else (inner - _CHIP_GAP) / 2
-        left = INSET + column * (wide + _CHIP_GAP)
-        place = left, first_row + row * _ROW, wide, CHIP_HEIGHT
-        chips.append(Chip("alternative", parts, *place, str(each), each.label))
+    free = inner - sum(widths) - _CHIP_GAP * (len(widths) - 1)
+    alternatives = iter(box.alternatives)
+    left = INSET
+    for column, narrowest in zip(columns, widths, strict=True):
+        wide = narrowest + free / len(widths)
+        top = first_row
+        for parts, _, high in column:
+            each = next(alternatives)
+            chips.append(Chip("alternative", parts, left, top, wide, high, str(each), each.label))
+            top += high + _ROW_GAP
+        left += wide + _CHIP_GAP
     rule = y + 7.0
-    lows = [rule]
-    places: list[dict[str, float]] = []
-    for x, sockets, side in (
-        (INSET, box.inputs, inputs),
-        (INSET + inner, box.outputs, outputs),
-    ):
-        y = rule
-        places.append({})
-        for socket, lines in zip(sockets, side, strict=True):
-            y += 3.0
-            places[-1][socket.name] = y + _LEADING["port"] / 2
-            own = (notes if side is inputs else onward).get(socket.name, ())
-            hint = "; ".join([str(socket), *filter(None, own)])
-            for style, line in lines:
-                y += _LEADING[style]
-                short = shortened(line, _LONGEST[style])
-                texts.append(Text(style, short, x, y - 3.5, hint, at_end=side is outputs))
-        lows.append(y)
-    wide, high = inner + 2 * INSET, max(lows) + 6.0
-    return Shape(box, wide, high, tuple(texts), tuple(chips), rule, *places)
+    for x, side in ((INSET, inputs), (INSET + inner, outputs)):
+        texts += [
+            replace(line, x=x, y=rule + line.y, at_end=side is outputs) for line in side.lines
+        ]
+    places = (
+        {name: rule + height for name, height in side.heights.items()} for side in (inputs, outputs)
+    )
+    high = rule + max(inputs.height, outputs.height) + 6.0
+    return Shape(box, inner + 2 * INSET, high, tuple(texts), tuple(chips), rule, *places)
 
 
-def _row(alternative: Alternative) -> tuple[_Parts, float]:
-    """Return the texts of the row of an alternative, and how wide it is with its state."""
-    parts: list[tuple[str, float, float, bool]] = []
-    x = _CHIP_INSET
-    for text in filter(None, (alternative.label, alternative.details)):
-        short = shortened(text, _LONGEST_IN_ROW)
-        parts.append((short, x, _BASELINE, not parts))
-        x += width(short, _SIZES["chip"]) + _CHIP_GAP
-    return tuple(parts), x + _STATE
+class _Side(NamedTuple):
+    """The ports on one side of a box, measured from the line above them."""
+
+    lines: list[Text]
+    heights: dict[str, float]
+    height: float
+
+
+def _side(ports: Iterable[tuple[Socket, Sequence[str]]]) -> _Side:
+    lines, heights = list[Text](), dict[str, float]()
+    y = 0.0
+    for socket, notes in ports:
+        y += 3.0
+        heights[socket.name] = y + _LEADING["port"] / 2
+        own = [*filter(None, dict.fromkeys(notes))]
+        hint = "; ".join([str(socket), *own])
+        texts = [("note", line) for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
+        if socket.text or not texts:
+            texts.insert(0, ("port", socket.text))
+        y += _LEADING["port"] - _LEADING[texts[0][0]]
+        for style, text in texts:
+            y += _LEADING[style]
+            if text:
+                lines.append(Text(style, shortened(text), 0.0, y - 3.5, hint))
+    return _Side(lines, heights, y)
+
+
+def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
+    """Return how wide the texts of ports are, with those of the other side at their height."""
+    widths = {each: width(each.text, _SIZES[each.style]) for each in (*left, *right)}
+    beside = (
+        widths[one] + _BETWEEN_SIDES + widths[other]
+        for one in left
+        for other in right
+        if abs(one.y - other.y) < _LEADING["note"]
+    )
+    return max([0.0, *widths.values(), *beside])
+
+
+def _row(alternative: Alternative, *, states: bool) -> tuple[_Parts, float, float]:
+    """Return the texts of the row of an alternative, and how wide and how high it is."""
+    label = shortened(alternative.label)
+    x = _CHIP_INSET + width(label, _SIZES["chip"]) + _CHIP_GAP
+    details = _wrapped(alternative.details, _LONGEST_IN_ROW)
+    parts = [(text, x, _BASELINE + at * _LINE, False) for at, text in enumerate(details)]
+    wide = max([0.0, *(width(text, _SIZES["chip"]) + _CHIP_GAP for text in details)])
+    high = CHIP_HEIGHT + max(len(details) - 1, 0) * _LINE
+    name = label, _CHIP_INSET, _BASELINE, True
+    return (name, *parts), x + wide + (_STATE if states else _CHIP_GAP), high
 
 
 def _of(socket: Socket, notes: Notes) -> list[str]:
@@ -284,17 +322,20 @@ def _heading(box: Box) -> Iterator[str]:
 
 @_cached
 def _wrapped(text: str, longest: int) -> tuple[str, ...]:
-    """Return a note in lines, not broken within a setting; the last is cut where there are more."""
-    text = clean(text).replace(": ", ":\N{NO-BREAK SPACE}")
-    text = _LIST.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
-    lines = wrap(text, longest, max_lines=_MOST_LINES, placeholder=" …", break_on_hyphens=False)
+    """Return a text in lines, of parts that are whole; the last is cut where there are more."""
+    parts = _BREAK.split(clean(text))
+    lines = wrap(
+        " ".join(
+            part if len(part) > longest else part.replace(" ", "\N{NO-BREAK SPACE}")
+            for part in parts
+        ),
+        longest,
+        max_lines=_MOST_LINES,
+        placeholder=" …",
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
     return tuple([line.replace("\N{NO-BREAK SPACE}", " ") for line in lines])
-
-
-def _lines(socket: Socket, notes: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the style and text of each line at a port."""
-    lines = [line for text in dict.fromkeys(notes) for line in _wrapped(text, _LONGEST["note"])]
-    return [("port", socket.shown or socket.name), *(("note", line) for line in lines)]
 
 
 def _widest(lines: Iterable[tuple[str, str]]) -> float:

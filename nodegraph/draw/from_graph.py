@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from nodegraph.draw.boxes import shortened
@@ -185,6 +185,8 @@ def _box(
         if (node.name, port.name) in fed
     ]
     outputs = [socket_of(port) for port in described.outputs if (node.name, port.name) in read]
+    if not whole:
+        outputs = [_without_usual_name(socket, inputs) for socket in outputs]
     settings = {label: _settings(method) for label, method in node.methods.items()}
     own = [settings[label] for label, method in node.methods.items() if method.node.name != PASS]
     common = {
@@ -235,14 +237,35 @@ def _told(label: Label, use: str, methods: Collection[str]) -> str:
 
 
 def _settings(method: Method) -> dict[str, str]:
-    """Return the settings of a method that are equal at all labels, and differ from the default."""
+    """Return the settings of a method that differ from the default: those equal at all labels.
+
+    A number that depends on a single axis may be another at one of its labels.
+    """
     found = {}
     for name in method.places:
-        shown = {value_text(settings[name]) for settings in method.settings.shown.values()}
+        shown = {
+            labels: _value_text(settings[name])
+            for labels, settings in method.settings.shown.items()
+        }
+        (usual, _), *others = Counter(shown.values()).most_common()
         value = next(iter(method.settings.values.values()))[name]
-        if len(shown) == 1 and value != method.node.settings[name].default:
-            found[name] = shown.pop()
+        if not others and value != method.node.settings[name].default:
+            found[name] = usual
+        elif (
+            [count for _, count in others] == [1]
+            and len(method.settings.axes) == 1
+            and isinstance(value, (int, float))
+        ):
+            (label,) = next(labels for labels, text in shown.items() if text != usual)
+            found[name] = f"{shown[label,]} at {label}, else {usual}"
     return found
+
+
+def _value_text(value: object) -> str:
+    """Return the value of a setting, of an address only its end."""
+    text = value_text(value)
+    address, *_ = text.split("#")
+    return f"…/{address.rpartition('/')[2]}" if "://" in text else text
 
 
 def _text(settings: Mapping[str, str]) -> str:
@@ -265,6 +288,14 @@ def _kind(graph: Graph, node: GraphNode) -> Kind:
     if any(entry.node == node.name for entry in graph.spec.report):
         return "report"
     return "node" if any(method.inputs for method in node.methods.values()) else "input"
+
+
+def _without_usual_name(output: Socket, inputs: Iterable[Socket]) -> Socket:
+    """Return an output that shows its type, if it has no name of its own and no input has it."""
+    if output.name != "output":
+        return output
+    is_known = any(socket.value == output.value for socket in inputs)
+    return replace(output, shown="" if is_known else output.value)
 
 
 def socket_of(port: Port) -> Socket:

@@ -14,8 +14,8 @@ from bisect import bisect_right, insort
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from itertools import accumulate, pairwise, takewhile
+from functools import lru_cache, partial
+from itertools import accumulate, pairwise, starmap, takewhile
 from math import inf
 from typing import NamedTuple
 
@@ -37,15 +37,21 @@ LABEL_HEIGHT = 26.0
 PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
-_BETWEEN_COLUMNS = 46.0
+_BETWEEN_COLUMNS = 36.0
+_LANE = 7.0
+_TIP = 7.0
+"""Length of the level end of a wire under its arrow head."""
+_STEEP = 12.0
+_MOST_IN_LANES = 24
+"""Pieces of wires between two columns that can be told apart."""
 _END = 10.0
 """Length of what is drawn of each end of an arrow between two bands."""
 _CUT = 0.05
 """Cost of an output that is read in another band; that of a band of full width is 1."""
-_WIDEST = 1020.0
-"""Width of a drawing that can still be read on a page of 720 pixels."""
-_MOST_ORIGINS = 2
-"""Origins that stand at a port although the rows of alternatives have them."""
+_WIDEST = 860.0
+"""Width of a drawing whose smallest text has almost 9 pixels on a page of 720."""
+_CHOICES = 3
+"""Choices of bands: ports that say where cut arrows begin and end make boxes wider."""
 _SWEEPS = 16
 _STILL = 0.02
 _STRAIGHTENINGS = 3
@@ -87,15 +93,9 @@ class Area:
     width: float = 0.0
     height: float = 0.0
 
-    def arrange(self, depths: Mapping[Cell, int] | None = None) -> None:
-        """Find a place for every cell and a way for every wire.
-
-        Parameters
-        ----------
-        depths
-            The column of each cell; without, as the wires want it.
-        """
-        depths = depths or _depths(self.sizes, self.wires)
+    def arrange(self) -> None:
+        """Find a place for every cell and a way for every wire."""
+        depths = _depths(self.sizes, self.wires)
         columns: list[list[Cell]] = [[] for _ in range(max(depths.values(), default=-1) + 1)]
         for cell in self.sizes:
             columns[depths[cell]].append(cell)
@@ -114,34 +114,38 @@ class Area:
         pieces = _pieces(ways.values(), sizes)
         ordered = _ordered([*filter(None, columns)], sizes, pieces)
         tops = _settled(ordered, sizes, pieces)
+        lanes = [_lanes(gap, tops) for gap in _gaps(ordered, pieces)]
+        lane_of = {piece: lane for gap in lanes for piece, lane in gap.items()}
         edges: dict[Cell, tuple[float, float]] = {}
+        spare: dict[Cell, float] = {}
         x = 0.0
-        for column in ordered:
-            edge = x + max(sizes[cell].width for cell in column)
-            edges |= dict.fromkeys(column, (x, edge))
-            x = edge + _BETWEEN_COLUMNS
-        self.width = max(x - _BETWEEN_COLUMNS, 0.0)
+        for column, gap in zip(ordered, lanes, strict=True):
+            self.width = x + max(sizes[cell].width for cell in column)
+            edges |= dict.fromkeys(column, (x, self.width))
+            spare |= dict.fromkeys(column, _LANE * max(gap.values(), default=0))
+            x = self.width + _BETWEEN_COLUMNS + spare[column[0]]
         self.height = max((tops[cell] + sizes[cell].height for cell in tops), default=0.0)
         self.corners = {cell: (edges[cell][0], tops[cell]) for cell in self.sizes}
         for wire, way in ways.items():
             points = self.wires[wire] = []
-            for (left, port), (right, right_port) in pairwise(way):
-                y, end = tops[left] + sizes[left].outputs[port], sizes[right].inputs[right_port]
-                points += [(edges[left][0] + sizes[left].width, y), (edges[left][1], y)]
-                points.append((edges[right][0], tops[right] + end))
+            for piece in starmap(partial(_piece, sizes), pairwise(way)):
+                left, right = piece.left, piece.right
+                y, end = tops[left] + piece.left_offset, tops[right] + piece.right_offset
+                shift = _LANE * lane_of.get(piece, 0)
+                points += [(edges[left][0] + sizes[left].width, y), (edges[left][1] + shift, y)]
+                x = edges[right][0]
+                points += [(x - spare[left] + shift - _TIP, end), (x, end)]
 
 
-def _in_bands(area: Area) -> _Grid:
-    """Return the column of each cell, and the band of this column.
+def _in_bands(area: Area) -> _Bands:
+    """Return the band of each cell.
 
     There are as few bands as fit, of like widths, cut where few outputs are read beyond.
     """
     depths = _depths(area.sizes, area.wires)
     ranks = {depth: rank for rank, depth in enumerate(sorted({*depths.values()}))}
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
-    widths = [0.0] * len(ranks)
-    for cell, depth in depths.items():
-        widths[depth] = max(widths[depth], area.sizes[cell].width)
+    widths = _widths(depths, area.sizes)
     reach: dict[End, int] = {}
     for source, (target, _) in area.wires:
         reach[source] = max(depths[target], reach.get(source, 0))
@@ -165,7 +169,14 @@ def _in_bands(area: Area) -> _Grid:
     while end:
         end = best[end][2]
         starts.insert(0, end)
-    return {cell: _Place(bisect_right(starts, depth) - 1, depth) for cell, depth in depths.items()}
+    return {cell: bisect_right(starts, depth) - 1 for cell, depth in depths.items()}
+
+
+def _widths(depths: Mapping[Cell, int], sizes: Mapping[Cell, Size]) -> list[float]:
+    widths = [0.0] * (max(depths.values(), default=-1) + 1)
+    for cell, depth in depths.items():
+        widths[depth] = max(widths[depth], sizes[cell].width)
+    return widths
 
 
 def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
@@ -202,13 +213,53 @@ class _Piece(NamedTuple):
         return tops[self.right] + self.right_offset - tops[self.left] - self.left_offset
 
 
+def _piece(sizes: Mapping[Cell, Size], begin: End, end: End) -> _Piece:
+    (left, port), (right, right_port) = begin, end
+    return _Piece(left, sizes[left].outputs[port], right, sizes[right].inputs[right_port])
+
+
 def _pieces(ways: Iterable[Sequence[End]], sizes: Mapping[Cell, Size]) -> list[_Piece]:
-    return [
-        _Piece(left, sizes[left].outputs[port], right, sizes[right].inputs[right_port])
-        for (left, port), (right, right_port) in dict.fromkeys(
-            piece for way in ways for piece in pairwise(way)
-        )
-    ]
+    ends = dict.fromkeys(piece for way in ways for piece in pairwise(way))
+    return [_piece(sizes, *each) for each in ends]
+
+
+def _gaps(columns: Iterable[Iterable[Cell]], pieces: Iterable[_Piece]) -> list[list[_Piece]]:
+    """Return the pieces that begin at each column."""
+    depths = {cell: depth for depth, column in enumerate(columns) for cell in column}
+    gaps: list[list[_Piece]] = [[] for _ in range(max(depths.values(), default=-1) + 1)]
+    for piece in pieces:
+        gaps[depths[piece.left]].append(piece)
+    return gaps
+
+
+def _lanes(gap: Sequence[_Piece], tops: Mapping[Cell, float]) -> dict[_Piece, int]:
+    """Return the lane in which each piece goes up or down, so that none lies over another.
+
+    Pieces that begin or end together may share one.
+    """
+    lanes: dict[_Piece, int] = {}
+    if len(gap) > _MOST_IN_LANES:
+        return lanes
+    begins = {piece: tops[piece.left] + piece.left_offset for piece in gap}
+    falls = {piece: fall for piece in gap if abs(fall := piece.drop(tops)) > _STEEP}
+
+    def turn(piece: _Piece) -> tuple[bool, float]:
+        """Of wires that go down the upper one turns last, of those that go up the lower one."""
+        is_down = falls[piece] > 0.0
+        return is_down, -begins[piece] if is_down else begins[piece]
+
+    for piece in sorted(falls, key=turn):
+        beside: dict[bool, set[int]] = {True: set(), False: set()}
+        for other, lane in lanes.items():
+            far = abs(2.0 * (begins[piece] - begins[other]) + falls[piece] - falls[other])
+            is_apart = far >= abs(falls[piece]) + abs(falls[other])
+            if not is_apart and piece[:2] != other[:2] and piece[2:] != other[2:]:
+                beside[(falls[piece] > 0.0) == (falls[other] > 0.0)].add(lane)
+        lane = max(beside[True], default=-1) + 1
+        while lane in beside[False]:
+            lane += 1
+        lanes[piece] = lane
+    return lanes
 
 
 def _stack(column: Sequence[Cell], sizes: Mapping[Cell, Size], tops: dict[Cell, float]) -> None:
@@ -219,19 +270,17 @@ def _stack(column: Sequence[Cell], sizes: Mapping[Cell, Size], tops: dict[Cell, 
 
 
 def _ordered(
-    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Iterable[_Piece]
+    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Sequence[_Piece]
 ) -> list[list[Cell]]:
     """Sort each column by the barycentres of its neighbours, and keep the order that crosses least.
 
     Sweeps go to the right and to the left in turn.
     """
-    depths = {cell: depth for depth, column in enumerate(columns) for cell in column}
-    gaps: list[list[_Piece]] = [[] for _ in columns]
     sides: tuple[dict[Cell, list[tuple[Cell, float]]], ...] = ({}, {})
     for piece in pieces:
-        gaps[depths[piece.left]].append(piece)
         sides[0].setdefault(piece.right, []).append((piece.left, piece.left_offset))
         sides[1].setdefault(piece.left, []).append((piece.right, piece.right_offset))
+    gaps = _gaps(columns, pieces)
     tops: dict[Cell, float] = {}
     for column in columns:
         _stack(column, sizes, tops)
@@ -435,42 +484,62 @@ class Layout:
     height: float
 
 
-def layout(picture: Picture) -> Layout:
+def layout(picture: Picture, *, states: bool = False) -> Layout:
     """Return the layout of a picture.
+
+    Parameters
+    ----------
+    picture
+    states
+        Whether rows of alternatives have room for their states in a run.
 
     Raises
     ------
     ValueError
         If arrows form a cycle.
     """
-    links = tuple(
-        [
-            _Link(each.source, each.source_port, each.target, each.target_port)
-            for each in picture.arrows
-        ]
-    )
+    links = tuple([_link(arrow) for arrow in picture.arrows])
     frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
-    shapes = _shapes(picture, frames, cut=())
-    first = outlines = _outlines(shapes)
-    grid = _grid(first, links)
-    band_of = {name: grid[_outermost(name, frame)].band for name, frame in frames.items()}
-    cut = {arrow for arrow in picture.arrows if band_of[arrow.source] != band_of[arrow.target]}
-    if cut:
-        picture = _with_drawn_first(picture, cut)
-        shapes = _shapes(picture, frames, cut)
-        outlines = _outlines(shapes)
-    corners, drawn, routes, wide, high = _placed(first, outlines, links)
-    return Layout(tuple(zip(shapes, corners, strict=True)), drawn, routes, bool(cut), wide, high)
+    cut: set[Arrow] = set()
+    shapes = _shapes(picture, frames, cut, states=states)
+    for _ in range(_CHOICES):
+        first = _outlines(shapes)
+        bands, before = _bands(first, links), cut
+        cut = {arrow for arrow in picture.arrows if _is_cut(_link(arrow), frames, bands)}
+        shapes = _shapes(picture, frames, cut, states=states)
+        if cut == before:
+            break
+    placed = _placed(first, _outlines(shapes), links)
+    ordered = _with_ports_in_order(picture, placed.routes, cut)
+    if ordered != picture:
+        shapes = _shapes(ordered, frames, cut, states=states)
+        placed = _placed(first, _outlines(shapes), links)
+    return Layout(
+        tuple(zip(shapes, placed.corners, strict=True)),
+        placed.frames,
+        placed.routes,
+        bool(cut),
+        placed.width,
+        placed.height,
+    )
 
 
-def _with_drawn_first(picture: Picture, cut: Collection[Arrow]) -> Picture:
-    """Return a picture whose ports without a name of their own begin with those of whole arrows."""
-    ends = {(arrow.target, arrow.target_port) for arrow in cut}
+def _with_ports_in_order(
+    picture: Picture, routes: Iterable[Sequence[Sequence[Point]]], cut: Collection[Arrow]
+) -> Picture:
+    """Return a picture whose ports without a name of their own stand as their arrows arrive.
+
+    Those of arrows that are cut come last.
+    """
+    arrivals = {
+        (arrow.target, arrow.target_port): (arrow in cut, pieces[-1][-4:][0][1])
+        for arrow, pieces in zip(picture.arrows, routes, strict=True)
+    }
 
     def ordered(box: Box) -> Box:
-        if not all(socket.shown for socket in box.inputs):
+        if any(socket.shown is None for socket in box.inputs):
             return box
-        inputs = sorted(box.inputs, key=lambda socket: (box.name, socket.name) in ends)
+        inputs = sorted(box.inputs, key=lambda socket: arrivals[box.name, socket.name])
         return replace(box, inputs=tuple(inputs))
 
     return replace(picture, boxes=tuple(map(ordered, picture.boxes)))
@@ -498,41 +567,42 @@ class _Link(NamedTuple):
     target_port: str
 
 
-class _Place(NamedTuple):
-    """Where a cell outside all frames stands."""
-
-    band: int
-    column: int
+def _link(arrow: Arrow) -> _Link:
+    return _Link(arrow.source, arrow.source_port, arrow.target, arrow.target_port)
 
 
-_Grid = dict[Cell, _Place]
-
+_Bands = dict[Cell, int]
+"""The band of each cell outside all frames."""
 
 _Heights = tuple[tuple[str, float], ...]
 _Outline = tuple[str, float, float, _Heights, _Heights]
 """The name of a box, its width and height, and the heights of its inputs and of its outputs."""
 
-_KEPT = 4
+_KEPT = 8
 """Layouts that are kept: a graph is drawn after each of its edits, most of which move nothing."""
 
 
 @lru_cache(_KEPT)
-def _grid(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Grid:
+def _bands(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Bands:
     frames = _drawable_frames(tuple([name for name, *_ in outlines]), links)
     return _in_bands(_framed(outlines, frames, [_way(link, frames) for link in links])[()])
+
+
+class _Placed(NamedTuple):
+    """The corners of boxes, and the other attributes of `Layout`."""
+
+    corners: tuple[Point, ...]
+    frames: tuple[tuple[Frame, Point, Point], ...]
+    routes: tuple[Sequence[Sequence[Point]], ...]
+    width: float
+    height: float
 
 
 @lru_cache(_KEPT)
 def _placed(
     first: tuple[_Outline, ...], outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
-) -> tuple[
-    tuple[Point, ...],
-    tuple[tuple[Frame, Point, Point], ...],
-    tuple[Sequence[Sequence[Point]], ...],
-    float,
-    float,
-]:
-    """Return the corners of boxes, and the other attributes of `Layout`.
+) -> _Placed:
+    """Place boxes and arrows.
 
     Parameters
     ----------
@@ -541,12 +611,10 @@ def _placed(
     outlines, links
     """
     frames = _drawable_frames(tuple([name for name, *_ in outlines]), links)
-    grid = _grid(first, links)
-    band_of = {name: grid[_outermost(name, frame)].band for name, frame in frames.items()}
-    whole = [link for link in links if band_of[link.source] == band_of[link.target]]
-    ways = {link: _way(link, frames) for link in whole}
+    bands = _bands(first, links)
+    ways = {link: _way(link, frames) for link in links if not _is_cut(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
-    _stack_bands(areas[()], grid)
+    _stack_bands(areas[()], bands)
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
     drawn: list[tuple[Frame, Point, Point]] = []
     for frame in list(areas)[1:]:
@@ -581,7 +649,8 @@ def _placed(
         return [*begin, [(to_x - _END, to_y), (to_x, to_y)]]
 
     routes = tuple([route(link) for link in links])
-    return tuple(corners.values()), tuple(drawn), routes, areas[()].width, areas[()].height
+    wide, high = areas[()].width, areas[()].height
+    return _Placed(tuple(corners.values()), tuple(drawn), routes, wide, high)
 
 
 def _framed(
@@ -606,17 +675,17 @@ def _framed(
     return areas
 
 
-def _stack_bands(area: Area, grid: _Grid) -> None:
+def _stack_bands(area: Area, band_of: _Bands) -> None:
     """Arrange each band by itself, one below the other; no wire runs between them."""
-    bands = [Area() for _ in range(max((place.band for place in grid.values()), default=-1) + 1)]
+    bands = [Area() for _ in range(max(band_of.values(), default=-1) + 1)]
     for cell, size in area.sizes.items():
-        bands[grid[cell].band].sizes[cell] = size
+        bands[band_of[cell]].sizes[cell] = size
     for wire in area.wires:
-        bands[grid[wire[0][0]].band].wires[wire] = []
+        bands[band_of[wire[0][0]]].wires[wire] = []
     top = 0.0
     left = _END if len(bands) > 1 else 0.0
     for band in bands:
-        band.arrange({cell: grid[cell].column for cell in band.sizes})
+        band.arrange()
         by = left, top
         area.corners |= {cell: _moved(corner, by) for cell, corner in band.corners.items()}
         for wire, points in band.wires.items():
@@ -626,32 +695,49 @@ def _stack_bands(area: Area, grid: _Grid) -> None:
         top = area.height + 2 * _BETWEEN_CELLS
 
 
-def _outermost(name: str, frame: Frame) -> Cell:
-    """Return the cell outside all frames in which a box stands."""
-    return ("frame", frame[:1]) if frame else ("box", name)
+def _is_cut(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> bool:
+    """Return whether an arrow begins and ends in different bands."""
+    source, target = (
+        bands[("frame", frames[name][:1]) if frames[name] else ("box", name)]
+        for name in (link.source, link.target)
+    )
+    return source != target
 
 
-def _shapes(picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow]) -> list[Shape]:
+def _shapes(
+    picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow], *, states: bool
+) -> list[Shape]:
     """Return the shapes of boxes; their ports say where arrows begin and end that are cut."""
     fixed: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     sources: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
-    said = {(box.name, each.shown) for box in picture.boxes for each in box.inputs}
-    for box in picture.boxes:
-        named = {each.source for each in box.alternatives}
-        said |= {(box.name, f"from {each}") for each in named if len(named) > _MOST_ORIGINS}
+    into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
+    said = {
+        (box.name, socket.name, text)
+        for box in picture.boxes
+        for socket in box.inputs
+        for text in [
+            socket.shown,
+            *(
+                f"from {each.source}"
+                for each in box.alternatives
+                if into[box.name, socket.name] > 1
+            ),
+        ]
+    }
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].append((arrow.target_port, arrow.fixed))
         if arrow in cut:
             readers[arrow.source].append((arrow.source_port, arrow.target))
-            if (arrow.target, f"from {origin}") not in said:
+            if (arrow.target, arrow.target_port, f"from {origin}") not in said:
                 sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(
             box,
             label_of(box.name, frames[box.name]),
             *(tuple(notes[box.name]) for notes in (fixed, sources, readers)),
+            states=states,
         )
         for box in picture.boxes
     ]

@@ -24,17 +24,22 @@ class Socket:
     type : str
     gathers : str
         The labels that a gathering port receives.
-    shown : str
+    shown : str, optional
         Shown in place of the name.
     """
 
     name: str
     type: str = ""
     gathers: str = ""
-    shown: str = ""
+    shown: str | None = None
 
     def __str__(self) -> str:
         return f"{self.name}: {self.type}" if self.type else self.name
+
+    @property
+    def text(self) -> str:
+        """What is shown of the name."""
+        return self.name if self.shown is None else self.shown
 
     @property
     def value(self) -> str:
@@ -194,9 +199,9 @@ def folded(picture: Picture) -> Picture:
 
     These are boxes of the report that no other box reads. An arrow into the list stands for all
     arrows of its output. With fewer than two such boxes, they stay. A graph that is used as a node
-    is one box.
+    is one box. Alternatives that several boxes have are listed at the first.
     """
-    picture = _graphs_as_boxes(picture)
+    picture = _with_alternatives_once(_graphs_as_boxes(picture))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
         arrow.source
@@ -231,13 +236,25 @@ def folded(picture: Picture) -> Picture:
     return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))
 
 
+def _with_alternatives_once(picture: Picture) -> Picture:
+    first: dict[tuple[Alternative, ...], str] = {}
+    boxes = []
+    for box in picture.boxes:
+        known = first.setdefault(box.alternatives, box.name)
+        if len(box.alternatives) > 1 and known != box.name:
+            row = Alternative(f"the same {len(box.alternatives)} as {known}")
+            box = replace(box, alternatives=(row,))
+        boxes.append(box)
+    return replace(picture, boxes=tuple(boxes))
+
+
 def _graphs_as_boxes(picture: Picture) -> Picture:
     graph_of = _graphs_of(picture)
     if not graph_of:
         return picture
     arrows: dict[tuple[str, str, str, str], Arrow] = {}
     origins_before: list[tuple[str, Arrow]] = []
-    inputs: dict[str, dict[str, Socket]] = {}
+    inputs: dict[str, dict[str, tuple[str, Socket]]] = {}
     sockets = {(box.name, each.name): each for box in picture.boxes for each in box.inputs}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         source, target = graph_of.get(arrow.source), graph_of.get(arrow.target)
@@ -249,8 +266,8 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
         if target is not None:
             socket = sockets[arrow.target, arrow.target_port]
             end = f"{arrow.source}.{arrow.source_port}"
-            ports = inputs.setdefault(target, {})
-            ports.setdefault(end, replace(socket, name=end, shown=socket.name))
+            inside_target = arrow.target.removeprefix(f"{target}.")
+            inputs.setdefault(target, {}).setdefault(end, (inside_target, socket))
             arrow = replace(arrow, target=target, target_port=end)
         ends = arrow.source, arrow.source_port, arrow.target, arrow.target_port
         origins_before.append((origin, arrows.setdefault(ends, arrow)))
@@ -276,8 +293,13 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
     return replace(direct, boxes=tuple(map(with_sources, direct.boxes)))
 
 
-def _graph_as_box(name: str, parts: Sequence[Box], inputs: Mapping[str, Socket]) -> Box:
+def _graph_as_box(name: str, parts: Sequence[Box], inputs: Mapping[str, tuple[str, Socket]]) -> Box:
     """Return one box for those of a graph, with what it is fed and what it returns."""
+    counts = Counter(socket.name for _, socket in inputs.values())
+    sockets = (
+        replace(socket, name=end, shown=f"{f'{inner}.' * (counts[socket.name] > 1)}{socket.name}")
+        for end, (inner, socket) in inputs.items()
+    )
     passing = sorted((part for part in parts if part.passes), key=lambda part: part.name != name)
     outputs = tuple(
         replace(each, name=_output(name, part.name, each.name))
@@ -288,7 +310,7 @@ def _graph_as_box(name: str, parts: Sequence[Box], inputs: Mapping[str, Socket])
     return Box(
         name,
         lines=passing[0].lines,
-        inputs=tuple(inputs.values()),
+        inputs=tuple(sockets),
         outputs=outputs,
         axes=tuple(axes.values()),
         kind="node" if inputs else "input",

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
+from math import ceil
 
 from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
@@ -16,7 +17,7 @@ from nodegraph.gc_pause import gc_paused
 HEAD_LENGTH = 8.0
 _HEAD_HALF = 4.2
 _WIDE_HALF = 5.4
-_LEVEL = 9.0
+_LEVEL = 8.0
 
 _LOOK = {
     "paper": 'fill="#ffffff"',
@@ -172,24 +173,31 @@ def _types(picture: Picture, marks: Mapping[str, int]) -> _Samples:
     return samples
 
 
-def _legend(rows: Iterable[_Samples], top: float) -> tuple[str, float, float]:
+def _legend(paragraphs: Iterable[_Samples], widest: float, top: float) -> tuple[str, float, float]:
     """Return the legend, how far to the right it reaches, and how far down."""
     parts = []
     reach, y = 0.0, top + 12.0
-    for row in filter(None, rows):
-        x = 0.0
-        for sample, text in row:
+    for samples in filter(None, paragraphs):
+        widths = [55.0 + width(text, 11.0) for _, text in samples]
+        lines = ceil(sum(widths) / widest)
+        x, full = 0.0, (sum(widths) + max(widths) * (lines > 1)) / lines
+        for (sample, text), wide in zip(samples, widths, strict=True):
+            if x + wide > full:
+                x, y = 0.0, y + 22.0
             parts.append(f'<g transform="translate({number(x)} {number(y)})">{sample}</g>')
             place = f'x="{number(x + 37)}" y="{number(y + 4)}"'
             parts.append(f"<text {_LOOK['legend']} {place}>{escaped(text)}</text>")
-            x += 55.0 + width(text, 11.0)
-        reach, y = max(reach, x - 18.0), y + 22.0
+            x += wide
+            reach = max(reach, x - 18.0)
+        y += 22.0
     if not parts:
         return "", 0.0, top - 18.0
     return f'<g class="legend">{"".join(parts)}</g>', reach, y - 14.0
 
 
-_MARGIN = 16.0
+_MARGIN = 10.0
+_LEGEND = 500.0
+"""Width at which a legend needs no more lines, though the drawing is narrower."""
 _SMALLEST_SCALE = 0.6
 
 
@@ -209,22 +217,23 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     ----------
     picture
     sockets
-        Whether every port has a mark whose shape and colour tell its type, with a legend.
+        Whether every port has a mark whose shape and colour tell its type, with a legend, and
+        rows of alternatives have room for their states in a run.
 
     Raises
     ------
     ValueError
         If arrows form a cycle.
     """
-    drawing = layout(picture)
+    drawing = layout(picture, states=sockets)
     arrows = [
         _arrow(arrow, pieces) for arrow, pieces in zip(picture.arrows, drawing.routes, strict=True)
     ]
     frames = [_frame(*frame) for frame in drawing.frames]
     marks = _marks(picture) if sockets else {}
     boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    rows = _styles(picture, cut=drawing.cut), _types(picture, marks)
-    explained, wide, high = _legend(rows, drawing.height + 18.0)
+    samples = _styles(picture, cut=drawing.cut), _types(picture, marks)
+    explained, wide, high = _legend(samples, max(drawing.width, _LEGEND), drawing.height + 18.0)
     return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 
 

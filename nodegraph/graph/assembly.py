@@ -189,8 +189,9 @@ class Assembler:
     def _check_graph_inputs(self) -> None:
         """Check what feeds, and what sets, the graphs used as nodes."""
         for graph_input in self._flat.inputs:
-            self._wires.check(graph_input.source, graph_input.port, graph_input.where)
-            self._check_fixed_axes(graph_input.source)
+            source = at_first_labels(graph_input.source, self._namespace.axes)
+            self._wires.check(source, graph_input.port, graph_input.where)
+            self._check_fixed_axes(source)
         self._namespace.use(self._flat.settings)
 
     def _check_sections(self) -> None:

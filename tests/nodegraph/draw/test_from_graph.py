@@ -91,3 +91,32 @@ def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -
     assert gathers["fill"] == ""
     fixed = {arrow.target: arrow.fixed for arrow in picture.arrows if arrow.gathers}
     assert fixed == {"table": "length=5", "named": "length=5"}
+
+
+def test_an_output_without_a_name_of_its_own_shows_a_type_that_is_new(
+    graph_of: Callable[..., Graph],
+) -> None:
+    text = """
+    nodes:
+      capture: {use: read.number}
+      fill: {use: fill.hold, in: capture}
+      after: {use: fill.hold, in: fill}
+    """
+    boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
+    assert [socket.text for socket in boxes["capture"].outputs] == ["float"]
+    assert [socket.text for socket in boxes["fill"].outputs] == [""]
+    whole = {box.name: box for box in picture_of(graph_of(text), whole=True).boxes}
+    assert [socket.text for socket in whole["fill"].outputs] == ["output"]
+
+
+def test_a_number_that_is_another_at_one_label_is_shown(graph_of: Callable[..., Graph]) -> None:
+    text = """
+    axes: {condition: {clean: {repair: 9}, white: {repair: 9}, repaired: {repair: 3}}, k: [1, 2, 3]}
+    nodes:
+      capture: {use: read.number}
+      repair: {use: fill.scale, in: capture, with: {power: $condition.repair}}
+      each: {use: fill.scale, in: capture, with: {power: $k}}
+    """
+    boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
+    assert boxes["repair"].lines == ("fill.scale", "power: 3 at repaired, else 9")
+    assert boxes["each"].lines == ("fill.scale",)

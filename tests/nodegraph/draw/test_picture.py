@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from nodegraph.draw import Arrow, Box, Picture, Socket
+from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket
 from nodegraph.draw.picture import folded
 
 BOXES = (Box("a", outputs=(Socket("out"),)), Box("b", inputs=(Socket("in"),)))
@@ -72,3 +72,29 @@ def test_a_box_called_report_keeps_its_name() -> None:
     boxes = (Box("report", outputs=port), *(Box(n, (), port, kind="report") for n in "ab"))
     arrows = tuple(Arrow("report", "x", name, "x") for name in "ab")
     assert [box.name for box in folded(Picture("", boxes, arrows)).boxes] == ["report", "report "]
+
+
+def test_alternatives_of_several_boxes_are_listed_once() -> None:
+    ways = (Alternative("stable"), Alternative("all", "landmarks: [*]"))
+    boxes = (Box("align", alternatives=ways), Box("own", alternatives=ways), Box("fill"))
+    align, own, fill = folded(Picture("", boxes)).boxes
+    assert (align, fill) == (boxes[0], boxes[2])
+    assert own.alternatives == (Alternative("the same 2 as align"),)
+
+
+def test_ports_of_a_graph_that_are_called_the_same_are_told_apart() -> None:
+    weights = (Socket("weights"),)
+    boxes = (
+        Box("complete", outputs=weights),
+        Box("chosen", outputs=weights),
+        Box("moved.all", inputs=weights, outputs=weights),
+        Box("moved.chosen", inputs=weights, outputs=weights),
+        Box("moved", inputs=(Socket("all"),), outputs=(Socket("all"),), passes=True),
+    )
+    arrows = (
+        Arrow("complete", "weights", "moved.all", "weights"),
+        Arrow("chosen", "weights", "moved.chosen", "weights"),
+        Arrow("moved.all", "weights", "moved", "all"),
+    )
+    *_, moved = folded(Picture("", boxes, arrows)).boxes
+    assert [socket.text for socket in moved.inputs] == ["all.weights", "chosen.weights"]

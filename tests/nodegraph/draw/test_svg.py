@@ -246,7 +246,7 @@ def notes_of(root: ElementTree.Element, box: str) -> list[str | None]:
 def test_what_is_wider_than_a_page_goes_on_below_like_lines_of_text() -> None:
     root = check(chain(20))
     boxes = list(rectangles(root).values())
-    assert 800 < float(root.attrib["width"]) < 1200
+    assert 700 < float(root.attrib["width"]) < 900
     assert len({top for _, top, _, _ in boxes}) == 4
     assert sorted(boxes, key=lambda box: (box[1], box[0])) == boxes
     assert len({left for left, _, _, _ in boxes}) < 10  # one column stands below the other
@@ -273,6 +273,46 @@ def test_an_arrow_from_another_row_is_drawn_at_its_ends_and_its_port_says_where_
     assert len(arrows["{}.x {}.x".format(*onward[0])]) == 2
     short = ElementTree.fromstring(svg(chain(4)))
     assert "from another row" not in {text.text for text in short.iter(f"{SVG}text")}
+
+
+def test_what_is_read_from_another_row_stands_before_its_reader() -> None:
+    names = [f"step{number}" for number in range(8)]
+    ways = [*pairwise(names), ("step1", "late"), ("late", "step7")]
+    boxes = rectangles(check(plain([*names, "late"], ways)))
+    assert boxes["late"][0] == boxes["step6"][0]
+    assert boxes["step1"][1] < boxes["late"][1]
+
+
+def test_ports_of_the_report_stand_as_their_arrows_arrive() -> None:
+    port = (Socket("x"),)
+    steps = [Box(name, (), port, port) for name in "abc"]
+    shows = [Box(name, (), port, kind="report") for name in ("table", "faces", "glb")]
+    ways = [("a", "b"), ("b", "c"), ("c", "table"), ("b", "faces"), ("a", "glb")]
+    arrows = tuple(Arrow(source, "x", target, "x") for source, target in ways)
+    root = check(folded(Picture("", (*steps, *shows), arrows)))
+    drawn = [lines(group)[0] for group in arrows_of(root) if "report" in group.attrib["data-arrow"]]
+    widest = [[y for x, y in points if x > drawn[0][0][0]] for points in drawn]
+    ends = [heights[-1] for heights in widest]
+    starts = [heights[0] for heights in widest]
+    assert len({*ends}) == 3
+    assert sorted(range(3), key=starts.__getitem__) == sorted(range(3), key=ends.__getitem__)
+
+
+def test_lines_that_turn_side_by_side_lie_apart() -> None:
+    port, several = (Socket("x"),), tuple(Socket(f"p{number}") for number in range(5))
+    boxes = [Box(f"a{number}", ("a.b",), (), port) for number in range(5)]
+    arrows = [Arrow(f"a{number}", "x", "low", f"p{number}") for number in range(5)]
+    root = check(Picture("", (*boxes, Box("low", (), several)), tuple(arrows)))
+    middles: dict[bool, set[float]] = {True: set(), False: set()}
+    for group in arrows_of(root):
+        ((begin, *between, end),) = lines(group)
+        half = (begin[1] + end[1]) / 2
+        _, x = min((abs(y - half), x) for x, y in between)
+        if abs(begin[1] - end[1]) > 40:
+            middles[begin[1] < end[1]].add(x)
+    for xs in middles.values():
+        first, second = sorted(xs)
+        assert second - first > 5
 
 
 def test_a_port_of_the_report_names_its_source_once() -> None:

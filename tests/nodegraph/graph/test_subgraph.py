@@ -62,6 +62,14 @@ def test_a_graph_is_used_as_a_node(files: Files, run_of: Callable[..., Run]) -> 
     assert run["clean.despike"].at(k=10, **{"clean.despike": "scale"}) == 30
 
 
+def test_what_feeds_a_graph_is_fixed_at_the_first_label(
+    files: Files, run_of: Callable[..., Run]
+) -> None:
+    files(clean=CLEAN)
+    outer = OUTER.replace("in: n,", "in: {recording: {from: n, at: {k: $first}}},")
+    assert run_of(outer).plan.graph.nodes["clean"].axes == ("clean.trial", "clean.despike")
+
+
 def test_the_node_itself_is_a_pass_through(files: Files, graph_of: Callable[..., Graph]) -> None:
     files(clean=CLEAN)
     method = graph_of(OUTER).nodes["clean"].first
