@@ -255,19 +255,23 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
     arrows: dict[tuple[str, str, str, str], Arrow] = {}
     origins_before: list[tuple[str, Arrow]] = []
     inputs: dict[str, dict[str, tuple[str, Socket]]] = {}
-    sockets = {(box.name, each.name): each for box in picture.boxes for each in box.inputs}
+    outputs: dict[str, dict[str, Socket]] = {}
+    fed = {(box.name, each.name): each for box in picture.boxes for each in box.inputs}
+    read = {(box.name, each.name): each for box in picture.boxes for each in box.outputs}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         source, target = graph_of.get(arrow.source), graph_of.get(arrow.target)
         if source is not None and source == target:
             continue
         if source is not None:
             port = _output(source, arrow.source, arrow.source_port)
+            socket = replace(read[arrow.source, arrow.source_port], name=port, shown=None)
+            outputs.setdefault(source, {})[port] = socket
             arrow = replace(arrow, source=source, source_port=port)
         if target is not None:
-            socket = sockets[arrow.target, arrow.target_port]
+            socket = fed[arrow.target, arrow.target_port]
             end = f"{arrow.source}.{arrow.source_port}"
-            inside_target = arrow.target.removeprefix(f"{target}.")
-            inputs.setdefault(target, {}).setdefault(end, (inside_target, socket))
+            reader = arrow.target.removeprefix(f"{target}.")
+            inputs.setdefault(target, {}).setdefault(end, (reader, socket))
             arrow = replace(arrow, target=target, target_port=end)
         ends = arrow.source, arrow.source_port, arrow.target, arrow.target_port
         origins_before.append((origin, arrows.setdefault(ends, arrow)))
@@ -275,7 +279,7 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
     for box in picture.boxes:
         inside.setdefault(graph_of.get(box.name, box.name), []).append(box)
     boxes = [
-        _graph_as_box(name, parts, inputs.get(name, {}))
+        _graph_as_box(name, parts, inputs.get(name, {}), outputs.get(name, {}))
         if parts[-1].name in graph_of
         else parts[-1]
         for name, parts in inside.items()
@@ -293,25 +297,24 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
     return replace(direct, boxes=tuple(map(with_sources, direct.boxes)))
 
 
-def _graph_as_box(name: str, parts: Sequence[Box], inputs: Mapping[str, tuple[str, Socket]]) -> Box:
+def _graph_as_box(
+    name: str,
+    parts: Sequence[Box],
+    inputs: Mapping[str, tuple[str, Socket]],
+    outputs: Mapping[str, Socket],
+) -> Box:
     """Return one box for those of a graph, with what it is fed and what it returns."""
     counts = Counter(socket.name for _, socket in inputs.values())
     sockets = (
         replace(socket, name=end, shown=f"{f'{inner}.' * (counts[socket.name] > 1)}{socket.name}")
         for end, (inner, socket) in inputs.items()
     )
-    passing = sorted((part for part in parts if part.passes), key=lambda part: part.name != name)
-    outputs = tuple(
-        replace(each, name=_output(name, part.name, each.name))
-        for part in passing
-        for each in part.outputs
-    )
     axes = {text.partition(":")[0]: text for part in parts[::-1] for text in part.axes}
     return Box(
         name,
-        lines=passing[0].lines,
+        lines=next(part.lines for part in parts if part.name == name),
         inputs=tuple(sockets),
-        outputs=outputs,
+        outputs=tuple(outputs.values()),
         axes=tuple(axes.values()),
         kind="node" if inputs else "input",
     )

@@ -90,11 +90,16 @@ def test_ports_of_a_graph_that_are_called_the_same_are_told_apart() -> None:
         Box("moved.all", inputs=weights, outputs=weights),
         Box("moved.chosen", inputs=weights, outputs=weights),
         Box("moved", inputs=(Socket("all"),), outputs=(Socket("all"),), passes=True),
+        Box("table", inputs=(Socket("scores"),)),
     )
     arrows = (
         Arrow("complete", "weights", "moved.all", "weights"),
         Arrow("chosen", "weights", "moved.chosen", "weights"),
         Arrow("moved.all", "weights", "moved", "all"),
+        Arrow("moved", "all", "table", "scores"),
+        Arrow("moved.chosen", "weights", "table", "scores"),
     )
-    *_, moved = folded(Picture("", boxes, arrows)).boxes
+    *_, moved, table = folded(Picture("", boxes, arrows)).boxes
+    assert table == boxes[-1]
+    assert [socket.name for socket in moved.outputs] == ["all", "chosen"]
     assert [socket.text for socket in moved.inputs] == ["all.weights", "chosen.weights"]
