@@ -77,10 +77,10 @@ _LONGEST_SETTINGS = 26
 _LONGEST_AXIS = 34
 _LINE = 14.0
 _BASELINE = 13.3
-_BREAK = re.compile(r"(?<=[,\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
+_BREAK = re.compile(r"(?<=[,…\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
 """Between two parts of a text; a list is one."""
 _MOST_LINES = 4
-_LONGEST_AT_PORT = 24
+_LONGEST_AT_PORT = 26
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}

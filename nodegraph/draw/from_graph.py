@@ -21,7 +21,7 @@ from nodegraph.node.ports import Label, Port
 
 _MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
-_LONGEST_LABEL = 16
+_LONGEST_LABEL = 20
 _LONGEST_SERIES = 24
 _NUMBERED = re.compile(r"(\D*)\d+")
 

@@ -145,7 +145,9 @@ def _in_bands(area: Area) -> _Bands:
     depths = _depths(area.sizes, area.wires)
     ranks = {depth: rank for rank, depth in enumerate(sorted({*depths.values()}))}
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
-    widths = _widths(depths, area.sizes)
+    widths = [0.0] * len(ranks)
+    for cell, depth in depths.items():
+        widths[depth] = max(widths[depth], area.sizes[cell].width)
     reach: dict[End, int] = {}
     for source, (target, _) in area.wires:
         reach[source] = max(depths[target], reach.get(source, 0))
@@ -170,13 +172,6 @@ def _in_bands(area: Area) -> _Bands:
         end = best[end][2]
         starts.insert(0, end)
     return {cell: bisect_right(starts, depth) - 1 for cell, depth in depths.items()}
-
-
-def _widths(depths: Mapping[Cell, int], sizes: Mapping[Cell, Size]) -> list[float]:
-    widths = [0.0] * (max(depths.values(), default=-1) + 1)
-    for cell, depth in depths.items():
-        widths[depth] = max(widths[depth], sizes[cell].width)
-    return widths
 
 
 def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
@@ -539,7 +534,8 @@ def _with_ports_in_order(
     def ordered(box: Box) -> Box:
         if any(socket.shown is None for socket in box.inputs):
             return box
-        inputs = sorted(box.inputs, key=lambda socket: arrivals[box.name, socket.name])
+        last = True, inf
+        inputs = sorted(box.inputs, key=lambda each: arrivals.get((box.name, each.name), last))
         return replace(box, inputs=tuple(inputs))
 
     return replace(picture, boxes=tuple(map(ordered, picture.boxes)))

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from nodegraph.draw.boxes import clean, shape, shortened, width
-from nodegraph.draw.picture import Box, Socket
+from nodegraph.draw.picture import Alternative, Box, Socket
 
 
 def test_texts_that_xml_cannot_hold_are_marked() -> None:
@@ -30,3 +30,27 @@ def test_labels_that_all_arrows_fix_are_said_once_in_lines() -> None:
     assert notes == ["at actor=1, damage=occlusions,", "length=45", "at fill=muscle"]
     alone = shape(box, "table", (("scores", common),))
     assert {text.hint for text in alone.texts if text.style == "note"} == {f"scores; at {common}"}
+
+
+def test_lines_end_between_labels_and_settings() -> None:
+    axis = "occlusion: 1 marker, 4 markers, 12 markers"
+    settings = "strategy: together, weight_missing: 1e-06, singular_values: 1"
+    box = Box("gaps", ("cut", settings), (), (), (Alternative("pca", settings),), (axis,))
+    drawn = shape(box, "gaps")
+    texts = [[text for text, *_ in chip.texts] for chip in drawn.chips]
+    assert texts == [
+        ["occlusion: 1 marker, 4 markers,", "12 markers"],
+        ["pca", "strategy: together, weight_missing: 1e-06,", "singular_values: 1"],
+    ]
+    assert [text.text for text in drawn.texts if text.style == "line"] == [
+        *("cut", "strategy: together,", "weight_missing: 1e-06,", "singular_values: 1"),
+    ]
+
+
+def test_texts_of_ports_at_one_height_lie_beside_each_other() -> None:
+    recording, hidden = Socket("recording"), Socket("hidden")
+    readers = (("hidden", "an_error_in_the_gaps"),)
+    level = shape(Box("a", (), (recording,), (hidden,)), "a", readers=readers)
+    below = shape(Box("a", (), (recording,), (Socket("x"), hidden)), "a", readers=readers)
+    both = shape(Box("a", (), (recording, recording), (hidden,)), "a", readers=readers)
+    assert level.width == below.width < both.width
