@@ -39,6 +39,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if not config.pluginmanager.hasplugin("benchmark"):
         raise pytest.UsageError("benchmarks need more packages: pip install -e '.[bench]'")
     config.option.benchmark_quiet = True  # its own table would repeat ours, a row per column
+    config.option.dist = "no"  # else nothing is timed where xdist is installed
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
