@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import re
 import shutil
 import time
@@ -15,41 +16,28 @@ import pytest
 
 from nodegraph.cli.main import main
 from nodegraph.errors import NodegraphError
+from nodegraph.lock.lockfile import read_lock
 from nodegraph.remote import remote_file
 from tests.memory import give_back
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
 GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
-TWO = ("--only", "recording=face_1,face_2")
 ONE = (
     *("--only", "recording=face_1", "--only", "condition=usual", "--only", "terms=ends_met"),
     *("--axis", "length=45"),
 )
 """One combination of the graph of fills for each method."""
-FILLS = "fill=muscle,lin_ouhyoung,guenter,linear,cubic,ridge,pca,rigid,bilinear,waters"
-"""Those of the shipped lock, which finds their results in the store, and one more."""
-FEW = {
-    "alignment": ("--axis", "actor=0,1", "--only", "data=take,scans"),
-    "fill": (*TWO, "--only", "length=5,45", "--only", "condition=usual", "--only", FILLS),
+FILL, _, _ = (ROOT / "graphs" / "fill.yaml").read_text().partition("  ranks:\n")
+FILL = re.sub(" +movement: .*\n", "", FILL)
+"""The graph of fills up to its table, which no other node takes part in."""
+OF_SAMPLES = {
     "fill_real": (
         *("--axis", "recording=sample:face_1,sample:face_2", "--only", "length=5,45"),
         *("--only", "trial=0", "--only", "fill=muscle,lin_ouhyoung,guenter,linear"),
     ),
-    "fill_conditions": ("--axis", "actor=0,1", "--only", "length=15"),
-    "fill_occlusions": ("--axis", "actor=0,1", "--only", "length=15"),
-    "impulses": TWO,
-    "live_price": ("--axis", "actor=0,1"),
-    "marker_selection": (
-        *("--only", "actor=face_1,face_2,face_3", "--axis", "k=10,15,20,40"),
-        *("--axis", "seed=0", "--set", "runs=30"),
-    ),
-    "pipeline": ("--axis", "actor=0,1", "--only", "damage=usual,gaps only"),
-    "spline_orders": TWO,
-    "step_order": ("--axis", "actor=0,1", "--only", "damage=noise,usual"),
-    "tracking": TWO,
 }
-"""A few combinations of each graph that takes longer."""
+"""A few combinations of graphs that name recordings at addresses."""
 
 needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="the recordings are not here")
 
@@ -72,7 +60,7 @@ def _is_here(address: str) -> bool:
 
 
 STUDIES = [
-    pytest.param(path.stem, marks=[] if path.stem in FEW else needs_fetched(path.stem))
+    pytest.param(path.stem, marks=[] if path.stem in OF_SAMPLES else needs_fetched(path.stem))
     for path in GRAPHS
 ]
 """The names of the shipped graphs; those that need files at addresses are skipped without these."""
@@ -97,6 +85,18 @@ def command(*words: str, folder: Path) -> Ended:
             status = int(stop.code or 0)
     assert "internal error" not in err.getvalue()
     return Ended(status, out.getvalue(), err.getvalue())
+
+
+def few(name: str) -> tuple[str, ...]:
+    """Return the options of a run of a few combinations of a shipped graph: those of its lock."""
+    if name in OF_SAMPLES:
+        return OF_SAMPLES[name]
+    chosen = read_lock(ROOT / "graphs" / f"{name}.lock").record.settings
+    words: list[str] = []
+    for option, axes in (("--axis", chosen.axis), ("--only", chosen.only)):
+        for axis, labels in axes.items():
+            words += (option, f"{axis}={json.dumps(labels)}")
+    return tuple(words)
 
 
 class Studies:
@@ -142,7 +142,7 @@ class Studies:
                 time.sleep(0.05)
                 continue
             try:
-                self.run(name, *FEW.get(name, ()), folder=folder)
+                self.run(name, *few(name), folder=folder)
             except BaseException:
                 shutil.rmtree(folder)  # no worker waits for it
                 raise

@@ -12,11 +12,9 @@ from pathlib import Path
 import pytest
 
 from nodegraph.lock.lockfile import read_lock
-from tests.studies import GRAPHS, ONE, ROOT, Studies, needs_fetched
+from tests.studies import FILL, GRAPHS, ONE, ROOT, Studies, needs_fetched
 
 LOCKS = sorted((ROOT / "graphs").glob("*.lock"))
-FILL = (ROOT / "graphs" / "fill.yaml").read_text().partition("  ranks:\n")[0]
-"""The graph of fills up to its table."""
 SMALL = (*ONE, "--only", "fill=muscle,pca,linear")
 ROUNDED = """
 import numpy as np

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.records import read_record
-from tests.studies import FEW, ONE, ROOT, STUDIES, Studies
+from tests.studies import FILL, ONE, ROOT, STUDIES, Studies, few
 
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
@@ -27,8 +27,7 @@ def again(tmp_path: Path) -> Again:
     """Run the graph of fills with a copy of the plugins, and return its record."""
     plugins = tmp_path / "plugins"
     shutil.copytree(ROOT / "plugins", plugins)
-    until_table, _, _ = (ROOT / "graphs" / "fill.yaml").read_text().partition("  ranks:\n")
-    (tmp_path / "fill.yaml").write_text(until_table)
+    (tmp_path / "fill.yaml").write_text(FILL)
     path = os.pathsep.join([str(plugins), str(ROOT)])
     command = [sys.executable, "-m", "nodegraph.cli.main", "run", "fill.yaml"]
 
@@ -61,7 +60,7 @@ def computed(record: dict[str, Any]) -> set[str]:
 @pytest.mark.parametrize("name", STUDIES)
 def test_a_second_run_computes_nothing(studies: Studies, name: str) -> None:
     earlier = studies.few(name)
-    later = studies.run(name, *FEW.get(name, ()))
+    later = studies.run(name, *few(name))
     first, second = read_record(earlier), read_record(later)
     states = Counter(step["state"] for step in second["steps"])
     assert second["counts"] == {**second["counts"], "done": 0, "failed": 0, "unneeded": 0}
