@@ -188,8 +188,17 @@ def check_places(shown: Shown, folder: Path) -> None:
 
 def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> None:
     """Check that cards mark the methods that are best, and not certain to be worse."""
-    for card, (best, tied) in zip(overview.answer.cards, marks, strict=False):
-        assert card.best == bool(best)
+    for card, found, (best, tied) in zip(
+        overview.answer.cards, overview.answer.findings, marks, strict=False
+    ):
+        # the headline is the best, or the method to take with how it stands beside the best
+        named = {part.method for part in card.headline if not isinstance(part, str)}
+        kinds = {"best": best, "tied": tied, "worse": {*found.behind}}
+        assert card.kind == next((kind for kind, of in kinds.items() if named & of), "rest")
+        assert (card.kind != "rest") == bool(best)
+        assert ("clearly behind" in plain(card.status)) == (card.kind == "worse")
+        if card.kind in ("tied", "worse"):
+            assert {part.text for part in card.status if not isinstance(part, str)} & best
         if card.rows is None or overview.verdicts.is_sequence:
             continue
         rows = (*card.rows.rows, *card.rows.others)

@@ -40,7 +40,7 @@ def test_the_table_has_every_tracker_at_every_rate(built_in: Path) -> None:
 
 
 def test_nearly_every_link_is_right(built_in: Path) -> None:
-    assert 0.0 < max(wrong_of(built_in).values()) < 1.0
+    assert 0.0 < max(wrong_of(built_in).values()) < 100.0
 
 
 def test_prediction_helps(built_in: Path) -> None:
@@ -87,8 +87,8 @@ def test_neighbours_find_the_hidden_markers_of_a_face_that_holds_still(
     for dropout, ghosts in ((0.02, 0.0), (0.02, 0.05), (0.1, 0.0), (0.1, 0.05)):
         ours = wrong["neighbours", dropout, ghosts]
         assert 1.5 * ours < wrong["assignment", dropout, ghosts]
-        assert ours < 0.1
-    assert all(value < 0.3 for value in wrong.values())
+        assert ours < 10.0
+    assert all(value < 30.0 for value in wrong.values())
 
 
 @needs_recordings

@@ -30,7 +30,7 @@ _MOST_GROUPS = 5
 _GAP = 2
 _LONGEST_WARNING = 100
 _BEST, _TIED = "*", "~"
-_LEGEND = {_BEST: "best", _TIED: "not certain to be worse"}
+_LEGEND = {_BEST: "best", _TIED: "may be as good"}
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 
 

@@ -24,18 +24,19 @@ from nodegraph_compare.words import (
     group_title,
     label_text,
     method_words,
-    not_certain,
     number_name,
     plain_names,
     reason_text,
     scope_text,
     signed,
+    tied_text,
     units_text,
     varying,
     with_units,
 )
 from nodegraph_tables.answer import (
     HERE,
+    MAY_BE,
     MOST_CARDS,
     Answer,
     Finding,
@@ -65,6 +66,7 @@ _MOST_NAMES = 3
 _MOST_CLAUSES = 6
 _MOST_TIED = 2
 _MOST_LABELS = 5
+_ALIKE = "not clearly different"
 
 
 def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
@@ -262,24 +264,24 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
     verb = "share" if several else "has"
     start = f"{HERE} {verb} the {EXTREME[metric.better]} mean {metric.name}{where} ({HERE})"
     if len(told) == 1:
-        others = not_certain(verdicts, told[0], told[0].tied)
+        others = tied_text(verdicts, told[0])
         behind = len(told[0].behind)
         rest = f"; {'the other' if behind == 1 else f'the other {behind}'} clearly behind"
-        return say(f"{start}; not certain: {HERE}{rest * bool(behind)}.", names, number, others)
+        return say(f"{start}; {MAY_BE}: {HERE}{rest * bool(behind)}.", names, number, others)
     tied = set.intersection(*(set(group.tied) for group in told))
     if tied:
         order = sorted(tied, key=lambda place: abs(told[0].to_best_of(place)))
         against = few(method_words(verdicts, order), _MOST_NAMES)
-        return say(f"{start}, nowhere certain against {HERE}.", names, number, against)
+        return say(f"{start}; {HERE} {MAY_BE}.", names, number, against)
     open_groups = [group for group in told if group.tied]
     if len(open_groups) > _MOST_CLAUSES:
         places = f"in {len(open_groups)} of {count} groups"
-        return say(f"{start}, not certain {places}.", names, number)
+        return say(f"{start}; others {MAY_BE} {places}.", names, number)
     against = listing(method_words(verdicts, sorted({*open_groups[0].tied})))
     if any(group.tied != open_groups[0].tied for group in open_groups):
         against = ("others",)
     places = f"for {_where(verdicts, open_groups)}"
-    return say(f"{start}, not certain against {HERE} {places}.", names, number, against)
+    return say(f"{start}; {HERE} {MAY_BE} {places}.", names, number, against)
 
 
 def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
@@ -308,8 +310,9 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     axes = _deciding(verdicts, told)
     depends = f"It depends on {plain(listing([verdicts.within[axis] for axis in axes]))}"
     best = _best_by_group(verdicts, told, by_leader, axes)
-    if for_all := _compromise(verdicts, told):
-        return say(f"{depends}. {HERE} Best: {HERE}.", for_all, best)
+    if verdicts.for_all is not None:
+        take = _for_all(verdicts, told, verdicts.for_all)
+        return say(f"{depends}. {HERE} Best: {HERE}.", take, best)
     return say(f"{depends}: {HERE}.", best)
 
 
@@ -356,7 +359,7 @@ def _deciding(verdicts: Verdicts, told: Sequence[Verdict]) -> list[int]:
 
 
 def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: str) -> Text:
-    """Return the best of groups, with the methods not certain to be worse in any of them."""
+    """Return the best of groups, with the methods that may be as good in all of them."""
     equal = set.intersection(*({*group.best} for group in groups))
     tied = set.intersection(*({*group.tied, *group.best} for group in groups)) - equal
     number = _number(verdicts, groups, leader)
@@ -366,8 +369,8 @@ def _clause(verdicts: Verdicts, leader: int, groups: Sequence[Verdict], where: s
     order = sorted(tied, key=lambda place: np.nanmax([abs(g.to_best_of(place)) for g in groups]))
     others = _names(verdicts, order) or ("others",)
     if len(tied) > _MOST_TIED:
-        others = (f"{len(tied)} others{' in each' * (len(groups) > 1)}",)
-    return say(f"{HERE} {where} ({HERE}, not certain against {HERE})", names, number, others)
+        others = (f"{len(tied)} others",)
+    return say(f"{HERE} {where} ({HERE}; {HERE} {MAY_BE})", names, number, others)
 
 
 def _where(verdicts: Verdicts, groups: Sequence[Verdict], axes: Sequence[int] | None = None) -> str:
@@ -410,31 +413,21 @@ def _shortened(clauses: Sequence[Text], separator: str) -> Text:
     return joined(separator, [*clauses[:_MOST_CLAUSES], more])
 
 
-def _compromise(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
-    """Return the method that is never far behind, and its largest distance."""
-    if not verdicts.ratio or len(told) < 2:
-        return ()
-    ratios = []
-    for group in told:
-        known = np.full(group.mean.shape, np.nan) if group.to_best is None else group.to_best.value
-        ratios.append(np.where(np.isin(np.arange(len(known)), group.best), 1.0, known))
-    every = np.stack(ratios)
-    times = 1.0 / every if verdicts.metric.better == "higher" else every
-    worst = np.where(np.isfinite(times).all(axis=0), times.max(axis=0), np.inf)
-    place = int(np.argmin(worst))
-    if not np.isfinite(worst[place]):
-        return ()
+def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
+    """Return the method to take whichever the group is, and how far it is behind at its worst."""
     (name,) = best_words(verdicts, [place])
-    behind = max(float(worst[place]) - 1, 0.0)
-    # rounded up: `never more than`
-    far = (
-        say(f"{HERE} the best", Word(f"{worst[place]:.1f} times", "number"))
-        if behind >= 1
-        else say(f"{HERE} behind the best", Word(f"{math.ceil(100 * behind)} %", "number"))
-    )
     besides = listing(_beside_means(verdicts, [(group, place) for group in told]))
     also = say(f" ({HERE})", besides) if besides else ()
-    return say(f"One method for all: {HERE}, never more than {HERE}{HERE}.", name, far, also)
+    far = max(group.distance(place) for group in told)
+    if not verdicts.ratio:
+        size = signed(far, verdicts.metric.unit, far).removeprefix("+")
+    elif far < 2:
+        size = f"{math.ceil(100 * (far - 1))} %"  # rounded up: `never more than`
+    else:
+        return say(f"One method for all: {HERE}, never more than {HERE} the best{HERE}.", name,
+                   Word(f"{far:.1f} times", "number"), also)  # fmt: skip
+    return say(f"One method for all: {HERE}, never more than {HERE} behind the best{HERE}.", name,
+               Word(size, "number"), also)  # fmt: skip
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:
@@ -582,13 +575,12 @@ def _beside_baseline(verdicts: Verdicts, place: int, groups: Sequence[Verdict]) 
         where[word].append(group)
     words = [word for word, of in where.items() if of]
     if len(words) == 1:
-        alike = f"{words[0]} throughout" if words[0] else "nowhere certain"
-        return alike if len(groups) > 1 else words[0] or "not certain"
+        alike = words[0] or _ALIKE
+        return f"{alike} throughout" if len(groups) > 1 else alike
     axis = varying(verdicts)[-1]
     name = verdicts.within[axis]
     return ", ".join(
-        f"{word or 'not certain'} at {name} "
-        f"{_both([str(group.labels[axis]) for group in where[word]])}"
+        f"{word or _ALIKE} at {name} {_both([str(group.labels[axis]) for group in where[word]])}"
         for word in words
     )
 

@@ -11,7 +11,6 @@ from nodegraph_compare.left_out import narrowed
 from nodegraph_compare.question import EXTREME
 from nodegraph_compare.words import (
     UNCLEAR,
-    behind_text,
     beside_text,
     change_of,
     change_text,
@@ -25,12 +24,14 @@ from nodegraph_compare.words import (
     reason_text,
     scope_text,
     signed,
+    standing_text,
     uncertain_text,
     units_text,
     within_text,
 )
 from nodegraph_tables.answer import (
     HERE,
+    MAY_BE,
     MOST_ROWS,
     ONE_ROW,
     Card,
@@ -120,10 +121,8 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
         return Card("", change, (Word(ends, "number"),), aside, rows=rows)
     if verdicts.metric.better == "none":
         return Card("", (), rows=rows)
-    best = listing(method_words(verdicts, group.best))
     if group.told:
-        value, interval = _value(verdicts, group, group.best[0])
-        return Card("", best, value, interval, rows=rows, best=bool(group.marks))
+        return _told(verdicts, group, rows)
     if group.stands:
         return Card("", ("none clearly best",), rows=rows)
     reason = reason_text(verdicts, group)
@@ -131,6 +130,17 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     reasons = {None if each.told or each.stands else reason_text(verdicts, each) for each in others}
     # a reason that all cards share stands once, in the answer above them
     return Card("", ("no verdict",), aside=() if reasons == {reason} else (reason,), rows=rows)
+
+
+def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
+    """Return the method to take, or else the best of the group, and how it stands there."""
+    take = verdicts.for_all
+    shown = group.best if take is None or take in group.best else (take,)
+    kind: Kind = "worse" if {*shown} & {*group.behind} else group.marks.get(shown[0], "rest")
+    value, interval = _value(verdicts, group, shown[0])
+    names = listing(method_words(verdicts, shown))
+    status = standing_text(_bare(verdicts), group, shown[0])
+    return Card("", names, value, interval, rows=rows, status=status, kind=kind)
 
 
 def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
@@ -185,33 +195,29 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
 
 
 def _notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
-    """Return what is said of methods beside their numbers.
-
-    It is how far those are from the best that are not certain to be worse, and the best over all.
-    """
+    """Return how far those methods are from the best that are not certain to be worse."""
     if verdicts.is_sequence:
         return _step_notes(verdicts, group)
     if not group.stands or verdicts.metric.better == "none":
         return {}
-    # numbers of rows have their unit below them
-    metric = verdicts.metric
-    bare = replace(verdicts, metric=replace(metric, unit=SHARE if metric.unit == SHARE else ""))
+    bare = _bare(verdicts)
     tied = nearest_first(group, group.tied)
     if not group.told:
-        start = f"from the {EXTREME[metric.better]}: {HERE}"
-        return {place: say(start, within_text(bare, group, place)) for place in tied[:1]}
-    notes = {
-        place: say(f"not certain: {HERE}", uncertain_text(bare, group, place))
+        start = f"from the {EXTREME[verdicts.metric.better]}: {HERE}"
+        near = tied[:_MOST_NAMES]
+        return {place: say(start, within_text(bare, group, place)) for place in near}
+    # how far the method to take is stands in the head of the card
+    return {
+        place: uncertain_text(bare, group, place)
         for place in tied[:_MOST_NAMES]
+        if place != verdicts.for_all
     }
-    best = verdicts.best_over_all
-    if best in group.tied:
-        text = uncertain_text(bare, group, best)
-        notes[best] = say(f"best over all, not certain: {HERE}", text)
-    elif best in group.behind:
-        text = behind_text(bare, group, best)
-        notes[best] = say(f"best over all, clearly behind: {HERE}", text)
-    return notes
+
+
+def _bare(verdicts: Verdicts) -> Verdicts:
+    """Return verdicts whose numbers have no unit but that of shares, as it stands beside them."""
+    metric = verdicts.metric
+    return replace(verdicts, metric=replace(metric, unit=SHARE if metric.unit == SHARE else ""))
 
 
 def _step_notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
@@ -275,7 +281,7 @@ def _equal(verdicts: Verdicts, group: Verdict) -> str:
 def _next_minutes(verdicts: Verdicts, group: Verdict) -> str:
     """Return what the segments of a recording say, beside its repetitions."""
     close, behind = plain_names(verdicts, group.tied), len(group.behind)
-    tied = f"not certain: {', '.join(close[:_MOST_NAMES])}" if close else ""
+    tied = f"{MAY_BE}: {', '.join(close[:_MOST_NAMES])}" if close else ""
     apart = f"{behind} clearly behind" if behind else ""
     said = "; ".join(filter(None, [tied, apart])) or "nothing is apart"
     return f"{said} {scope_text(group.scope)} ({units_text(group.scope)})"
@@ -302,5 +308,5 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
         text = f"{HERE}; without them {HERE} {HERE}, {HERE} ahead of {before}"
         return say(text, count, names, mean, ahead)
     end = EXTREME[verdicts.metric.better]
-    text = f"{HERE}; without them {end}: {HERE} {HERE}, not certain either"
+    text = f"{HERE}; without them {end}: {HERE} {HERE}, which others may equal"
     return say(text, count, names, mean)

@@ -374,6 +374,15 @@ class Verdict(Value):
             sides.append(each.paired.apart & (sign * (each.paired.value - middle) > 0.0))
         return _places(np.logical_and.reduce(sides))
 
+    def distance(self, place: int) -> float:
+        """Return how far a method is from the best: by a ratio of at least 1, or a difference."""
+        if place in self.best or self.to_best is None:
+            return 1.0 if self.ratio else 0.0
+        value = float(self.to_best.value[place])
+        if not self.ratio:
+            return abs(value)
+        return 1.0 / value if self.better == "higher" else value
+
     def to_best_of(self, place: int) -> float:
         """Return the difference of a method's mean to that of the best; NaN for the best."""
         return np.nan if self.to_best is None else float(self.to_best.difference[place])
@@ -502,15 +511,20 @@ class Verdicts(Value):
     def for_all(self) -> int | None:
         """The method to take whichever the group is, if verdicts speak for one.
 
-        It is the best over all groups, or else the only one that is clearly behind in none.
+        It is the best over all groups; or else the one that is clearly behind in the fewest groups,
+        of these the least far behind at its worst, unless it is behind in more than half of them.
         """
-        if self.best_over_all is not None or self.is_sequence or len(self.groups) < 2:
+        groups = self.groups
+        told = any(group.told for group in groups) and all(group.stands for group in groups)
+        if self.best_over_all is not None or self.is_sequence or len(groups) < 2 or not told:
             return self.best_over_all
-        if not all(group.told for group in self.groups):
+        methods = set.intersection(*({*group.known} for group in groups))
+        behind = {method: sum(method in group.behind for group in groups) for method in methods}
+        fewest = min(behind.values(), default=len(groups))
+        if 2 * fewest > len(groups):
             return None
-        nowhere = [{*group.known} - {*group.behind} for group in self.groups]
-        methods = set.intersection(*nowhere)
-        return methods.pop() if len(methods) == 1 else None
+        few = (method for method in sorted(methods) if behind[method] == fewest)
+        return min(few, key=lambda method: max(group.distance(method) for group in groups))
 
     @property
     def every(self) -> tuple[Verdict, ...]:

@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MOST_CARDS, ONE_ROW, Word, joined, say
+from nodegraph_tables.answer import HERE, MAY_BE, MOST_CARDS, ONE_ROW, Word, joined, say
 from nodegraph_tables.numbers import MINUS, SMALLEST, SPACE, percent, shares_text, span_text
 from nodegraph_tables.style import unit_text
 
@@ -304,17 +304,16 @@ def times_text(verdicts: Verdicts, axis: int) -> str:
     return f"{verdicts.within[axis].capitalize()}: {listed(list(labels))}."
 
 
-def not_certain(verdicts: Verdicts, group: Verdict, places: Iterable[int]) -> Text:
-    """Return methods that are not certain to be worse than the best, the nearest first."""
-    order = nearest_first(group, places)
-    names = method_words(verdicts, order[:_MOST_NAMES])
+def tied_text(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return which methods may be as good as the best, the nearest first, and how far they are."""
+    order = nearest_first(group, group.tied)
+    names = method_words(verdicts, order)
     texts = [
         say(f"{HERE} {HERE}", name, uncertain_text(verdicts, group, place))
-        for name, place in zip(names, order, strict=False)
+        for name, place in zip(names, order, strict=True)
     ]
-    more = len(order) - len(texts)
-    rest = say(f"{HERE} more", Word(str(more), "number")) if more > 0 else ()
-    return joined("; ", [*texts, rest])
+    more = len(order) - _MOST_NAMES
+    return joined("; ", [*texts[:_MOST_NAMES], f"{more} more" if more > 0 else ""])
 
 
 def nearest_first(group: Verdict, places: Iterable[int]) -> list[int]:
@@ -343,14 +342,23 @@ def _distance(verdicts: Verdicts, group: Verdict, place: int) -> Word:
     return Word(signed(group.to_best_of(place), verdicts.metric.unit, mean), "number")
 
 
-def over_all_text(verdicts: Verdicts, group: Verdict) -> Text:
-    """Return how far the best over all groups is from the best of one; empty where it is this."""
-    place = verdicts.best_over_all
-    if place is None or place in group.best or not group.stands:
-        return ()
-    claim = "clearly behind" if place in group.behind else "not certain"
-    (name,) = method_words(verdicts, [place])
-    return say(f"{HERE} {HERE}, {claim}", name, behind_text(verdicts, group, place))
+def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return whether a method is the best of a group that a verdict tells apart, or how far off."""
+    best = method_words(verdicts, group.best)
+    if place in group.behind:
+        return say(f"clearly behind {HERE}: {HERE}", best[0], behind_text(verdicts, group, place))
+    if place in group.tied:
+        return say(f"{MAY_BE} as {HERE}: {HERE}", best[0], uncertain_text(verdicts, group, place))
+    here = "best" if verdicts.for_all is None else "best here"
+    if group.tied:
+        return joined("; ", [here, others_text(verdicts, group)])
+    return (f"clearly {here}",) if group.behind else ()
+
+
+def others_text(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return which others may be as good as the best of a group."""
+    tied = method_words(verdicts, group.tied)
+    return say(f"{HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")
 
 
 def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:

@@ -23,7 +23,7 @@ UNITS = {
     "false positives": "samples",
     "rmse": "mm",
     "error": "mm",
-    "wrong": "of 1000",
+    "wrong": "of 100,000",
     "missed": "share",
     "false positive rate": "share",
     "change": "mm",
@@ -60,7 +60,7 @@ def impulses(
     false positives     how many clean samples are repaired
     rmse                mm, root of the mean of ``e^2`` over all samples
     error               mm, mean of e over the hits, found or not
-    wrong               hits not found and clean samples repaired, of 1000 samples
+    wrong               hits not found and clean samples repaired, of 100,000 samples
     missed              share of the hits that are not found
     false positive rate share of the clean samples that are repaired
     change              mm, mean of e over the false positives: by how much good samples
@@ -138,7 +138,7 @@ def _columns(
         "false positives": _count(wrong),
         "rmse": np.sqrt(_share(_total(error**2), _count(judged))),
         "error": _share(_total(error * hits), _count(hits)),
-        "wrong": 1000.0 * _share(_count(lost | wrong), _count(judged)),
+        "wrong": 100_000.0 * _share(_count(lost | wrong), _count(judged)),
         "missed": missed,
         "false positive rate": _share(_count(wrong), _count(clean)),
         "change": _share(_total(error * wrong), _count(wrong)),

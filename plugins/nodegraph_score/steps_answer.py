@@ -134,7 +134,7 @@ def _card(row: Row, line: Line) -> Card:
         headline=(number_text(row["rmse"], "mm"),),
         picture=_picture(row, line),
         facts=(("Step", ("; ".join(start),)), ("Then", (f"{left}{misplaced}",))),
-        best=row["verdict"] == BETTER,
+        kind="best" if row["verdict"] == BETTER else "rest",
     )
 
 

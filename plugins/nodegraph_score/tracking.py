@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 UNITS = {
     "samples": "frames",
     "links": "links",
-    "wrong": "of 1000 links",
+    "wrong": "of 100,000 links",
     "right": "share",
     "switches": "count",
     "tracked": "share",
@@ -47,8 +47,8 @@ def tracking(
     marker    its name
     samples   its present samples
     links     its links
-    wrong     how many of 1000 links have their two samples in two tracks; lower is better
-    right     share of its links whose two samples are in the same track, ``1 - wrong / 1000``
+    wrong     how many of 100,000 links have their two samples in two tracks; lower is better
+    right     share of its links whose two samples are in the same track, ``1 - wrong / 100,000``
     switches  how often a tracked sample is in another track than the marker's last tracked
               one: its wrong links
     tracked   share of its present samples that a track has
@@ -125,7 +125,7 @@ def _row(track: NDArray[np.intp]) -> tuple[float, ...]:
     return (
         len(track),
         links,
-        1000.0 * switches / links if links else np.nan,
+        100_000.0 * switches / links if links else np.nan,
         1.0 - switches / links if links else np.nan,
         switches,
         float(has.mean()) if len(track) else np.nan,

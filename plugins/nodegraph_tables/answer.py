@@ -50,6 +50,11 @@ _DECADE = 10.0
 _LETTER = 6.0
 """Across, in pixels."""
 
+_PLAIN = 1e3
+"""Number from which on three digits would be a power of ten."""
+
+_SHORT_UNIT = 3
+
 _EDGE = 0.3
 """Share of a line at either end where numbers do not stand around their place."""
 
@@ -72,6 +77,9 @@ class Word(Value):
     kind: Literal["strong", "suspect", "method", "number"] = "strong"
     method: str = ""
 
+
+MAY_BE = "may be as good"
+"""Said of what is not certain to be worse than the best."""
 
 Text = tuple[str | Word, ...]
 Kind = Literal["best", "tied", "before", "worse", "rest"]
@@ -129,7 +137,7 @@ def _part_html(part: str | Word) -> Markup:
     if isinstance(part, str):
         return escape(part)
     if part.kind == "number":
-        return escape(part.text)
+        return Markup(f'<span class="lead-number">{escape(part.text)}</span>')
     tag = "span" if part.kind == "method" else "strong"
     label = part.text if part.kind == "method" and not part.method else part.method
     method = f' data-method="{escape(label)}"' if label else ""
@@ -306,14 +314,24 @@ class Rows(Value):
         """Return the number of a row as a reader sees it, without a unit but of shares."""
         return shares_text([row.value]) if self.unit == SHARE else number_text(row.value)
 
-    def words(self, *, every: bool) -> list[Text]:
-        """Return what is said of rows, and the first where none is the best; or every row."""
-        judged = any(row.kind == "best" for row in self.rows)
-        first = None if judged else self.rows[0].value
+    def words(self, headline: Text) -> list[Text]:
+        """Return what is said of rows, and the first; or, without a headline, every row.
+
+        Parameters
+        ----------
+        headline
+            What stands above the rows, with the number of what it names.
+        """
+        first = self.rows[0].value
+        named = {part.method for part in headline if isinstance(part, Word)}
+        claims = {"tied": MAY_BE}
         return [
-            joined(", ", [f"{row.name} {self.number(row)}", row.note])
+            joined(", ", [f"{row.name} {self.number(row)}", claims.get(row.kind, ""), row.note])
             for row in self.rows
-            if every or row.note or row.value == first
+            if not headline
+            or row.note
+            or row.kind in claims
+            or (row.value == first and row.name not in named)
         ]
 
 
@@ -334,8 +352,10 @@ class Card(Value):
     rows : Rows, optional
         What it compares.
     facts : tuple of (term, text)
-    best : bool
-        Whether the headline is in the colour of the best.
+    status : text
+        How the headline stands beside what else the card compares.
+    kind : {"best", "tied", "before", "worse", "rest"}
+        What a verdict says of the headline, which has its colour; see `Row`.
     """
 
     title: str
@@ -345,16 +365,18 @@ class Card(Value):
     picture: str = ""
     rows: Rows | None = None
     facts: tuple[tuple[str, Text], ...] = ()
-    best: bool = False
+    status: Text = ()
+    kind: Kind = "rest"
 
     @property
     def line(self) -> str:
         """The card in words."""
         head = joined(", ", [self.headline, self.value, self.aside])
+        head = joined("; ", [head, self.status])
         facts = [
             say(f"{HERE}: {HERE}", term[:1].lower() + term[1:], text) for term, text in self.facts
         ]
-        rows = self.rows.words(every=not self.headline) if self.rows else ()
+        rows = self.rows.words(self.headline) if self.rows else ()
         start = f"{self.title}: " if self.title else ""
         return f"{start}{plain(joined('; ', [head, *rows, *facts]))}."
 
@@ -563,7 +585,7 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
     else:
         label, unit, of_each = part.label, found[0].unit, [finding.mean for finding in found]
     numbers = [
-        _known(dict(zip(means, without_rounding([*means.values()]), strict=True)), name, part)
+        _known(_as_shown(means), name, part)
         for finding, means in zip(found, of_each, strict=True)
         for name in ([label] if label else finding.first[:1])
     ]
@@ -575,10 +597,8 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
 def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
     """Return by how much the mean of a method is above that of another, over some groups."""
     pair = _pair(found, part)
-    numbers = [
-        _known(finding.mean, pair[0], part) - _known(finding.mean, pair[1], part)
-        for finding in found
-    ]
+    means = [_as_shown(finding.mean) for finding in found]
+    numbers = [_known(mean, pair[0], part) - _known(mean, pair[1], part) for mean in means]
     return _ends_text(numbers, found[0].unit)
 
 
@@ -628,6 +648,10 @@ def _pair(found: Sequence[Finding], part: Placeholder) -> tuple[str, str]:
             f"{listed(sorted(names)) or 'none'}"
         )
     return pair
+
+
+def _as_shown(means: Mapping[str, float]) -> Mapping[str, float]:
+    return dict(zip(means, without_rounding([*means.values()]), strict=True))
 
 
 def _known(numbers: Mapping[str, _T], name: str, part: Placeholder) -> _T:
@@ -691,7 +715,7 @@ def lead_style() -> str:
 
 
 def _card(card: Card) -> str:
-    kind = "lead-winner" if card.best else "lead-winner lead-plain"
+    kind = f"lead-winner {card.kind}"
     value = f"<b>{html_of(card.value)}</b> " if card.value else ""
     value += f"<small>{html_of(card.aside)}</small>" if card.aside else ""
     facts = "".join(f"<dt>{escape(term)}</dt><dd>{html_of(text)}</dd>" for term, text in card.facts)
@@ -700,8 +724,9 @@ def _card(card: Card) -> str:
         + (f'<h3 aria-level="2">{escape(card.title)}</h3>' if card.title else "")
         + (f'<p class="{kind}">{html_of(card.headline)}</p>' if card.headline else "")
         + (f'<p class="lead-value">{value}</p>' if value else "")
+        + (f'<p class="lead-status {card.kind}">{html_of(card.status)}</p>' if card.status else "")
         + card.picture
-        + (_rows_html(card.rows, judged=card.best) if card.rows else "")
+        + (_rows_html(card.rows, judged=card.kind != "rest") if card.rows else "")
         + (f"<dl>{facts}</dl>" if facts else "")
         + "</article>"
     )
@@ -755,7 +780,8 @@ def _axis(rows: Rows) -> str:
     for tick in ends:
         share = line.share(tick)
         anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
-        text = tick_text(tick, rows.unit, with_unit=tick == ends[-1])
+        with_unit = tick == ends[-1] and len(unit_text(rows.unit)) <= _SHORT_UNIT
+        text = tick_text(tick, rows.unit, with_unit=with_unit)
         texts.append(
             f'<text class="{anchor}" x="{_place(line, tick)}" y="15">{escape(text)}</text>'
             f'<line x1="{_place(line, tick)}" x2="{_place(line, tick)}" y1="0" y2="4"/>'
@@ -797,7 +823,8 @@ def tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
     """Return the number at a tick in few digits, with its unit if wanted."""
     shown = scale_of(unit) * value
     is_plain = not shown or SMALLEST <= abs(shown) < LARGEST
-    text = f"{shown:.3g}".replace("-", MINUS) if is_plain else number_text(shown)
+    digits = ",.0f" if abs(shown) >= _PLAIN else ".3g"
+    text = f"{shown:{digits}}".replace("-", MINUS) if is_plain else number_text(shown)
     return f"{text} {unit_text(unit)}".rstrip() if with_unit else text
 
 

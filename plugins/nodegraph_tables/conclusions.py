@@ -43,7 +43,7 @@ def _concluded(finding: Finding) -> str:
     group = ", ".join(f"{axis} {label}" for axis, label in finding.group.items())
     if not finding.verdict:
         return f"{group or 'all'}: no verdict"
-    kinds = (("best", finding.best), ("not certain", finding.tied), ("behind", finding.behind))
+    kinds = (("best", finding.best), ("may be as good", finding.tied), ("behind", finding.behind))
     texts = (f"{kind}: {', '.join(sorted(names))}" for kind, names in kinds if names)
     return f"{group or 'all'}: {'; '.join(texts)}"
 

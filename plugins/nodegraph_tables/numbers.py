@@ -45,9 +45,14 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
 
 
 def without_rounding(values: Sequence[Any]) -> list[Any]:
-    """Return numbers of one kind, with 0 for what rounding has left of them: 1e-31 beside 30."""
+    """Return numbers of one kind, with 0 for what rounding has left of them: 1e-31 beside 30.
+
+    Numbers that are all whole are of type int.
+    """
     sizes = [abs(value) for value in values if isinstance(value, float) and math.isfinite(value)]
     least = ROUNDING * max(sizes, default=0.0)
+    if len(sizes) == len(values) and all(abs(value - round(value)) <= least for value in values):
+        return [round(value) for value in values]
     return [0.0 if isinstance(value, float) and abs(value) < least else value for value in values]
 
 
@@ -86,4 +91,4 @@ def _digits(value: float) -> str:
         digits, _, power = f"{value:.1e}".partition("e")
         return f"{digits}e{int(power):+d}".replace("-", MINUS)
     decimals = 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
-    return f"{value:.{decimals}f}".replace("-", MINUS)
+    return f"{value:,.{decimals}f}".replace("-", MINUS)

@@ -20,7 +20,8 @@ nodegraph.define("page", [], () => {
     if (size === 0) return "0";
     if (size < 0.001 || size >= 1e6) return value.toExponential(1).replace("-", "\u2212");
     const digits = size < 1 ? 3 : size < 10 ? 2 : size < 100 ? 1 : 0;
-    return value.toFixed(digits).replace("-", "\u2212");
+    const fixed = { minimumFractionDigits: digits, maximumFractionDigits: digits };
+    return value.toLocaleString("en-US", fixed).replace("-", "\u2212");
   };
   const data = (id) => {
     const holder = document.getElementById(id);

@@ -14,6 +14,7 @@ from nodegraph_compare.curve.notes import most_text
 from nodegraph_tables.answer import (
     HERE,
     MOST_CARDS,
+    ONE_ROW,
     Answer,
     Card,
     Finding,
@@ -30,10 +31,11 @@ from nodegraph_tables.numbers import number_text, span_text
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from nodegraph import Label
     from nodegraph_compare.curve.curves import Curves
     from nodegraph_compare.curve.points import Points
     from nodegraph_compare.curve.scale import Scale
@@ -72,7 +74,16 @@ def answer_of(curves: Curves) -> Answer:
     drawn = curves.drawn
     if not drawn:
         return Answer((f"No point has a number for {curves.axes.metric}.",))
-    return Answer(_sentence(curves), _scope(curves), (_card(curves),), findings=_findings(curves))
+    findings = _findings(curves)
+    of_all = _of_all(curves)
+    overall = None if of_all is None else _finding(curves, {}, _every(len(drawn)), of_all, {})
+    return Answer(_sentence(curves), _scope(curves), (_card(curves),), (), findings, overall)
+
+
+def _of_all(curves: Curves) -> float | None:
+    """Return from where on every one of several curves has an error that is small enough."""
+    there = _marked_at(curves, "enough")
+    return max(there) if 1 < len(there) == len(curves.drawn) else None
 
 
 def _findings(curves: Curves) -> tuple[Finding, ...]:
@@ -80,21 +91,35 @@ def _findings(curves: Curves) -> tuple[Finding, ...]:
     axes, places = curves.axes, curves.marked.places
     if any(points.label not in places for points in curves.drawn):
         return ()
-    marked = [float(points.x[places[points.label]]) for points in curves.drawn]
     return tuple(
-        Finding(
-            group={axes.compare: points.label} if axes.compare else {},
-            title=_title(points, curves),
-            verdict=False, best=(), tied=(), behind=(), first=("",), unit=axes.x,
-            mean={"": int(x) if x.is_integer() else x},
-            beside={
-                name: {"": value}
-                for name, value in (("enough", curves.enough), ("noise", curves.floor(points)))
-                if value is not None and math.isfinite(value)
-            },
-            units={"enough": curves.unit, "noise": curves.unit},
+        _finding(
+            curves,
+            {axes.compare: points.label} if axes.compare else {},
+            _title(points, curves),
+            float(points.x[places[points.label]]),
+            {"enough": curves.enough, "noise": curves.floor(points)},
         )
-        for points, x in zip(curves.drawn, marked, strict=True)
+        for points in curves.drawn
+    )
+
+
+def _finding(
+    curves: Curves,
+    group: Mapping[str, Label],
+    title: str,
+    x: float,
+    beside: Mapping[str, float | None],
+) -> Finding:
+    return Finding(
+        group=group, title=title, verdict=False, best=(), tied=(), behind=(), first=("",),
+        unit=curves.axes.x,
+        mean={"": int(x) if x.is_integer() else x},
+        beside={
+            name: {"": value}
+            for name, value in beside.items()
+            if value is not None and math.isfinite(value)
+        },
+        units=dict.fromkeys(beside, curves.unit),
     )  # fmt: skip
 
 
@@ -151,10 +176,15 @@ def _enough(curves: Curves, most: float) -> Text:
     if not there:
         last = [float(points.x[points.curve].max()) for points in curves.drawn]
         return (f"No curve comes to {what}, with up to {_between(last)} {axes.x}",)
-    of_all = _of(len(there), count, "curve")
-    rest = "; the others do not come to it" if len(there) < count else ""
-    place = Word(f"{_between(there)} {axes.x}", "number")
-    return say(f"{HERE} are enough for {what} ({of_all}{rest})", place)
+    place = Word(f"{max(there):g} {axes.x}", "number")
+    if len(there) < count:
+        start = f"{HERE} are enough for {what} in {_of(len(there), count, 'curve')}"
+        return say(f"{start}; the others do not come to it", place)
+    if min(there) == max(there):
+        return say(f"{HERE} are enough for {what} in {_every(count)}", place)
+    by_curve = Word(_between(there), "number")
+    return say(f"{HERE} are enough for {what} in {_every(count)} ({HERE} by curve)", place,
+               by_curve)  # fmt: skip
 
 
 def _beside_noise(curves: Curves) -> Text:
@@ -184,12 +214,17 @@ def _card(curves: Curves) -> Card:
     kinds = dict.fromkeys(curves.marked.kinds.values())
     marked = [x for kind in kinds for x in _marked_at(curves, kind)]
     lowest = [float(points.x[_lowest(points)]) for points in drawn]
+    of_all = _of_all(curves)
     more = len(drawn) - MOST_CARDS
     rest: list[tuple[str, Text]] = [("more", (f"{more} are in the table",))] if more > 0 else []
     return Card(
         title=f"{axes.metric} over {axes.x}",
-        headline=(f"{_between(marked or lowest)} {axes.x}",),
-        value=(" or ".join(_KINDS[kind] for kind in kinds) or "lowest",),
+        headline=(f"{_between([of_all] if of_all else marked or lowest)} {axes.x}",),
+        value=(
+            f"enough for {_every(len(drawn))}"
+            if of_all
+            else " or ".join(_KINDS[kind] for kind in kinds) or "lowest",
+        ),
         picture=_picture(curves),
         facts=(
             *((_title(each, curves), _fact(each, curves)) for each in drawn[:MOST_CARDS]),
@@ -268,8 +303,8 @@ def _picture(curves: Curves) -> str:
 
 
 def _names(drawn: Sequence[Points], scales: _Scales) -> Iterator[str]:
-    """Yield the names of several curves, from the top down, with lines from their ends to them."""
-    if not 1 < len(drawn) <= MOST_CARDS:
+    """Yield the names of a few curves, from the top down, with lines from their ends to them."""
+    if not 1 < len(drawn) <= ONE_ROW:
         return
     ends = [
         (float(scales.y(each.value)[at]), float(scales.x(each.x)[at]), str(each.label))
@@ -295,7 +330,7 @@ def _mark(points: Points, curves: Curves, scales: _Scales) -> str:
 def _path(points: Points, scales: _Scales) -> str:
     x, y = scales.x(points.x[points.curve]), scales.y(points.value[points.curve])
     pairs = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-    return f'<path d="M{pairs}"/>'
+    return f'<path d="M{pairs}"><title>{escape(str(points.label))}</title></path>'
 
 
 def _scales(curves: Curves) -> _Scales:
@@ -343,6 +378,10 @@ def _numbers(curves: Curves, values: Sequence[float]) -> str:
 def _between(values: Sequence[float]) -> str:
     low, high = min(values), max(values)
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _every(count: int) -> str:
+    return _of(count, count, "curve")
 
 
 def _of(count: int, total: int, what: str) -> str:

@@ -11,15 +11,17 @@ from markupsafe import Markup, escape
 
 from nodegraph_compare.cards import line_of
 from nodegraph_compare.words import (
+    behind_text,
     best_words,
     group_title,
     has_panels,
     method_words,
-    over_all_text,
+    others_text,
     varying,
 )
 from nodegraph_tables.answer import (
     HERE,
+    MAY_BE,
     MOST_CARDS,
     Word,
     cards_html,
@@ -33,11 +35,11 @@ from nodegraph_tables.answer import (
 from nodegraph_tables.numbers import number_text, span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Answer
+    from nodegraph_tables.answer import Answer, Kind, Text
 
 _MOST_COLUMNS = 6
 _MOST_NAMES = 3
@@ -76,8 +78,8 @@ def answer_html(
     elif has_panels(verdicts):
         inside = _tabs(answer, verdicts, name, meanings)
     else:
-        inside = cards_html(answer.cards)
-    return lead_of_parts(answer, _described(answer, summaries) + inside, legend(verdicts))
+        inside = f"{key(verdicts)}{cards_html(answer.cards)}"
+    return lead_of_parts(answer, inside + _described(answer, summaries), legend(verdicts))
 
 
 def _described(answer: Answer, summaries: Mapping[Label, str]) -> str:
@@ -121,7 +123,7 @@ def _tabs(answer: Answer, verdicts: Verdicts, name: str, meanings: Mapping[str, 
     return (
         f'<div class="lead-tabs" role="group" aria-label="{axis_name}">'
         f'<span class="lead-axis"{title}>{axis_name}</span>'
-        f"{''.join(buttons)}{''.join(panels)}</div>"
+        f"{''.join(buttons)}{key(verdicts)}{''.join(panels)}</div>"
     )
 
 
@@ -139,8 +141,11 @@ def _grid(verdicts: Verdicts) -> str:
     sides = list(dict.fromkeys(side for side, _ in cells))
     names = [verdicts.within[axis] for axis in axes[:-1]]
     titles = {top: escape(f"{verdicts.within[last]} {top}") for top in tops}
-    heads = "".join(
-        f'<th scope="col">{text}</th>' for text in (*map(escape, names), *titles.values())
+    sides_heads = "".join(f'<th scope="col" rowspan="2">{escape(name)}</th>' for name in names)
+    top_heads = "".join(f'<th scope="col">{escape(str(top))}</th>' for top in tops)
+    heads = (
+        f'{sides_heads}<th scope="colgroup" colspan="{len(tops)}">{escape(verdicts.within[last])}'
+        f"</th></tr><tr>{top_heads}"
     )
     # on a phone each cell says itself what it is about
     rows = [
@@ -169,19 +174,19 @@ def _list(verdicts: Verdicts) -> str:
     names = (
         ", ".join(verdicts.within[axis] for axis in varying(verdicts)),
         "best",
-        "not certain",
+        MAY_BE,
     )
     heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
     rows = [
         f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
         f"<td{_mark(verdicts, group)}>{_cell(verdicts, group)}</td>"
-        f"<td>{_not_certain(verdicts, group)}</td>"
+        f"<td>{_others(verdicts, group)}</td>"
         for group in verdicts.groups
     ]
     return _table(heads, rows)
 
 
-def _not_certain(verdicts: Verdicts, group: Verdict) -> str:
+def _others(verdicts: Verdicts, group: Verdict) -> str:
     tied = group.tied if group.told else []
     return html_of(few(method_words(verdicts, tied), _MOST_NAMES))
 
@@ -199,15 +204,24 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
     if not group.best:
         return escape(span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit))
     mean = span_text([group.mean[group.best[0]]], unit)
-    over_all = html_of(over_all_text(verdicts, group))
-    more = f"<div><small>{over_all}</small></div>" if over_all else ""
+    more = "".join(f"<div><small>{html_of(text)}</small></div>" for text in _more(verdicts, group))
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
         first = html_of(listing(method_words(verdicts, group.best)))
         return f"<small>{why}; first: {first} {escape(mean)}</small>{more}"
-    others = f", {len(group.tied)} not certain" if group.tied else ""
     names = html_of(listing(best_words(verdicts, group.best)))
-    return f"{names} <small>{escape(mean)}{others}</small>{more}"
+    return f"{names} <small>{escape(mean)}</small>{more}"
+
+
+def _more(verdicts: Verdicts, group: Verdict) -> Iterator[Text]:
+    """Yield how the method to take stands where it is not the best, or the others beside it."""
+    take = verdicts.for_all
+    if take is not None and take not in group.best and group.stands:
+        claim = "clearly behind" if take in group.behind else MAY_BE
+        (name,) = method_words(verdicts, [take])
+        yield say(f"{HERE} {HERE}, {claim}", name, behind_text(verdicts, group, take))
+    elif group.told and group.tied:
+        yield others_text(verdicts, group)
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:
@@ -221,42 +235,59 @@ def _table(heads: str, rows: Sequence[str]) -> str:
 
 
 def legend(verdicts: Verdicts) -> str:
-    """Return what the dots of the cards are, when none is clearly best, and what is suspect."""
+    """Return what it means that none is clearly best, what is tinted, and what is suspect."""
     groups = [group for group in verdicts.groups if group.stands and not verdicts.is_sequence]
     unclear = any(not group.told for group in groups)
     texts = ["None clearly best: no other is clearly worse than the first." * unclear]
     if len(verdicts.groups) > MOST_CARDS:
-        several = any(group.told and group.tied for group in groups)
-        texts.append("Not certain: how many others are not certain to be worse." * several)
-        texts.append(f"Tinted: {_tinted(verdicts)}." * (verdicts.for_all is not None))
-    else:
-        suspect = any(group.suspects_matter for group in verdicts.groups)
-        doubt = f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged." * suspect
-        texts += [_dots(verdicts), doubt]
+        take = method_words(verdicts, [] if verdicts.for_all is None else [verdicts.for_all])
+        texts += [f"Tinted: where {each.text} is the best." for each in take]
+    elif any(group.suspects_matter for group in verdicts.groups):
+        texts.append(f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged.")
     return " ".join(filter(None, texts))
 
 
-def _tinted(verdicts: Verdicts) -> str:
-    return "the best over all" if verdicts.best_over_all is not None else "clearly behind nowhere"
-
-
-def _dots(verdicts: Verdicts) -> str:
-    told = [group for group in verdicts.groups if group.told]
-    line = line_of(verdicts)
-    if verdicts.is_sequence and any(group.stands for group in verdicts.groups):
-        return (
-            f"Percentages: to the {verdicts.compare} before; dots: hollow where it begins, "
-            "blue clearly better than before, orange clearly worse, grey not clearly changed."
-        )
-    if not told or len(verdicts.methods) < 2:
+def key(verdicts: Verdicts) -> str:
+    """Return what the dots, lines and tints of cards are."""
+    parts = [
+        f'<svg width="12" height="12" aria-hidden="true"><circle class="{kind}" cx="6" cy="6" '
+        f'r="5"/></svg> {escape(text)}'
+        for kind, text in _dots(verdicts)
+    ]
+    if not parts:
         return ""
-    others = "; ringed: not certain to be worse" * any(group.tied for group in told)
-    behind = "; grey: clearly behind" if any(group.behind for group in told) else ""
-    baseline = "" if verdicts.baseline is None else f"; hollow: {verdicts.baseline}"
-    tinted = f"; tinted: {_tinted(verdicts)}" * (verdicts.for_all is not None)
-    scale = ", on a logarithmic scale" if line is not None and line.log else ""
-    scale += f" above {number_text(line.least)}" if line is not None and line.least else ""
-    return (
-        f"Dots: a method each with its 95 % interval{scale}; "
-        f"filled: the best{others}{behind}{baseline}{tinted}."
-    )
+    line = line_of(verdicts)
+    if any(np.isfinite(group.low).any() for group in verdicts.groups):
+        parts.append("line: 95 % interval")
+    if verdicts.is_sequence:
+        parts.append("%: change to the one before")
+    if line is not None and line.log:
+        above = f" above {number_text(line.least)}" if line.least else ""
+        parts.append(f"scale: logarithmic{above}")
+    if verdicts.for_all is not None:
+        (take,) = method_words(verdicts, [verdicts.for_all])
+        is_best = verdicts.best_over_all is not None
+        why = "best over all" if is_best else "clearly behind least often"
+        parts.append(f"<mark>tinted</mark>: {escape(take.text)}, {why}")
+    return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
+
+
+def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
+    """Yield the kinds of dots that cards have, with what they are."""
+    groups = verdicts.groups
+    if verdicts.is_sequence:
+        if any(group.stands for group in groups):
+            yield "before", "where it begins"
+            yield "best", "clearly better than before"
+            yield "worse", "clearly worse"
+            yield "rest", "not clearly changed"
+        return
+    if len(verdicts.methods) < 2 or not any(group.told for group in groups):
+        return
+    yield "best", "best"
+    if any(group.tied for group in groups if group.marks):
+        yield "tied", MAY_BE
+    if any(group.behind for group in groups):
+        yield "rest", "clearly behind"
+    if verdicts.baseline is not None:
+        yield "before", str(verdicts.baseline)

@@ -59,7 +59,7 @@ def answer_of(rankings: Sequence[Ranking], comparison: Comparison, test: PairTes
     end = "the lowest value" if question.better == "none" else "the best"
     scope = (
         f"{held}Mean ranks of {question.metric}: 1 is {end} in every unit. Dots: a method each; "
-        "filled: the first; ringed: not certain to rank behind it."
+        "filled: the first; ringed: may rank as well."
     )
     return Answer(_sentence(ranked, tested, comparison), (scope,), cards)
 
@@ -126,7 +126,7 @@ def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
     kinds |= dict.fromkeys(np.flatnonzero(first).tolist(), "best")
     facts += [("Caution", (caution,))] if caution else []
     rows = _rows(ranking, kinds)
-    return Card(title, _first(ranking), value, rows=rows, facts=tuple(facts), best=True)
+    return Card(title, _first(ranking), value, rows=rows, facts=tuple(facts), kind="best")
 
 
 def _test(ranking: Ranking, test: PairTest) -> str:
@@ -145,7 +145,6 @@ def _rows(ranking: Ranking, kinds: Mapping[int, Kind]) -> Rows:
             str(ranking.methods[place]),
             float(ranking.ranks[place]),
             kind=kinds.get(place, "rest"),
-            note=("not certain",) if kinds.get(place) == "tied" else (),
         )
         for place in np.argsort(ranking.ranks, kind="stable").tolist()
     ]

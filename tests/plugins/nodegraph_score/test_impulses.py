@@ -66,7 +66,7 @@ def plainly(
         "false positives": len(wrong),
         "rmse": mean([error**2 for error in errors]) ** 0.5,
         "error": mean(hits),
-        "wrong": 1000 * (len(hits) - len(actual) + len(wrong)) / (len(errors) or np.nan),
+        "wrong": 100_000 * (len(hits) - len(actual) + len(wrong)) / (len(errors) or np.nan),
         "missed": 1 - len(actual) / len(hits) if hits else np.nan,
         "false positive rate": len(wrong) / clean if clean else np.nan,
         "change": mean(wrong),

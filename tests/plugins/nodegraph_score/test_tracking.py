@@ -33,7 +33,7 @@ def test_values_of_a_case_counted_by_hand() -> None:
         {
             "samples": 8,
             "links": 4,
-            "wrong": 250,
+            "wrong": 25_000,
             "right": 3 / 4,
             "switches": 1,
             "tracked": 5 / 8,
@@ -43,7 +43,7 @@ def test_values_of_a_case_counted_by_hand() -> None:
         {
             "samples": 7,
             "links": 5,
-            "wrong": 400,
+            "wrong": 40_000,
             "right": 3 / 5,
             "switches": 2,
             "tracked": 6 / 7,

@@ -34,7 +34,7 @@ TEXT = say(f"Mean {HERE} is best.", Word(MARKUP))
 ANSWER = Answer(
     TEXT,
     (MARKUP,),
-    (Card(MARKUP, (MARKUP,), (MARKUP,), (MARKUP,), facts=((MARKUP, (MARKUP,)),), best=True),),
+    (Card(MARKUP, (MARKUP,), (MARKUP,), (MARKUP,), facts=((MARKUP, (MARKUP,)),), kind="best"),),
 )
 
 
@@ -102,14 +102,14 @@ def test_a_line_makes_nothing_look_far_apart() -> None:
 
 def test_of_many_rows_those_that_matter_have_a_name() -> None:
     rows = [Row(f"method {at}", float(at)) for at in range(30)]
-    rows[0] = replace(rows[0], kind="best", note=("better",))
+    rows[0] = replace(rows[0], kind="best", note=("by far",))
     rows[20] = replace(rows[20], for_all=True)
     rows[25] = replace(rows[25], kind="before")
     few = Rows.of(rows, Line(0.0, 30.0))
     assert [row.name for row in few.rows] == [f"method {at}" for at in (*range(6), 20, 25)]
     assert len(few.others) == 22
-    card = Card("fills", ("method 0",), rows=few, best=True)
-    assert card.line == "fills: method 0; method 0 0, better."
+    card = Card("fills", ("method 0",), rows=few, status=("better",), kind="best")
+    assert card.line == "fills: method 0; better; method 0 0, by far."
     html = cards_html([card])
     assert html.count("<circle") == 30
     assert html.count("<tr") == 8 + 1 + 1 + 1  # with a note, the others and the axis

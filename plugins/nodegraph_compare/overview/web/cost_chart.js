@@ -85,7 +85,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
         "The time of a result is that of the steps behind it that not all methods need: the median, without the longest, which may be a first call. ",
         front.length ? "The stepped line joins methods that none beats in both. " : "",
         view.numbers().best.length ? "Blue: the best. " : "",
-        tied.length ? "Ringed: not certain to be worse. " : "",
+        tied.length ? "Ringed: may be as good. " : "",
         hint("Click a dot to follow the method through the page."),
       ],
     };

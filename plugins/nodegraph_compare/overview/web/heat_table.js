@@ -1,6 +1,6 @@
 "use strict";
 // All methods in all groups: the value, how it stands to the best of its group, and what is
-// not certain to be worse. Deeper colour is nearer the best.
+// may be as good. Deeper colour is nearer the best.
 nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"], (page, chart, { seconds }) => {
   const { element } = page;
   const { strong, hint } = chart;
@@ -36,7 +36,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
     const least = values[first[0]];
     const ratio = view.statistic !== "rank" && [...values].every((other) => !(other <= 0));
     const tint = best.length ? (nearness(value, values, least, ratio) * 34).toFixed(1) : 0;
-    const word = best.includes(method) ? ", best" : tied.includes(method) ? ", not certain to be worse" : "";
+    const word = best.includes(method) ? ", best" : tied.includes(method) ? ", may be as good" : "";
     const names = [best.includes(method) && "first", (tied.includes(method) || (tied.length > 0 && best.includes(method))) && "tied", group === view.group && "here"];
     return element("td", { class: names.filter(Boolean).join(" "), style: `--nearness: ${tint}%` },
       element("button", {
@@ -127,7 +127,7 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
         caption: [
           strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.end}` : `, and its multiple of the ${view.end}, or the difference`}. `),
           groups.some((group) => view.numbers(group).best.length) ? `Bold: the best${groups.length > 1 ? " of its group" : ""}, its name in blue; deeper blue is nearer it. ` : "",
-          verdict ? "Outlined cells are not certain to be worse than the best. " : "",
+          verdict ? "Outlined cells may be as good as the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
           hint(`A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`),
         ],

@@ -174,18 +174,27 @@ def test_an_error_that_is_small_enough_is_marked_where_a_curve_stays_within_it()
     ]  # fmt: skip
     sentence, _, card = info_of(result.table).answer.lines
     assert sentence == (
-        "25 to 55 markers are enough for mse of at most 0.25 1 "
-        "(2 of 3 curves; the others do not come to it)."
+        "55 markers are enough for mse of at most 0.25 1 in 2 of 3 curves; "
+        "the others do not come to it."
     )
     assert "; actor ME: 55 markers, mse 0.250" in card
     assert "; actor MB: not reached, lowest at 5 markers, mse 0.400" in card
     assert any(note.startswith("enough: ") for note in info_of(result.table).notes)
     assert "Dashed" in str(result.figure.get_supxlabel())
     assert info_of(result.table).answer.findings == ()
-    both = info_of(drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.25).table).answer.findings
-    assert [(found.group, found.mean) for found in both] == [
+    both = info_of(drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.25).table).answer
+    assert [(found.group, found.mean) for found in both.findings] == [
         ({"actor": "ME"}, {"": 55.0}), ({"actor": "JZ"}, {"": 25.0}),
     ]  # fmt: skip
+    # what is enough for every curve stands out, as one number
+    assert both.overall is not None
+    assert both.overall.mean == {"": 55}
+    assert both.lines[0].startswith(
+        "55 markers are enough for mse of at most 0.25 1 in both curves (25 to 55 by curve)."
+    )
+    assert (both.cards[0].headline, both.cards[0].value) == (
+        ("55 markers",), ("enough for both curves",),
+    )  # fmt: skip
     none = drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.01)
     assert info_of(none.table).answer.lines[0] == (
         "No curve comes to mse of at most 0.01 1, with up to 55 markers."

@@ -124,7 +124,7 @@ def test_methods_of_one_mean_rank_share_it() -> None:
     sentence, _, card = info_of(ranks(Across.of(tied, axis="fill")).table).answer.lines
     assert sentence == "a and b share the lowest mean rank."
     assert card.startswith(
-        "rmse: a and b, mean rank 1.50 of 6; c 3.00, not certain; d 4.00, not certain; test: "
+        "rmse: a and b, mean rank 1.50 of 6; c 3.00, may be as good; d 4.00, may be as good; test: "
     )
     two = Across.of({name: tied[name] for name in "ab"}, axis="fill")
     assert "Wilcoxon's signed ranks, p = 1.0000" in info_of(ranks(two).table).answer.lines[-1]
