@@ -52,7 +52,9 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         assert float(rows[-1]["gaps"]) == len(errors) > float(rows[300]["gaps"])
 
 
-def test_on_a_stream_it_is_two_frames_behind_and_what_a_fill_waits(studies: Studies, tmp_path: Path) -> None:
+def test_on_a_stream_it_is_two_frames_behind_and_what_a_fill_waits(
+    studies: Studies, tmp_path: Path
+) -> None:
     words = ("--only", "trial=0", "--live", "60")
     ended = studies.command("check", str(GRAPH), *words, folder=tmp_path)
     paths = [line for line in ended.out.splitlines() if line.startswith("points > ")]

@@ -263,11 +263,11 @@ def key(verdicts: Verdicts) -> str:
         parts.append("%: change to the one before")
     if line is not None and line.log:
         above = f" above {number_text(line.least)}" if line.least else ""
-        parts.append(f"scale: logarithmic{above}")
+        parts.append(f"logarithmic{above}")
     if verdicts.for_all is not None:
         (take,) = method_words(verdicts, [verdicts.for_all])
         is_best = verdicts.best_over_all is not None
-        why = "best over all" if is_best else "clearly behind least often"
+        why = "best over all" if is_best else "least often behind"
         parts.append(f"<mark>tinted</mark>: {escape(take.text)}, {why}")
     return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
 
