@@ -7,6 +7,8 @@ from typing import Any
 
 from nodegraph import quoted
 
+_MOST_DEPTH = 100
+
 
 def yaml_document(path: Path) -> Any:
     """Return lists, mappings and words of a YAML file.
@@ -14,19 +16,31 @@ def yaml_document(path: Path) -> Any:
     Raises
     ------
     ValueError
-        If it is not YAML, or a key stands twice.
+        If it is not YAML, is nested too deep, or a key stands twice.
     """
     import yaml
 
-    # nothing is resolved, so that a marker may be called `no` or `1e3`; the loader in C is faster,
-    # but ends the process on brackets nested deep enough
     try:
-        loader = yaml.BaseLoader(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        _check_depth(text)
+        loader = yaml.CBaseLoader(text)  # which lets a marker be called `no` or `1e3`
         root = loader.get_single_node()
         _check_keys(root)
         return root and loader.construct_document(root)
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise ValueError(str(error)) from None
+
+
+def _check_depth(text: str) -> None:
+    """Refuse what is nested so deep that the loader in C would end the process."""
+    import yaml
+
+    depth = 0
+    for event in yaml.parse(text, yaml.CBaseLoader):
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        if depth > _MOST_DEPTH:
+            raise ValueError(f"nested more than {_MOST_DEPTH} deep")
 
 
 def _check_keys(node: Any) -> None:

@@ -66,7 +66,8 @@ def test_a_part_may_be_empty(write: Write) -> None:
         ("markers: [a", "line 1"),
         ("? [a]\n: b", ""),
         ("markers: [a]\n---\nmarkers: [b]", "single document"),
-        ("[" * 100_000, "recursion"),
+        ("[" * 200, "nested more than 100 deep"),
+        ("[" * 100_000, "nest"),
         ("markers: &x [*x]", "recursive"),
     ],
 )
