@@ -38,6 +38,7 @@ from nodegraph_tables.answer import (
     HERE,
     MAY_BE,
     MOST_CARDS,
+    ONE_ROW,
     Answer,
     Finding,
     Text,
@@ -180,7 +181,7 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
     end = EXTREME[verdicts.metric.better].capitalize()
     metric = verdicts.metric.name
     by_leader = _by_leader(groups)
-    if len(by_leader) > 1 and len(varying(verdicts)) > 1 and len(groups) > MOST_CARDS:
+    if len(by_leader) > 1 and len(varying(verdicts)) > 1 and len(groups) > ONE_ROW:
         counts = sorted(by_leader.items(), key=lambda item: -len(item[1]))
         names = [say(f"{HERE} in {len(of)}", _names(verdicts, each)) for each, of in counts]
         start = f"{end} mean {metric}, of {len(groups)} groups: {HERE}"
