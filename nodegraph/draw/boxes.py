@@ -134,7 +134,8 @@ class Shape:
     rule : float
         Height of the line between the heading and the ports.
     inputs, outputs : mapping of port to float
-        How far from the top the port's arrows end or begin.
+        How far from the top the port's arrows end or begin; with `row_port` of the alternatives
+        that have a source of their own.
     """
 
     box: Box
@@ -145,6 +146,11 @@ class Shape:
     rule: float
     inputs: Mapping[str, float]
     outputs: Mapping[str, float]
+
+
+def row_port(alternative: Alternative) -> str:
+    """Return what a row is called among the inputs of a shape, which no port is called."""
+    return f" {alternative.label}"
 
 
 @_cached
@@ -198,8 +204,12 @@ def shape(
         hint = clean(text) if shortened(text) != clean(text) else ""
         texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
     chips: list[Chip] = []
-    rows = [_row(each, states=states) for each in box.alternatives]
-    in_column = len(rows) if len(rows) <= _MOST_ROWS else -(-len(rows) // 2)
+    alternatives = box.alternatives
+    in_column = len(alternatives)
+    if in_column > _MOST_ROWS:  # arrows reach only the rows on the left
+        alternatives = tuple(sorted(alternatives, key=lambda each: not each.source))
+        in_column = max(-(-in_column // 2), sum(bool(each.source) for each in alternatives))
+    rows = [_row(each, states=states) for each in alternatives]
     columns = [rows[at : at + in_column] for at in range(0, len(rows), max(in_column, 1))]
     widths = [max(wide for _, wide, _ in column) for column in columns]
     inner = max(inner, sum(widths) + _CHIP_GAP * (len(widths) - 1))
@@ -223,13 +233,16 @@ def shape(
         y = max(y, top + high)
     inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
     free = inner - sum(widths) - _CHIP_GAP * (len(widths) - 1)
-    alternatives = iter(box.alternatives)
+    each_row = iter(alternatives)
+    rows_in = dict[str, float]()
     left = INSET
     for column, narrowest in zip(columns, widths, strict=True):
         wide = narrowest + free / len(widths)
         top = first_row
         for parts, _, high in column:
-            each = next(alternatives)
+            each = next(each_row)
+            if each.source:
+                rows_in[row_port(each)] = top + CHIP_HEIGHT / 2
             chips.append(Chip("alternative", parts, left, top, wide, high, str(each), each.label))
             top += high + _ROW_GAP
         left += wide + _CHIP_GAP
@@ -242,7 +255,10 @@ def shape(
         {name: rule + height for name, height in side.heights.items()} for side in (inputs, outputs)
     )
     high = rule + max(inputs.height, outputs.height) + 6.0
-    return Shape(box, inner + 2 * INSET, high, tuple(texts), tuple(chips), rule, *places)
+    ins, outs = places
+    return Shape(
+        box, inner + 2 * INSET, high, tuple(texts), tuple(chips), rule, ins | rows_in, outs
+    )
 
 
 class _Side(NamedTuple):

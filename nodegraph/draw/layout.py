@@ -5,23 +5,24 @@ stands in a column after its sources, the barycentres of its neighbours order ea
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
 that are wider than a page together stand in bands, like lines of text. Of an arrow from one band to
-another only the ends are drawn: a long line around the boxes cannot be followed.
+another only the end is drawn, and circles with one number where it begins and before its end: a
+long line around the boxes cannot be followed.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections import Counter
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from itertools import accumulate, pairwise, starmap, takewhile
+from itertools import accumulate, islice, pairwise, starmap, takewhile
 from math import inf
 from typing import NamedTuple
 
 import networkx as nx
 
-from nodegraph.draw.boxes import Shape, shape, shortened, width
+from nodegraph.draw.boxes import Shape, row_port, shape, shortened, width
 from nodegraph.draw.frames import Frame, frames_of, label_of
 from nodegraph.draw.picture import Arrow, Box, Picture, origins
 
@@ -45,7 +46,9 @@ _STEEP = 12.0
 _MOST_IN_LANES = 24
 """Pieces of wires between two columns that can be told apart."""
 _END = 10.0
-"""Length of what is drawn of each end of an arrow between two bands."""
+"""Length of what is drawn of an arrow from another band."""
+CONNECTOR = 8.5
+"""Radius of the numbered circles at the ends of an arrow between two bands."""
 _CUT = 0.05
 """Cost of an output that is read in another band; that of a band of full width is 1."""
 _WIDEST = 860.0
@@ -62,12 +65,17 @@ _DIRECT = 4.0
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """Size of a cell, and how far from its top the wires of each port end or begin."""
+    """Size of a cell, and how far from its top the wires of each port end or begin.
+
+    Before and after it is room for the ends of arrows between bands.
+    """
 
     width: float
     height: float
     inputs: Mapping[Hashable, float]
     outputs: Mapping[Hashable, float]
+    before: float = 0.0
+    after: float = 0.0
 
 
 _BEND = Size(0.0, 12.0, {"": 6.0}, {"": 6.0})
@@ -118,11 +126,15 @@ class Area:
         lane_of = {piece: lane for gap in lanes for piece, lane in gap.items()}
         edges: dict[Cell, tuple[float, float]] = {}
         spare: dict[Cell, float] = {}
+        before: dict[Cell, float] = {}
         x = 0.0
         for column, gap in zip(ordered, lanes, strict=True):
-            self.width = x + max(sizes[cell].width for cell in column)
-            edges |= dict.fromkeys(column, (x, self.width))
+            room = max(sizes[cell].before for cell in column)
+            reach = x + room + max(sizes[cell].width for cell in column)
+            edges |= dict.fromkeys(column, (x + room, reach))
+            before |= dict.fromkeys(column, room)
             spare |= dict.fromkeys(column, _LANE * max(gap.values(), default=0))
+            self.width = reach + max(sizes[cell].after for cell in column)
             x = self.width + _BETWEEN_COLUMNS + spare[column[0]]
         self.height = max((tops[cell] + sizes[cell].height for cell in tops), default=0.0)
         self.corners = {cell: (edges[cell][0], tops[cell]) for cell in self.sizes}
@@ -134,7 +146,8 @@ class Area:
                 shift = _LANE * lane_of.get(piece, 0)
                 points += [(edges[left][0] + sizes[left].width, y), (edges[left][1] + shift, y)]
                 x = edges[right][0]
-                points += [(x - spare[left] + shift - _TIP, end), (x, end)]
+                turned = x - before[right] - spare[left] + shift - _TIP
+                points += [(turned, end), (x, end)]
 
 
 def _in_bands(area: Area) -> _Bands:
@@ -147,7 +160,8 @@ def _in_bands(area: Area) -> _Bands:
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
     widths = [0.0] * len(ranks)
     for cell, depth in depths.items():
-        widths[depth] = max(widths[depth], area.sizes[cell].width)
+        size = area.sizes[cell]
+        widths[depth] = max(widths[depth], size.before + size.width + size.after)
     reach: dict[End, int] = {}
     for source, (target, _) in area.wires:
         reach[source] = max(depths[target], reach.get(source, 0))
@@ -453,6 +467,17 @@ def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> l
     return [mean + offset for mean, offset in zip(means, offsets, strict=False)]
 
 
+class Connector(NamedTuple):
+    """The middle of a circle at an end of an arrow between two bands.
+
+    Equal numbers belong to one output.
+    """
+
+    number: int
+    middle: Point
+    truth: bool
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
     """Positions of boxes and frames, and the routes of arrows.
@@ -464,17 +489,16 @@ class Layout:
     frames : tuple of (Frame, point, (width, height))
         Outer frames first.
     routes : tuple of (sequence of (sequence of point))
-        For each arrow its pieces, and for each of these the points between which it runs: straight
-        between points of one height, else in a curve that begins and ends level.
-    cut : bool
-        Whether of some arrows, between two bands, only the ends are drawn: the first of several
-        from one output, unless others are whole, and the last.
+        For each arrow its lines, and for each of these the points between which it runs: straight
+        between points of one height, else in a curve that begins and ends level. Of an arrow
+        between two bands it is the end.
+    connectors : tuple of Connector
     """
 
     boxes: tuple[tuple[Shape, Point], ...]
     frames: tuple[tuple[Frame, Point, Point], ...]
     routes: tuple[Sequence[Sequence[Point]], ...]
-    cut: bool
+    connectors: tuple[Connector, ...]
     width: float
     height: float
 
@@ -493,27 +517,34 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     ValueError
         If arrows form a cycle.
     """
-    links = tuple([_link(arrow) for arrow in picture.arrows])
+    links_of = _links_of(picture)
+    links = tuple([link for each in links_of for link in each])
     frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
     cut: set[Arrow] = set()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
-        first = _outlines(shapes)
+        first = _outlines(shapes, cut)
         bands, before = _bands(first, links), cut
-        cut = {arrow for arrow in picture.arrows if _is_cut(_link(arrow), frames, bands)}
+        cut = {
+            arrow
+            for arrow, (link, *_) in zip(picture.arrows, links_of, strict=True)
+            if _is_cut(link, frames, bands)
+        }
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes), links)
-    ordered = _with_ports_in_order(picture, placed.routes, cut)
+    placed = _placed(first, _outlines(shapes, cut), links)
+    ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines), cut)
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes), links)
+        placed = _placed(first, _outlines(shapes, cut), links)
+    routes = _routes(links_of, placed.lines)
+    boxes = tuple(zip(shapes, placed.corners, strict=True))
     return Layout(
-        tuple(zip(shapes, placed.corners, strict=True)),
+        boxes,
         placed.frames,
-        placed.routes,
-        bool(cut),
+        routes,
+        tuple(_connectors(boxes, [*zip(picture.arrows, routes, strict=True)], cut)),
         placed.width,
         placed.height,
     )
@@ -527,8 +558,8 @@ def _with_ports_in_order(
     Those of arrows that are cut come last.
     """
     arrivals = {
-        (arrow.target, arrow.target_port): (arrow in cut, pieces[-1][-4:][0][1])
-        for arrow, pieces in zip(picture.arrows, routes, strict=True)
+        (arrow.target, arrow.target_port): (arrow in cut, lines[0][-4:][0][1])
+        for arrow, lines in zip(picture.arrows, routes, strict=True)
     }
 
     def ordered(box: Box) -> Box:
@@ -541,15 +572,50 @@ def _with_ports_in_order(
     return replace(picture, boxes=tuple(map(ordered, picture.boxes)))
 
 
-def _outlines(shapes: Iterable[Shape]) -> tuple[_Outline, ...]:
+def _routes(
+    links_of: Iterable[Sequence[_Link]], lines: Iterable[Sequence[Point]]
+) -> tuple[Sequence[Sequence[Point]], ...]:
+    each_line = iter(lines)
+    return tuple([[*islice(each_line, len(links))] for links in links_of])
+
+
+def _connectors(
+    boxes: Iterable[tuple[Shape, Point]],
+    routes: Collection[tuple[Arrow, Sequence[Sequence[Point]]]],
+    cut: Collection[Arrow],
+) -> Iterator[Connector]:
+    """Yield the circles at the ends of arrows; each stands below what else ends at its port."""
+    truth = {(arrow.source, arrow.source_port): arrow.truth for arrow in cut}
+    numbers: dict[tuple[str, str], int] = {}
+    for shape_, corner in boxes:
+        for port, height in shape_.outputs.items():
+            if (output := (shape_.box.name, port)) in truth:
+                numbers[output] = len(numbers) + 1
+                middle = _moved(corner, (shape_.width + CONNECTOR, height))
+                yield Connector(numbers[output], middle, truth[output])
+    whole = (lines for arrow, lines in routes if arrow not in cut)
+    above = Counter({points[-1] for lines in whole for points in lines})
+    for arrow, lines in routes:
+        for begin, tip in lines if arrow in cut else ():
+            down = 2.0 * CONNECTOR * above[tip]
+            above[tip] += 1
+            middle = _moved(begin, (-CONNECTOR, down))
+            yield Connector(numbers[arrow.source, arrow.source_port], middle, arrow.truth)
+
+
+def _outlines(shapes: Iterable[Shape], cut: Iterable[Arrow]) -> tuple[_Outline, ...]:
+    sources = {arrow.source for arrow in cut}
+    targets = {arrow.target for arrow in cut}
     return tuple(
         [
-            (
+            _Outline(
                 each.box.name,
                 each.width,
                 each.height,
                 tuple(each.inputs.items()),
                 tuple(each.outputs.items()),
+                (_END + 2.0 * CONNECTOR) * (each.box.name in targets),
+                2.0 * CONNECTOR * (each.box.name in sources),
             )
             for each in shapes
         ]
@@ -563,16 +629,42 @@ class _Link(NamedTuple):
     target_port: str
 
 
-def _link(arrow: Arrow) -> _Link:
-    return _Link(arrow.source, arrow.source_port, arrow.target, arrow.target_port)
+def _links_of(picture: Picture) -> list[list[_Link]]:
+    """Return the links of each arrow: to the rows that name its source, else to its port."""
+    into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
+    rows = {box.name: box.alternatives for box in picture.boxes}
+
+    def ends(arrow: Arrow, origin: str) -> list[str]:
+        if into[arrow.target, arrow.target_port] < 2:
+            return []
+        return [row_port(row) for row in rows[arrow.target] if origin in row.source.split(", ")]
+
+    return [
+        [
+            _Link(arrow.source, arrow.source_port, arrow.target, port)
+            for port in ends(arrow, origin) or [arrow.target_port]
+        ]
+        for arrow, origin in zip(picture.arrows, origins(picture), strict=True)
+    ]
 
 
 _Bands = dict[Cell, int]
 """The band of each cell outside all frames."""
 
 _Heights = tuple[tuple[str, float], ...]
-_Outline = tuple[str, float, float, _Heights, _Heights]
-"""The name of a box, its width and height, and the heights of its inputs and of its outputs."""
+
+
+class _Outline(NamedTuple):
+    """A box, with the heights of its inputs and outputs, and the room before and after it."""
+
+    name: str
+    width: float
+    height: float
+    inputs: _Heights
+    outputs: _Heights
+    before: float
+    after: float
+
 
 _KEPT = 8
 """Layouts that are kept: a graph is drawn after each of its edits, most of which move nothing."""
@@ -580,16 +672,16 @@ _KEPT = 8
 
 @lru_cache(_KEPT)
 def _bands(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Bands:
-    frames = _drawable_frames(tuple([name for name, *_ in outlines]), links)
+    frames = _drawable_frames(tuple([each.name for each in outlines]), links)
     return _in_bands(_framed(outlines, frames, [_way(link, frames) for link in links])[()])
 
 
 class _Placed(NamedTuple):
-    """The corners of boxes, and the other attributes of `Layout`."""
+    """The corners of boxes, the lines of all links, and other attributes of `Layout`."""
 
     corners: tuple[Point, ...]
     frames: tuple[tuple[Frame, Point, Point], ...]
-    routes: tuple[Sequence[Sequence[Point]], ...]
+    lines: tuple[Sequence[Point], ...]
     width: float
     height: float
 
@@ -606,7 +698,7 @@ def _placed(
         Outlines that the bands were chosen by.
     outlines, links
     """
-    frames = _drawable_frames(tuple([name for name, *_ in outlines]), links)
+    frames = _drawable_frames(tuple([each.name for each in outlines]), links)
     bands = _bands(first, links)
     ways = {link: _way(link, frames) for link in links if not _is_cut(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
@@ -623,30 +715,21 @@ def _placed(
         name: _moved(areas[frame].corners["box", name], origins[frame])
         for name, frame in frames.items()
     }
-    ends = {
-        name: (wide, dict(inputs), dict(outputs)) for name, wide, _, inputs, outputs in outlines
-    }
+    inputs = {each.name: dict(each.inputs) for each in outlines}
 
-    drawn_ports = {(link.source, link.source_port) for link in ways}
-
-    def route(link: _Link) -> list[list[Point]]:
+    def line(link: _Link) -> list[Point]:
         if link in ways:
-            points = [
+            return [
                 _moved(point, origins[frame])
                 for frame, wire in ways[link]
                 for point in areas[frame].wires[wire]
             ]
-            return [points]
-        wide, _, outputs = ends[link.source]
-        x, y = _moved(corners[link.source], (wide, outputs[link.source_port]))
-        to_x, to_y = _moved(corners[link.target], (0.0, ends[link.target][1][link.target_port]))
-        goes_on = (link.source, link.source_port) in drawn_ports
-        begin = [] if goes_on else [[(x, y), (x + _END, y)]]
-        return [*begin, [(to_x - _END, to_y), (to_x, to_y)]]
+        x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
+        return [(x - _END, y), (x, y)]
 
-    routes = tuple([route(link) for link in links])
+    lines = tuple([line(link) for link in links])
     wide, high = areas[()].width, areas[()].height
-    return _Placed(tuple(corners.values()), tuple(drawn), routes, wide, high)
+    return _Placed(tuple(corners.values()), tuple(drawn), lines, wide, high)
 
 
 def _framed(
@@ -659,8 +742,10 @@ def _framed(
     areas = {
         frame: Area() for frame in [(), *sorted(around, key=lambda frame: (len(frame), frame))]
     }
-    for name, wide, high, inputs, outputs in outlines:
-        areas[frames[name]].sizes["box", name] = Size(wide, high, dict(inputs), dict(outputs))
+    for name, wide, high, inputs, outputs, *room in outlines:
+        areas[frames[name]].sizes["box", name] = Size(
+            wide, high, dict(inputs), dict(outputs), *room
+        )
     for frame, wire in (part for way in ways for part in way):
         areas[frame].wires[wire] = []
         pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}
@@ -678,15 +763,16 @@ def _stack_bands(area: Area, band_of: _Bands) -> None:
         bands[band_of[cell]].sizes[cell] = size
     for wire in area.wires:
         bands[band_of[wire[0][0]]].wires[wire] = []
-    top = 0.0
-    left = _END if len(bands) > 1 else 0.0
     for band in bands:
         band.arrange()
-        by = left, top
+    lefts = [min([x for x, _ in band.corners.values()], default=0.0) for band in bands]
+    top = 0.0
+    for band, left in zip(bands, lefts, strict=True):
+        by = max(lefts) - left, top
         area.corners |= {cell: _moved(corner, by) for cell, corner in band.corners.items()}
         for wire, points in band.wires.items():
             area.wires[wire] = [_moved(point, by) for point in points]
-        area.width = max(area.width, band.width + 2 * left)
+        area.width = max(area.width, by[0] + band.width)
         area.height = top + band.height
         top = area.height + 2 * _BETWEEN_CELLS
 

@@ -10,7 +10,7 @@ from math import ceil
 
 from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
-from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
+from nodegraph.draw.layout import CONNECTOR, LABEL_HEIGHT, PADDING, Connector, Point, layout
 from nodegraph.draw.picture import Arrow, Picture
 from nodegraph.gc_pause import gc_paused
 
@@ -33,6 +33,9 @@ _LOOK = {
     "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="2.8" stroke-linecap="round"',
     "head": 'fill="#6c7889"',
     "head truth": 'fill="#a04a00"',
+    "connector": 'fill="#5b6675"',
+    "connector truth": 'fill="#a04a00"',
+    "number": 'font-size="11" fill="#ffffff"',
     "name": 'font-size="15" font-weight="650"',
     "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
     "port": 'font-size="12"',
@@ -60,24 +63,22 @@ def tag(name: str, text: str) -> str:
     return f"<{name}>{escaped(text)}</{name}>"
 
 
-def line(pieces: Sequence[Sequence[Point]]) -> str:
+def line(points: Sequence[Point]) -> str:
     """Return the path of an arrow; the last point is the tip, the line ends where the head begins.
 
     It is straight between points of one height, else a curve that begins and ends level, past the
     ends of other arrows.
     """
-    *others, (*before, (tip_x, tip_y)) = pieces
-    path = ""
-    for points in [*others, [*before, (tip_x - HEAD_LENGTH + 1.0, tip_y)]]:
-        path += f"M{_pair(points[0])}"
-        for (x, y), (to_x, to_y) in pairwise(points):
-            if y == to_y:
-                path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
-            else:
-                begin, end = x + _LEVEL, max(to_x - _LEVEL, x + _LEVEL)
-                middle = (begin + end) / 2
-                path += f"L{_pair((begin, y))}C{_pair((middle, y))} {_pair((middle, to_y))}"
-                path += f" {_pair((end, to_y))}L{_pair((to_x, to_y))}"
+    *before, (tip_x, tip_y) = points
+    path = f"M{_pair(points[0])}"
+    for (x, y), (to_x, to_y) in pairwise([*before, (tip_x - HEAD_LENGTH + 1.0, tip_y)]):
+        if y == to_y:
+            path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
+        else:
+            begin, end = x + _LEVEL, max(to_x - _LEVEL, x + _LEVEL)
+            middle = (begin + end) / 2
+            path += f"L{_pair((begin, y))}C{_pair((middle, y))} {_pair((middle, to_y))}"
+            path += f" {_pair((end, to_y))}L{_pair((to_x, to_y))}"
     return path
 
 
@@ -135,9 +136,8 @@ def _styles(picture: Picture, *, cut: bool) -> _Samples:
     """Return samples of arrows, chips and frames that the picture has."""
     samples = []
     if cut:
-        path = f'<path class="wire" {_LOOK["wire"]} d="M12 0L22 0"/>'
-        tip = head(30, 0, truth=False, gathers=False)
-        samples.append((f"<g>{path}{tip}</g>", "from another row"))
+        ends = _connector(Connector(1, (15.0, 0.0), truth=False))
+        samples.append((ends, "goes on at the same number"))
     for kind, text in (("truth", "truth"), ("gathers", "gathers several values")):
         if any(getattr(arrow, kind) for arrow in picture.arrows):
             look = _LOOK[f"wire {kind}"]
@@ -206,10 +206,10 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
-    wider than a page goes on below, like lines of text; an arrow to another row is drawn at its
-    ends, and its port says where it begins. Boxes whose dotted names have a common prefix stand in
-    a frame. Truth is dashed, a gathering arrow is wide. Types of ports show on
-    hover. Colours follow the reader's light or dark scheme; a page sets ``--picture-paper`` and
+    wider than a page goes on below, like lines of text; an arrow to another row begins and ends at
+    circles with one number, and its port says where it begins. Boxes whose dotted names have a
+    common prefix stand in a frame. Truth is dashed, a gathering arrow is wide. Types of ports show
+    on hover. Colours follow the reader's light or dark scheme; a page sets ``--picture-paper`` and
     ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
 
@@ -227,14 +227,17 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     """
     drawing = layout(picture, states=sockets)
     arrows = [
-        _arrow(arrow, pieces) for arrow, pieces in zip(picture.arrows, drawing.routes, strict=True)
+        _arrow(arrow, lines) for arrow, lines in zip(picture.arrows, drawing.routes, strict=True)
     ]
+    connectors = map(_connector, drawing.connectors)
     frames = [_frame(*frame) for frame in drawing.frames]
     marks = _marks(picture) if sockets else {}
     boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    samples = _styles(picture, cut=drawing.cut), _types(picture, marks)
+    samples = _styles(picture, cut=bool(drawing.connectors)), _types(picture, marks)
     explained, wide, high = _legend(samples, max(drawing.width, _LEGEND), drawing.height + 18.0)
-    return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
+    return _document(
+        picture, [*frames, *arrows, *connectors, *boxes, explained], max(drawing.width, wide), high
+    )
 
 
 def _document(picture: Picture, parts: Sequence[str], width: float, height: float) -> str:
@@ -275,13 +278,25 @@ def _frame(frame: Frame, corner: Point, extent: Point) -> str:
     )
 
 
-def _arrow(arrow: Arrow, pieces: Sequence[Sequence[Point]]) -> str:
+def _arrow(arrow: Arrow, lines: Sequence[Sequence[Point]]) -> str:
     styles = " truth" * arrow.truth + " gathers" * arrow.gathers
     look = _LOOK[f"wire{styles}"]
-    tip = head(*pieces[-1][-1], truth=arrow.truth, gathers=arrow.gathers)
+    tips = [head(*points[-1], truth=arrow.truth, gathers=arrow.gathers) for points in lines]
     return (
         f'<g class="arrow{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
-        f'<path class="wire" {look} d="{line(pieces)}"/>{tip}</g>'
+        f'<path class="wire" {look} d="{"".join(map(line, lines))}"/>{"".join(tips)}</g>'
+    )
+
+
+def _connector(connector: Connector) -> str:
+    number_, (x, y), truth = connector
+    look = _LOOK["connector truth" if truth else "connector"]
+    place = f'x="{number(x - CONNECTOR)}" y="{number(y - CONNECTOR)}"'
+    size = f'width="{number(2 * CONNECTOR)}" height="{number(2 * CONNECTOR)}"'
+    return (
+        f'<g class="connector{" truth" * truth}"><rect {look} {place} {size}'
+        f' rx="{number(CONNECTOR)}"/><text {_LOOK["number"]} x="{number(x)}" y="{number(y + 4)}"'
+        f' text-anchor="middle">{number_}</text></g>'
     )
 
 

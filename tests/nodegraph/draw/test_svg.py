@@ -166,8 +166,7 @@ def check_arrow(
     (begin, *_), (*_, end) = drawn[0], drawn[-1]
     assert end[0] == pytest.approx(target[0] - 7, abs=0.11)
     assert target[1] < end[1] < target[3]
-    assert is_cut(drawn) or len(drawn) == 1
-    if not is_cut(drawn) or len(drawn) > 1:
+    if not is_cut(drawn):
         assert begin[0] == pytest.approx(source[2], abs=0.11)
         assert source[1] < begin[1] < source[3]
     for points in drawn:
@@ -179,11 +178,28 @@ def check_arrow(
 
 
 def is_cut(drawn: list[list[tuple[float, float]]]) -> bool:
-    """Return whether only ends of an arrow are drawn: level, and shorter than between columns."""
-    return all(
-        len({y for _, y in points}) == 1 and 2 < points[-1][0] - points[0][0] < 20
-        for points in drawn
-    )
+    """Return whether only the end of an arrow is drawn: shorter than between columns."""
+    return all(points[-1][0] - points[0][0] < 20 for points in drawn)
+
+
+def connectors(
+    root: ElementTree.Element, boxes: dict[str, tuple[float, float, float, float]]
+) -> dict[str, tuple[list[str], list[str]]]:
+    """Return, for each number, the boxes with its circle on the left, and on the right."""
+    found: dict[str, tuple[list[str], list[str]]] = {}
+    for group in root:
+        for each in group.iter(f"{SVG}g"):
+            if "connector" in each.get("class", "") and group.get("class") != "legend":
+                circle, text = each.find(f"{SVG}rect"), each.findtext(f"{SVG}text")
+                assert circle is not None
+                assert text
+                x, y, wide = (float(circle.attrib[name]) for name in ("x", "y", "width"))
+                for name, (left, top, right, bottom) in boxes.items():
+                    if top < y + wide / 2 < bottom:
+                        sides = found.setdefault(text, ([], []))
+                        sides[0].extend([name] * (0 <= left - x - wide < 14))
+                        sides[1].extend([name] * (abs(x - right) < 0.2))
+    return found
 
 
 def test_boxes_stand_apart_and_arrows_run_around_them() -> None:
@@ -252,11 +268,9 @@ def test_what_is_wider_than_a_page_goes_on_below_like_lines_of_text() -> None:
     assert len({left for left, _, _, _ in boxes}) < 10  # one column stands below the other
 
 
-def test_an_arrow_from_another_row_is_drawn_at_its_ends_and_its_port_says_where_it_begins() -> None:
+def test_an_arrow_to_another_row_has_one_number_at_both_ends_and_names_them() -> None:
     names = [f"step{number}" for number in range(20)]
     root = check(plain(names, [*pairwise(names), ("step0", "step19")]))
-    (legend,) = (group for group in root.iter(f"{SVG}g") if group.get("class") == "legend")
-    assert "from another row" in {text.text for text in legend.iter(f"{SVG}text")}
     arrows = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
     cut = {name for name, drawn in arrows.items() if is_cut(drawn)}
     boxes = rectangles(root)
@@ -269,10 +283,37 @@ def test_an_arrow_from_another_row_is_drawn_at_its_ends_and_its_port_says_where_
         assert f"to {after}" in notes_of(root, before)
     assert notes_of(root, "step0") == ["to step19"]
     assert notes_of(root, "step19") == ["from step0"]
-    assert len(arrows["step0.x step19.x"]) == 1  # a whole arrow begins at this port
-    assert len(arrows["{}.x {}.x".format(*onward[0])]) == 2
+    pairs = sorted([("step0", "step19"), *onward], key=lambda pair: names.index(pair[0]))
+    assert connectors(root, boxes) == {
+        str(number): ([target], [source]) for number, (source, target) in enumerate(pairs, 1)
+    }
+    legend = "goes on at the same number"
+    assert legend in {text.text for text in root.iter(f"{SVG}text")}
     short = ElementTree.fromstring(svg(chain(4)))
-    assert "from another row" not in {text.text for text in short.iter(f"{SVG}text")}
+    assert legend not in {text.text for text in short.iter(f"{SVG}text")}
+
+
+def test_the_arrow_of_an_alternative_with_its_own_source_ends_at_its_row() -> None:
+    port = (Socket("x"),)
+    own = (Alternative("own", source="repaired"), Alternative("twice", source="repaired"))
+    boxes = (
+        Box("damage", outputs=port),
+        Box("repaired", inputs=port, outputs=port),
+        Box("fill", inputs=port, alternatives=(*RIVALS * 5, *own)),
+    )
+    ways = [("damage", "repaired"), ("damage", "fill"), ("repaired", "fill")]
+    arrows = tuple(Arrow(source, "x", target, "x") for source, target in ways)
+    root = check(Picture("", boxes, arrows))
+    _, top, _, _ = rectangles(root)["fill"]
+    rows = {
+        chip.get("data-alternative"): top + float(rect.attrib["y"]) + 9.5
+        for chip in root.iter(f"{SVG}g")
+        for rect in chip.findall(f"{SVG}rect")
+        if chip.get("data-alternative")
+    }
+    ends = [{drawn[-1][1] for drawn in lines(group)} for group in arrows_of(root)]
+    assert sorted(ends[2]) == pytest.approx([rows["own"], rows["twice"]], abs=0.11)
+    assert min(ends[1]) > max(rows.values())
 
 
 def test_what_is_read_from_another_row_stands_before_its_reader() -> None:
