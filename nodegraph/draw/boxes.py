@@ -11,7 +11,7 @@ from html import escape
 from textwrap import wrap
 from typing import NamedTuple
 
-from nodegraph.draw.picture import Alternative, Box, Socket
+from nodegraph.draw.picture import BETWEEN_PARTS, Alternative, Box, Socket
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 # Advance widths in em of DejaVu Sans, the widest of the usual system fonts, rounded up: a box
@@ -77,10 +77,10 @@ _LONGEST_SETTINGS = 26
 _LONGEST_AXIS = 34
 _LINE = 14.0
 _BASELINE = 13.3
-_BREAK = re.compile(r"(?<=[,…\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
-"""Between two parts of a text; a list is one."""
 _MOST_LINES = 4
 _LONGEST_AT_PORT = 26
+_LONGEST_ITEM = 40
+_INDENT = 10.0
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
@@ -249,7 +249,8 @@ def shape(
     rule = y + 7.0
     for x, side in ((INSET, inputs), (INSET + inner, outputs)):
         texts += [
-            replace(line, x=x, y=rule + line.y, at_end=side is outputs) for line in side.lines
+            replace(line, x=x + line.x, y=rule + line.y, at_end=side is outputs)
+            for line in side.lines
         ]
     places = (
         {name: rule + height for name, height in side.heights.items()} for side in (inputs, outputs)
@@ -281,16 +282,21 @@ def _side(ports: Iterable[tuple[Socket, Sequence[str]]]) -> _Side:
         if socket.text or not texts:
             texts.insert(0, ("port", socket.text))
         y += _LEADING["port"] - _LEADING[texts[0][0]]
-        for style, text in texts:
+        indents = [0.0] * len(texts)
+        for item in socket.items:
+            wrapped = _wrapped(item, _LONGEST_ITEM)
+            texts += [("port", line.removesuffix(" \N{MIDDLE DOT}")) for line in wrapped]
+            indents += [_INDENT * (1 + (line is not wrapped[0])) for line in wrapped]
+        for (style, text), indent in zip(texts, indents, strict=True):
             y += _LEADING[style]
             if text:
-                lines.append(Text(style, shortened(text), 0.0, y - 3.5, hint))
+                lines.append(Text(style, shortened(text), indent, y - 3.5, hint))
     return _Side(lines, heights, y)
 
 
 def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
     """Return how wide the texts of ports are, with those of the other side at their height."""
-    widths = {each: width(each.text, _SIZES[each.style]) for each in (*left, *right)}
+    widths = {each: each.x + width(each.text, _SIZES[each.style]) for each in (*left, *right)}
     beside = (
         widths[one] + _BETWEEN_SIDES + widths[other]
         for one in left
@@ -339,7 +345,7 @@ def _heading(box: Box) -> Iterator[str]:
 @_cached
 def _wrapped(text: str, longest: int) -> tuple[str, ...]:
     """Return a text in lines, of parts that are whole; the last is cut where there are more."""
-    parts = _BREAK.split(clean(text))
+    parts = BETWEEN_PARTS.split(clean(text))
     lines = wrap(
         " ".join(
             part if len(part) > longest else part.replace(" ", "\N{NO-BREAK SPACE}")

@@ -795,25 +795,23 @@ def _shapes(
     readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     said = {
-        (box.name, socket.name, text)
+        (box.name, socket.name, each.source)
         for box in picture.boxes
         for socket in box.inputs
-        for text in [
-            socket.shown,
-            *(
-                f"from {each.source}"
-                for each in box.alternatives
-                if into[box.name, socket.name] > 1
-            ),
-        ]
+        if into[box.name, socket.name] > 1
+        for each in box.alternatives
+    }
+    unnamed = {
+        (box.name, socket.name) for box in picture.boxes for socket in box.inputs if not socket.text
     }
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].append((arrow.target_port, arrow.fixed))
         if arrow in cut:
             readers[arrow.source].append((arrow.source_port, arrow.target))
-            if (arrow.target, arrow.target_port, f"from {origin}") not in said:
-                sources[arrow.target].append((arrow.target_port, origin))
+        end = arrow.target, arrow.target_port
+        if end in unnamed or (arrow in cut and (*end, origin) not in said):
+            sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(
             box,

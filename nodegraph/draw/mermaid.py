@@ -55,7 +55,7 @@ def _text(text: str) -> str:
 
 def _box(box: Box, label: str) -> str:
     begin, end = _SHAPES[box.kind]
-    lines = [label, *box.lines]
+    lines = [label, *box.texts]
     lines += [" | ".join(map(str, box.alternatives))] if box.alternatives else []
     lines += [", ".join(box.axes)] if box.axes else []
     return begin + "<br/>".join(_text(line) for line in lines) + end

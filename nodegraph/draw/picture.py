@@ -10,6 +10,10 @@ from typing import Literal, NamedTuple
 
 Kind = Literal["node", "input", "report"]
 
+_MOST_SETTINGS = 26
+"""Characters of the settings of what stands in a list."""
+BETWEEN_PARTS = re.compile(r"(?<=[,…\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
+"""Between two parts of a text; a list is one."""
 _AROUND = re.compile(r"(Truth|Across)\[|\]| \| None$")
 
 
@@ -25,13 +29,16 @@ class Socket:
     gathers : str
         The labels that a gathering port receives.
     shown : str, optional
-        Shown in place of the name.
+        Shown in place of the name. An input without a name says where its arrows begin.
+    items : tuple of str
+        What in the report reads it.
     """
 
     name: str
     type: str = ""
     gathers: str = ""
     shown: str | None = None
+    items: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.name}: {self.type}" if self.type else self.name
@@ -107,6 +114,11 @@ class Box:
     axes: tuple[str, ...] = ()
     kind: Kind = "node"
     passes: bool = False
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The lines, and what in the report reads its inputs."""
+        return (*self.lines, *(item for socket in self.inputs for item in socket.items))
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,8 +210,9 @@ def folded(picture: Picture) -> Picture:
     """Return a picture in which one box lists all those that only show something.
 
     These are boxes of the report that no other box reads. An arrow into the list stands for all
-    arrows of its output. With fewer than two such boxes, they stay. A graph that is used as a node
-    is one box. Alternatives that several boxes have are listed at the first.
+    arrows of its output; what reads it stands there, or at the first of several outputs. With
+    fewer than two such boxes, they stay. A graph that is used as a node is one box. Alternatives
+    that several boxes have are listed at the first.
     """
     picture = _with_alternatives_once(_graphs_as_boxes(picture))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
@@ -214,13 +227,14 @@ def folded(picture: Picture) -> Picture:
     name = "report"
     while any(box.name == name for box in picture.boxes if box.name not in shown):
         name += " "
-    kept, wires, names = [], dict[tuple[str, str], Arrow](), dict[tuple[str, str], str]()
+    kept, wires = [], dict[tuple[str, str], Arrow]()
+    read_by = {item: dict[tuple[str, str], str]() for item in shown}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.target not in shown:
             kept.append(arrow)
         elif arrow.source not in shown:
             ends = arrow.source, arrow.source_port
-            names[ends] = f"from {origin}"
+            read_by[arrow.target][ends] = origin
             known = wires.get(ends, arrow)
             wires[ends] = Arrow(
                 *ends,
@@ -230,10 +244,31 @@ def folded(picture: Picture) -> Picture:
                 truth=arrow.truth,
             )
     boxes = [box for box in picture.boxes if box.name not in shown]
-    sockets = [Socket(arrow.target_port, shown=names[ends]) for ends, arrow in wires.items()]
-    lines = tuple(" ".join((box.name, *box.lines[:1])) for box in shown.values())
-    card = Box(name, lines, tuple(sockets), kind="report")
+    items: dict[tuple[str, str] | None, list[str]] = {}
+    for item, sources in read_by.items():
+        told = _item(shown[item], [*sources.values()][1:])
+        items.setdefault(next(iter(sources), None), []).append(told)
+    sockets = [
+        Socket(arrow.target_port, shown="", items=tuple(items.get(ends, ())))
+        for ends, arrow in wires.items()
+    ]
+    card = Box(name, tuple(items.get(None, ())), tuple(sockets), kind="report")
     return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))
+
+
+def _item(box: Box, others: Sequence[str]) -> str:
+    """Return what is told of a box in the report: its name, method, first settings and sources.
+
+    A method that the name tells is left out.
+    """
+    told = [box.name]
+    for line in box.lines[:2]:
+        first, *more = BETWEEN_PARTS.split(line)
+        both = " ".join([first, *more[:1]])
+        text = (both if len(both) <= _MOST_SETTINGS else first).rstrip(",")
+        told += [text] if ": " in line or line.rpartition(".")[2] not in box.name else []
+    told += [f"with {', '.join(others)}"] if others else []
+    return " \N{MIDDLE DOT} ".join(told)
 
 
 def _with_alternatives_once(picture: Picture) -> Picture:

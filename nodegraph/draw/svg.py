@@ -261,7 +261,7 @@ def _document(picture: Picture, parts: Sequence[str], width: float, height: floa
 
 
 def _description(picture: Picture) -> str:
-    boxes = "; ".join(" ".join((box.name, *box.lines)) for box in picture.boxes)
+    boxes = "; ".join(" ".join((box.name, *box.texts)) for box in picture.boxes)
     arrows = "; ".join(str(arrow) for arrow in picture.arrows)
     return f"Nodes: {boxes}. Arrows: {arrows or 'none'}."
 
@@ -312,7 +312,7 @@ def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
     parts = [
         f'<g class="box box-{shape.box.kind}" data-box="{escaped(shape.box.name)}"'
         f' transform="translate({number(x)} {number(y)})">',
-        tag("title", " ".join((shape.box.name, *shape.box.lines))),
+        tag("title", " ".join((shape.box.name, *shape.box.texts))),
         f'<rect class="shade" {_LOOK["shade"]} y="2" {size}/><rect class="frame" {look} {size}/>',
     ]
     if shape.inputs or shape.outputs:

@@ -39,8 +39,9 @@ def test_boxes_that_only_show_are_one_list() -> None:
         Box("fill", inputs=(Socket("in"),), outputs=out),
         Box("chosen", ("select.pfa",), scores, out, kind="report"),
         Box("kept", inputs=(Socket("in"),), outputs=out),
-        Box("curve", ("compare.curve",), scores, out, kind="report"),
+        Box("curve", ("compare.curve", "x: k, compare: [a, b]"), scores, out, kind="report"),
         Box("figure", ("plot.selection",), (*scores, Socket("truth")), kind="report"),
+        Box("glb", ("write.glb", "rate: 30"), scores, kind="report"),
     )
     arrows = (
         Arrow("face", "out", "fill", "in"),
@@ -50,15 +51,20 @@ def test_boxes_that_only_show_are_one_list() -> None:
         Arrow("curve", "out", "figure", "scores"),
         Arrow("kept", "out", "figure", "scores", gathers=True, fixed="k=3"),
         Arrow("face", "truth", "figure", "truth", truth=True),
+        Arrow("curve", "out", "glb", "scores"),
     )
     picture = folded(Picture("fold", boxes, arrows))
     assert [box.name for box in picture.boxes] == ["face", "fill", "chosen", "kept", "report"]
     report = picture.boxes[-1]
-    assert report.lines == ("curve compare.curve", "figure plot.selection")
-    assert [socket.shown or socket.name for socket in report.inputs] == [
-        "from kept",
-        "from face.truth",
-    ]
+    assert report.lines == ("glb \N{MIDDLE DOT} rate: 30",)  # it reads nothing outside the list
+    assert {socket.name: socket.items for socket in report.inputs} == {
+        "kept.out": (
+            "curve \N{MIDDLE DOT} x: k, compare: [a, b]",
+            "figure \N{MIDDLE DOT} plot.selection \N{MIDDLE DOT} with face.truth",
+        ),
+        "face.truth": (),
+    }
+    assert report.texts == (*report.lines, *report.inputs[0].items)
     assert picture.arrows[:3] == arrows[:3]  # a box that another one reads stays
     assert picture.arrows[3:] == (
         Arrow("kept", "out", "report", "kept.out", gathers=True),

@@ -365,7 +365,10 @@ def test_a_port_of_the_report_names_its_source_once() -> None:
     drawn = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
     assert is_cut(drawn["step0.x report.step0.x"])
     assert not is_cut(drawn["step19.x report.step19.x"])
-    assert notes_of(root, "report") == []
+    assert notes_of(root, "report") == ["from step19", "from step0"]
+    (report,) = (each for each in root.iter(f"{SVG}g") if each.get("data-box") == "report")
+    told = [text.text for text in report.iter(f"{SVG}text") if text.get("class") != "name"]
+    assert told == ["from step19", "faces", "from step0", "table"]
 
 
 def test_a_graph_that_is_used_as_a_node_is_one_box_among_the_folded() -> None:
