@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -113,7 +112,7 @@ def _parts(study: Study, run: Run, console: Console, *, full: bool) -> Iterator[
                 yield from _warnings(group, full=full)
             yield from _more(len(kind.groups), full=full)
     counts = [
-        f"{count} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
+        f"{count:,} {_WORDS.get(state, state)}" for state, count in run.counts().items() if count
     ]
     yield f"\n{number_of(len(run.plan.steps), 'step')}: {', '.join(counts)}"
     for kind in note_kinds(study):
@@ -240,7 +239,6 @@ def _more(count: int, *, full: bool) -> Iterator[str]:
 
 
 def _files(study: Study, folder: Path, lost: Collection[str]) -> str:
-    kinds = Counter(link.text for section in study.sections for link in section.files)
     first, *rest = [name for name in (REPORT, RECORD, "") if name not in lost]
     names = [str(folder / first), *filter(None, rest)]
-    return ", ".join([*names, *(f"{count} {kind}" for kind, count in kinds.items())])
+    return ", ".join([*names, *study.kinds_of_files])

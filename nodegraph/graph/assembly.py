@@ -112,7 +112,7 @@ class Assembler:
         sources = (source for method in methods.values() for source in method.references())
         removed = [self._check_fixed_axes(source) for source in sources if source.at]
         if labels_removed := list(dict.fromkeys(filter(None, removed))):
-            reason = f"it needs {', '.join(labels_removed)}, which the command has removed"
+            reason = f"the command has removed {', '.join(labels_removed)}"
             self._left_out.append(LeftOut(spec.name, reason))
         if not all(map(self._is_complete, resolved)):
             self._incomplete.add(spec.name)
@@ -236,6 +236,6 @@ class Assembler:
         dependents = {name for node in left_out for name in nx.descendants(network, node)}
         for name in (name for name in network if name in dependents - left_out):
             missing = sorted(set(network.predecessors(name)) & (left_out | dependents))
-            reason = f"it needs {', '.join(missing)}, which is left out"
+            reason = f"no input from {', '.join(missing)}"
             self._left_out.append(LeftOut(name, reason))
         network.remove_nodes_from(left_out | dependents)

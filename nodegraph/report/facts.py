@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import PurePath
@@ -38,10 +37,9 @@ def fold_facts(study: Study) -> dict[str, str]:
     nodes = number_of(len({row.node for row in study.methods}), "node")
     took = f" in {duration(study.seconds)}" if study.seconds else ""
     source = f", {'all' if stored == steps else f'{stored:,}'} of them from stored results"
-    files = Counter(link.text for section in study.sections for link in section.files)
     inputs = ", ".join(f"{row.name} {row.value}" for row in study.inputs)
-    settings = [inputs, number_of(len(study.axes), "axis").replace("axiss", "axes")]
-    settings += [number_of(len(study.versions), "package")]
+    axes = number_of(len(study.axes), "axis").replace("axiss", "axes") if study.axes else ""
+    settings = [inputs, axes, number_of(len(study.versions), "package")]
     return {
         "measured": _first_sentence(study.notes_markdown),
         "methods": f"what each of {uses} does, its settings and sources"
@@ -51,7 +49,7 @@ def fold_facts(study: Study) -> dict[str, str]:
         "graph": f"{nodes}, {number_of(steps, 'step')}",
         "settings": "; ".join(_shortened(text) for text in settings if text),
         "reproduce": f"{number_of(steps, 'step')} done{took}{source if stored else ''}",
-        "download": ", ".join(f"{count} {kind}" for kind, count in files.items()) or "what ran",
+        "download": ", ".join(study.kinds_of_files) or "what ran",
     }
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
@@ -348,6 +348,13 @@ class Study:
         for line, at in sorted(places):
             first.setdefault(answers[at][line], (at, line))
         return tuple(sorted([*first][:most], key=first.__getitem__))
+
+    @property
+    def kinds_of_files(self) -> tuple[str, ...]:
+        """How many files of each kind belong to results: ``3 CSV``, ``1 C3D``."""
+        paths = [PurePath(link.path) for section in self.sections for link in section.files]
+        kinds = Counter(path.suffix[1:].upper() or path.name for path in paths)
+        return tuple(f"{count:,} {kind}" for kind, count in kinds.items())
 
     @property
     def ok(self) -> bool:

@@ -133,6 +133,6 @@ def test_what_two_results_say_stands_once(finished: Run) -> None:
 
 
 def test_files_are_counted_by_kind(finished: Run) -> None:
-    links = (Link("CSV", "a.csv"), Link("CSV", "b.csv"), Link("SVG", "a.svg"))
+    links = (Link("CSV", "a.csv"), Link("two: CSV", "b.csv"), Link("x.c3d", "file/x.c3d"))
     study = Study("A", sections=(Section("table", Rendered(""), files=links),))
-    assert printed(study, finished)[-1] == "runs/a/report.html, run.json, 2 CSV, 1 SVG"
+    assert printed(study, finished)[-1] == "runs/a/report.html, run.json, 2 CSV, 1 C3D"

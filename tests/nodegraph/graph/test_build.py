@@ -128,8 +128,8 @@ report: [table]
     assert graph_of(text).left_out == ()
     graph = graph_of(text, only={"length": (5, 15)})
     assert [(item.node, item.reason) for item in graph.left_out] == [
-        ("one", "it needs length=45, which the command has removed"),
-        ("two", "it needs one, which is left out"),
+        ("one", "the command has removed length=45"),
+        ("two", "no input from one"),
     ]
     assert list(graph.nodes) == ["capture", "gaps", "fill", "error", "table", "shown"]
     graph = graph_of(text, axes={"length": [45, 90]})

@@ -103,7 +103,7 @@ def test_what_the_command_leaves_out_is_noted_once_with_its_reason(
     run = run_of(TEXT.replace("    skip:", f"{more}    skip:"), only={"length": (5,)})
     (note,) = [note for note in _study(run).notes if "," in note.node]
     assert (note.node, note.count) == ("one, two", 2)
-    assert note.reason == "it needs length=15, which the command has removed"
+    assert note.reason == "the command has removed length=15"
 
 
 def test_settings_show_every_value_and_whether_it_is_the_default(
