@@ -49,14 +49,17 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
 def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
     """Return the picture of a graph: its whole nodes, or their wired ports and first methods.
 
-    Nodes and alternatives have their settings that differ from the default.
-    An axis stands at each node whose settings name it, with its labels at the first of them; an
+    Nodes and alternatives have their settings that differ from the default; an alternative of which
+    nothing else is told has those that others of its method differ in. An axis stands with its
+    labels at the first node whose settings name it, and at others that no wire brings it to; an
     axis with one label is not drawn.
     """
     wires: dict[_Ends, list[Reference]] = {}
+    brought: dict[str, set[str]] = {name: set() for name in graph.nodes}
     for source, target, wire in graph.wires():
         ends = (source, wire.output, target, wire.port)
         wires.setdefault(ends, []).append(wire.reference)
+        brought[target] |= {*graph.nodes[source].axes} - {*wire.reference.at}
     arrows = {ends: _arrow(graph, ends, references) for ends, references in wires.items()}
     read = {(source, output) for source, output, _, _ in arrows}
     fed = {(target, port) for _, _, target, port in arrows}
@@ -67,6 +70,7 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         axes = [
             axis if axis in said else f"{axis}: {labels_text(graph.axes[axis].labels)}"
             for axis in own
+            if axis not in said & brought[node.name]
         ]
         said.update(own)
         if whole:
@@ -196,6 +200,14 @@ def _box(
     }
     uses = {label: method.node.name for label, method in node.methods.items()}
     methods = {*uses.values()} - {PASS}
+    varied: dict[str, dict[str, str]] = {}
+    for label, method in node.methods.items():
+        defaults = {name: method.node.settings[name].default for name in settings[label]}
+        varied.setdefault(uses[label], {}).update(
+            (name, _value_text(default))
+            for name, default in defaults.items()
+            if name not in common and default is not None
+        )
     alternatives = [
         Alternative(
             label,
@@ -207,7 +219,8 @@ def _box(
                         _text({name: each[name] for name in each if name not in common}),
                     ),
                 )
-            ),
+            )
+            or _text(varied[uses[label]]),
         )
         for label, each in settings.items()
         if node.has_alternatives

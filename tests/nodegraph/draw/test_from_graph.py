@@ -36,23 +36,31 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
       capture: {use: read.number}
       gaps: {use: gaps.cut, in: capture, with: {length: $length, seed: $trial}}
       again: {use: gaps.cut, in: gaps.gappy, with: {length: $once, seed: $trial}}
+      other: {use: gaps.cut, in: capture, with: {length: 1, seed: $trial}}
       fill:
         in: again.gappy
         with: {max_gap: 9}
-        alternatives: {hold: {use: fill.hold}, cube: {use: fill.scale, with: {power: 3}}}
+        alternatives:
+          hold: {use: fill.hold}
+          line: {use: fill.scale}
+          cube: {use: fill.scale, with: {power: 3}}
+          scale: {use: fill.scale}
       error: {use: score.gaps, in: {estimate: fill, truth: gaps.truth, hidden: gaps.hidden}}
       table: {use: compare.table, in: error}
     report: [table]
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
     assert boxes["gaps"].axes == ("length: 5, 15", "trial: 0 … 19 (20)")
-    assert boxes["again"].axes == ("trial",)  # labels are said once, and an axis of one label not
+    assert boxes["again"].axes == ()  # a wire brings trial, and an axis of one label is not said
+    assert boxes["other"].axes == ("trial",)  # labels are said once
     assert boxes["fill"].axes == ()
-    assert [*map(str, boxes["fill"].alternatives)] == ["hold", "cube fill.scale, power: 3"]
+    assert [*map(str, boxes["fill"].alternatives)] == [
+        *("hold", "line fill.scale", "cube fill.scale, power: 3", "scale power: 2.0"),
+    ]
     kinds = {name: box.kind for name, box in boxes.items()}
     assert kinds == {
-        "capture": "input", "gaps": "node", "again": "node", "fill": "node", "error": "node",
-        "table": "report",
+        "capture": "input", "gaps": "node", "again": "node", "other": "node", "fill": "node",
+        "error": "node", "table": "report",
     }  # fmt: skip
     types = {socket.name: socket.type for socket in boxes["gaps"].outputs}
     assert types == {"gappy": "float", "truth": "Truth[float]", "hidden": "int"}
