@@ -77,12 +77,12 @@ def check(arguments: Namespace) -> int:
         _print_json(planned, stored, warnings)
         return 0
     print(f"{graph.title}\n\n{columns(list(_rows(planned, stored)))}\n")
-    print(f"{number_of(len(planned.steps), 'step')}, {len(stored)} of them stored")
+    print(f"{number_of(len(planned.steps), 'step')}, {len(stored):,} of them stored")
     for line in left_out_lines(graph):
         print(line)
     skipped = sum(len(cells) for cells in planned.skipped.values())
     if skipped:
-        print(f"{skipped} combinations are skipped")
+        print(f"{number_of(skipped, 'combination')} skipped")
     for warning in warnings:
         print(f"warning: {warning}")
     return 0

@@ -121,8 +121,13 @@ class Guard:
         if has_session:
             return response
         if self._is_used or not _equal(token, self.token):
-            reason = "has been used" if _equal(token, self.token) else "is of another session"
-            return Refused(HTTPStatus.FORBIDDEN, f"this address {reason}: {_HOW}")
+            reason = (
+                "was opened in another browser, or by another program: go on there, or start the "
+                "command again for a new address"
+                if _equal(token, self.token)
+                else f"is of another session: {_HOW}"
+            )
+            return Refused(HTTPStatus.FORBIDDEN, f"this address {reason}")
         self._is_used = True
         response.set_cookie(self._cookie, self._session, httponly=True, samesite="strict")
         return response

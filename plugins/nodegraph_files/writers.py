@@ -214,7 +214,7 @@ def _checked(recording: Trajectories, content: bytes) -> bytes:
     """Return the content; say what of the recording it cannot keep."""
     estimated = np.isin(recording.origin, (Origin.FILLED, Origin.REPAIRED))
     lost = (
-        [f"which {np.count_nonzero(estimated)} samples are filled or repaired"]
+        [f"which {np.count_nonzero(estimated):,} samples are filled or repaired"]
         if estimated.any()
         else []
     )

@@ -36,7 +36,7 @@ nodegraph.define("gallery", [], () => {
     }
     runs.append(...(orders[sort]?.() ?? cards).map(({ card }) => card));
     const rest = Object.entries(hidden).filter(([, number]) => number).map(([name, number]) => `${number} ${name}`);
-    count.textContent = `${shown} of ${cards.length} runs${rest.length ? `; not shown: ${rest.join(", ")}` : ""}`;
+    count.textContent = `${shown} of ${cards.length} ${cards.length === 1 ? "run" : "runs"}${rest.length ? `; not shown: ${rest.join(", ")}` : ""}`;
   };
   const from_address = () => {
     const words = new URLSearchParams(location.hash.slice(1));

@@ -43,6 +43,13 @@ def test_check_tells_what_would_run(command: Command) -> None:
     assert "8 steps, 4 of them stored" in command("check", "toy.yaml")[1]
 
 
+def test_skipped_combinations_are_counted(command: Command) -> None:
+    graph = Path("toy.yaml")
+    graph.write_text(f"{graph.read_text()}skip: [{{length: 1, fill: hold}}]\n")
+    out = command("check", "toy.yaml")[1]
+    assert out.endswith("7 steps, 0 of them stored\n1 combination skipped\n")
+
+
 def test_modules_without_python_source_are_remembered(
     command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

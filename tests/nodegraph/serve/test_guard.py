@@ -92,10 +92,14 @@ def test_a_malformed_cookie_of_another_server_does_not_matter(
 
 def test_a_token_lets_one_browser_in(guard: Guard, cookie: str) -> None:
     address = f"/?token={guard.token}"
-    assert refused(send(guard, address), 403)
+    other = send(guard, address)
+    assert refused(other, 403)
+    assert "another browser" in other.text
     again = send(guard, address, cookie=cookie)  # the same browser goes back to it
     assert (again.status, "set-cookie" in again.headers) == (200, False)
-    assert refused(send(guard, "/?token=guess"), 403)
+    wrong = send(guard, "/?token=guess")
+    assert refused(wrong, 403)
+    assert "another session" in wrong.text
     assert refused(send(guard, "/?token="), 403)
     assert refused(send(guard, f"/value?token={guard.token}"), 403)
 
