@@ -210,9 +210,9 @@ def folded(picture: Picture) -> Picture:
     """Return a picture in which one box lists all those that only show something.
 
     These are boxes of the report that no other box reads. An arrow into the list stands for all
-    arrows of its output; what reads it stands there, or at the first of several outputs. With
-    fewer than two such boxes, they stay. A graph that is used as a node is one box. Alternatives
-    that several boxes have are listed at the first.
+    arrows of its output; what reads it is named there, and described at the first of its sources.
+    With fewer than two such boxes, they stay. A graph that is used as a node is one box.
+    Alternatives that several boxes have are listed at the first.
     """
     picture = _with_alternatives_once(_graphs_as_boxes(picture))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
@@ -228,13 +228,13 @@ def folded(picture: Picture) -> Picture:
     while any(box.name == name for box in picture.boxes if box.name not in shown):
         name += " "
     kept, wires = [], dict[tuple[str, str], Arrow]()
-    read_by = {item: dict[tuple[str, str], str]() for item in shown}
-    for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
+    sources_of = {item: list[tuple[str, str]]() for item in shown}
+    for arrow in picture.arrows:
         if arrow.target not in shown:
             kept.append(arrow)
         elif arrow.source not in shown:
             ends = arrow.source, arrow.source_port
-            read_by[arrow.target][ends] = origin
+            sources_of[arrow.target].append(ends)
             known = wires.get(ends, arrow)
             wires[ends] = Arrow(
                 *ends,
@@ -244,20 +244,23 @@ def folded(picture: Picture) -> Picture:
                 truth=arrow.truth,
             )
     boxes = [box for box in picture.boxes if box.name not in shown]
-    items: dict[tuple[str, str] | None, list[str]] = {}
-    for item, sources in read_by.items():
-        told = _item(shown[item], [*sources.values()][1:])
-        items.setdefault(next(iter(sources), None), []).append(told)
+
+    def items(ends: tuple[str, str]) -> tuple[str, ...]:
+        readers = {item: each.index(ends) for item, each in sources_of.items() if ends in each}
+        described = [_item(shown[item]) for item, at in readers.items() if at == 0]
+        named = ", ".join(item for item, at in readers.items() if at > 0)
+        return (*described, named) if named else tuple(described)
+
     sockets = [
-        Socket(arrow.target_port, shown="", items=tuple(items.get(ends, ())))
-        for ends, arrow in wires.items()
+        Socket(arrow.target_port, shown="", items=items(ends)) for ends, arrow in wires.items()
     ]
-    card = Box(name, tuple(items.get(None, ())), tuple(sockets), kind="report")
+    lines = tuple(_item(box) for item, box in shown.items() if not sources_of[item])
+    card = Box(name, lines, tuple(sockets), kind="report")
     return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))
 
 
-def _item(box: Box, others: Sequence[str]) -> str:
-    """Return what is told of a box in the report: its name, method, first settings and sources.
+def _item(box: Box) -> str:
+    """Return what is told of a box in the report: its name, method and first settings.
 
     A method that the name tells is left out.
     """
@@ -267,7 +270,6 @@ def _item(box: Box, others: Sequence[str]) -> str:
         both = " ".join([first, *more[:1]])
         text = (both if len(both) <= _MOST_SETTINGS else first).rstrip(",")
         told += [text] if ": " in line or line.rpartition(".")[2] not in box.name else []
-    told += [f"with {', '.join(others)}"] if others else []
     return " \N{MIDDLE DOT} ".join(told)
 
 
