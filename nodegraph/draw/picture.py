@@ -346,7 +346,9 @@ def _graph_as_box(
         replace(socket, name=end, shown=f"{f'{inner}.' * (counts[socket.name] > 1)}{socket.name}")
         for end, (inner, socket) in inputs.items()
     )
-    axes = {text.partition(":")[0]: text for part in parts[::-1] for text in part.axes}
+    axes: dict[str, str] = {}
+    for text in (text for part in parts for text in part.axes):
+        axes.setdefault(text.partition(":")[0], text)
     return Box(
         name,
         lines=next(part.lines for part in parts if part.name == name),
