@@ -11,7 +11,15 @@ from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
 from nodegraph_tables.answer import HERE, MAY_BE, MOST_CARDS, ONE_ROW, Word, joined, say
-from nodegraph_tables.numbers import MINUS, SMALLEST, SPACE, percent, shares_text, span_text
+from nodegraph_tables.numbers import (
+    MINUS,
+    SMALLEST,
+    SPACE,
+    difference_text,
+    percent,
+    shares_text,
+    span_text,
+)
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
@@ -204,10 +212,8 @@ def number_name(verdicts: Verdicts, unit: str = "") -> str:
 
 def signed(value: float, unit: str, mean: float) -> str:
     """Return a difference with its sign, to the digits of the mean that it is to."""
-    shown = round(value, 3) if abs(mean) >= SMALLEST else value
-    if value and not shown:
-        return f"under {span_text([SMALLEST], unit)}"
-    return f"{'+' if shown >= 0 else ''}{span_text([shown], unit)}"
+    text = difference_text([value], unit, mean)
+    return text if text.startswith((MINUS, "under")) else f"+{text}"
 
 
 def beside_text(verdicts: Verdicts, values: Sequence[float], metric: Metric) -> str:

@@ -21,6 +21,7 @@ from nodegraph_tables.numbers import (
     LARGEST,
     MINUS,
     SMALLEST,
+    difference_text,
     number_text,
     shares_text,
     span_text,
@@ -598,8 +599,10 @@ def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
     """Return by how much the mean of a method is above that of another, over some groups."""
     pair = _pair(found, part)
     means = [_as_shown(finding.mean) for finding in found]
-    numbers = [_known(mean, pair[0], part) - _known(mean, pair[1], part) for mean in means]
-    return _ends_text(numbers, found[0].unit)
+    to = [_known(mean, pair[1], part) for mean in means]
+    numbers = [_known(mean, pair[0], part) - each for mean, each in zip(means, to, strict=True)]
+    unit, ends = found[0].unit, (min(numbers), max(numbers))
+    return shares_text(ends) if unit == SHARE else difference_text(ends, unit, min(to))
 
 
 def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:

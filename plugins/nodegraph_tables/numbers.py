@@ -44,6 +44,14 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 
+def difference_text(values: Sequence[float], unit: str, mean: float) -> str:
+    """Return differences from first to last, to the digits of the mean that they are to."""
+    shown = [round(value, 3) if abs(mean) >= SMALLEST else value for value in values]
+    if any(values) and not any(shown):
+        return f"under {span_text([SMALLEST], unit)}"
+    return span_text(shown, unit)
+
+
 def without_rounding(values: Sequence[Any]) -> list[Any]:
     """Return numbers of one kind, with 0 for what rounding has left of them: 1e-31 beside 30.
 
