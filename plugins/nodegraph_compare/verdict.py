@@ -511,20 +511,17 @@ class Verdicts(Value):
     def for_all(self) -> int | None:
         """The method to take whichever the group is, if verdicts speak for one.
 
-        It is the best over all groups; or else the one that is clearly behind in the fewest groups,
-        of these the least far behind at its worst, unless it is behind in more than half of them.
+        It is the best over all groups; or else, of those that are clearly behind in none, the least
+        far behind at its worst.
         """
         groups = self.groups
         told = any(group.told for group in groups) and all(group.stands for group in groups)
         if self.best_over_all is not None or self.is_sequence or len(groups) < 2 or not told:
             return self.best_over_all
-        methods = set.intersection(*({*group.known} for group in groups))
-        behind = {method: sum(method in group.behind for group in groups) for method in methods}
-        fewest = min(behind.values(), default=len(groups))
-        if 2 * fewest > len(groups):
-            return None
-        few = (method for method in sorted(methods) if behind[method] == fewest)
-        return min(few, key=lambda method: max(group.distance(method) for group in groups))
+        known = set.intersection(*({*group.known} for group in groups))
+        methods = sorted(known.difference(*(group.behind for group in groups)))
+        worst = {method: max(group.distance(method) for group in groups) for method in methods}
+        return min(methods, key=lambda method: worst[method], default=None)
 
     @property
     def every(self) -> tuple[Verdict, ...]:

@@ -267,7 +267,7 @@ def key(verdicts: Verdicts) -> str:
     if verdicts.for_all is not None:
         (take,) = method_words(verdicts, [verdicts.for_all])
         is_best = verdicts.best_over_all is not None
-        why = "best over all" if is_best else "least often behind"
+        why = "best over all" if is_best else "never clearly behind"
         parts.append(f"<mark>tinted</mark>: {escape(take.text)}, {why}")
     return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
 

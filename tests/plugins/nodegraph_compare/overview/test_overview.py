@@ -292,7 +292,7 @@ def test_what_is_clearly_behind_nowhere_is_marked_on_every_card() -> None:
     assert (overview.verdicts.best_over_all, overview.verdicts.for_all) == (None, rich)
     lead = rendered(overview).lead
     assert len(re.findall(r'<tr data-method="rich" class="(?:best )?for-all">', lead)) == 2
-    assert "tinted : rich, least often behind" in text_of(lead)
+    assert "tinted : rich, never clearly behind" in text_of(lead)
 
 
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
