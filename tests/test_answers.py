@@ -297,5 +297,5 @@ def test_an_answer_of_the_graph_is_said_everywhere_or_refused_with_its_place(
     # the author wrote of other methods
     fewer = shown(wrong, tmp_path, store, only={"fill": ["linear", "ridge"]})
     assert fewer.study.ok
-    assert any("{best cubic}" in note.reason for note in fewer.study.notes)
+    assert any("so it is not shown: {best cubic}" in note.reason for note in fewer.study.notes)
     check_places(fewer, tmp_path)

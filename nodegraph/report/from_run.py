@@ -286,11 +286,12 @@ class _Shown:
 
         It is no failure where the data or the methods are not those that the author wrote of.
         """
-        message = f"{result.entry.answer_place}: 'answer': {why}"
-        if any(note.reason == message for note in self.notes):
-            return
         settings = self._run.settings
         is_other = bool(settings.set or settings.axis or settings.only)
+        of_others = " is written for other data or labels, so it is not shown" if is_other else ""
+        message = f"{result.entry.answer_place}: 'answer'{of_others}: {why}"
+        if any(note.reason == message for note in self.notes):
+            return
         kind = NoteSubject.WARNING if is_other else NoteSubject.FAILED
         self.notes.append(StepNote(result.node, result.combination, message, kind))
         if not is_other:
