@@ -173,7 +173,7 @@ def test_a_page_shows_a_stream_until_it_ends(tab: Page, tmp_path: Path) -> None:
         until(tab, f"({COUNTS}).received === 120 && document.querySelectorAll('.stage').length > 1")
         heads, markers = tab.evaluate(PICTURES)
         heading = tab.locator("h2", has_text="animation").text_content()
-        assert heading == "animation 2 frames behind"
+        assert heading == "animation 17 frames behind"
         of_plugin = tab.locator(".stream-host", has_text="Weights,Weights")
         assert of_plugin.text_content() == f"Weights,Weights,Weights{','.join(FILLS)}26"
         assert [panel["label"] for panel in heads["panels"]] == FILLS

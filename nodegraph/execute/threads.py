@@ -138,7 +138,8 @@ class _Threads:
             self._calls.put(None)
         end = time.monotonic() + (_SECONDS_TO_GIVE_UP if wait else 0.0)
         for thread in self._started:
-            thread.join(max(end - time.monotonic(), 0.0))
+            if thread.is_alive():  # an interrupt may have come while one was being started
+                thread.join(max(end - time.monotonic(), 0.0))
 
 
 def _work(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import threading
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -192,3 +193,14 @@ def test_values_of_a_run_that_is_dropped_are_freed_at_once(
         assert (run["a"].value.number, len(ALIVE)) == (0.0, 1)
         del run
         assert len(ALIVE) == 0
+
+
+def test_an_interrupt_while_a_thread_is_started_ends_the_run(
+    graph_of: Callable[..., Graph], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_: threading.Thread) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(threading.Thread, "start", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        execute(plan(graph_of(TEXT)), how=HowToRun("threads", jobs=2))

@@ -49,12 +49,12 @@ def test_a_head_that_moves_fast_is_for_the_neighbours() -> None:
         wrong(value, "facecap/take001.c3d", dropout=0.05, ghosts=0.02)
         for value in (neighbours, assignment, nearest)
     ]
-    assert actual[0] < 3.0
+    assert actual[0] < 300.0
     assert 4.0 * actual[0] < actual[1] < actual[2]
 
 
 @pytest.mark.parametrize("tracker", [assignment, neighbours])
 def test_a_body_whose_parts_move_by_themselves_needs_prediction(tracker: Tracker) -> None:
     body = "vicon/shoulder.c3d"
-    assert wrong(tracker, body, dropout=0.2, ghosts=0.05) < 1.0
-    assert wrong(nearest, body, dropout=0.2, ghosts=0.05) > 5.0
+    assert wrong(tracker, body, dropout=0.2, ghosts=0.05) < 100.0
+    assert wrong(nearest, body, dropout=0.2, ghosts=0.05) > 500.0
