@@ -92,7 +92,7 @@ def nodegraph_kinds():
 def nodegraph_sources():
     return {"fed": Fed}
 '''
-FILLS = ["muscle", "guenter", "lin_ouhyoung"]
+FILLS = ["muscle", "guenter", "lin_ouhyoung", "linear"]
 PICTURES = "[...document.querySelectorAll('.playback')].map((figure) => figure.playback.state)"
 COUNTS = """Object.fromEntries([...document.querySelectorAll("[data-count]")]
   .map((row) => [row.dataset.count, Number(row.querySelector("td").textContent)]))"""
@@ -175,7 +175,7 @@ def test_a_page_shows_a_stream_until_it_ends(tab: Page, tmp_path: Path) -> None:
         heading = tab.locator("h2", has_text="animation").text_content()
         assert heading == "animation 17 frames behind"
         of_plugin = tab.locator(".stream-host", has_text="Weights,Weights")
-        assert of_plugin.text_content() == f"Weights,Weights,Weights{','.join(FILLS)}26"
+        assert of_plugin.text_content() == "Weights," * 3 + f"Weights{','.join(FILLS)}26"
         assert [panel["label"] for panel in heads["panels"]] == FILLS
         assert [panel["label"] for panel in markers["panels"]] == ["capture", *FILLS]
         assert all(len(panel["dots"]) == 180 for panel in markers["panels"])
