@@ -214,7 +214,7 @@ def test_a_picture_is_as_large_as_one_likes(page: Page) -> None:
     left = "document.querySelector('#picture').scrollLeft"
     page.mouse.move(*bottom(page))
     until(page, f"{left} > 0")
-    before = page.evaluate(left)
+    before = page.evaluate(f"{left} = 0")  # so that there is room to its right
     page.mouse.down()
     page.mouse.move(bottom(page)[0] - 100, bottom(page)[1])
     page.mouse.up()
