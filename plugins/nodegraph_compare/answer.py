@@ -421,14 +421,13 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
     also = say(f" ({HERE})", besides) if besides else ()
     far = max(group.distance(place) for group in told)
     if not verdicts.ratio:
-        size = signed(far, verdicts.metric.unit, far).removeprefix("+")
+        size, than = signed(far, verdicts.metric.unit, far).removeprefix("+"), "behind the best"
     elif far < 2:
-        size = f"{math.ceil(100 * (far - 1))} %"  # rounded up: `never more than`
+        size, than = f"{math.ceil(100 * (far - 1))} %", "behind the best"  # `never more than`
     else:
-        return say(f"One method for all: {HERE}, never more than {HERE} the best{HERE}.", name,
-                   Word(f"{far:.1f} times", "number"), also)  # fmt: skip
-    return say(f"One method for all: {HERE}, never more than {HERE} behind the best{HERE}.", name,
-               Word(size, "number"), also)  # fmt: skip
+        size, than = f"{far:.1f} times", "the best"
+    never = say(f"never more than {HERE} {than}", Word(size, "number"))
+    return say(f"One method for all: {HERE}, {HERE}{HERE}.", name, never, also)
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:

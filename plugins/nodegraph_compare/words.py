@@ -13,12 +13,12 @@ from nodegraph_compare.verdict import COMMON
 from nodegraph_tables.answer import HERE, MAY_BE, MOST_CARDS, ONE_ROW, Word, joined, say
 from nodegraph_tables.numbers import (
     MINUS,
-    SMALLEST,
     SPACE,
     difference_text,
     percent,
     shares_text,
     span_text,
+    to_digits_of,
 )
 from nodegraph_tables.style import unit_text
 
@@ -380,9 +380,9 @@ def within_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     paired = group.to_best
     assert paired is not None
     unit, mean = verdicts.metric.unit, float(group.mean[group.best[0]])
-    ends = [float(paired.difference_low[place]), float(paired.difference_high[place])]
-    if abs(mean) >= SMALLEST:
-        ends = [round(end, 3) for end in ends]
+    ends = to_digits_of(
+        mean, [float(paired.difference_low[place]), float(paired.difference_high[place])]
+    )
     between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
     return say(f"{HERE} ({HERE})", _distance(verdicts, group, place), between)
 

@@ -46,10 +46,15 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
 
 def difference_text(values: Sequence[float], unit: str, mean: float) -> str:
     """Return differences from first to last, to the digits of the mean that they are to."""
-    shown = [round(value, 3) if abs(mean) >= SMALLEST else value for value in values]
+    shown = to_digits_of(mean, values)
     if any(values) and not any(shown):
         return f"under {span_text([SMALLEST], unit)}"
     return span_text(shown, unit)
+
+
+def to_digits_of(mean: float, values: Sequence[float]) -> list[float]:
+    """Return numbers to the digits that a mean is shown with."""
+    return [round(value, 3) if abs(mean) >= SMALLEST else value for value in values]
 
 
 def without_rounding(values: Sequence[Any]) -> list[Any]:
