@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,12 +11,12 @@ import numpy as np
 from nodegraph_compare.blocks import columns_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from nodegraph import Across
-    from nodegraph_compare.blocks import Group
+    from nodegraph_compare.blocks import BlockColumns, Group
     from nodegraph_compare.question import Question
     from nodegraph_mocap import Table
 
@@ -64,11 +65,19 @@ def suspects(
     the former.
     """
     texts = _texts(scores)
-    return tuple(_suspects(scores, question, group, texts[group.rows]) for group in groups)
+
+    @cache
+    def columns() -> BlockColumns:
+        return columns_of(scores, identifying(scores, question))
+
+    return tuple(_suspects(columns, question, group, texts[group.rows]) for group in groups)
 
 
 def _suspects(
-    scores: Across[Table], question: Question, group: Group, texts: NDArray[np.object_]
+    columns: Callable[[], BlockColumns],
+    question: Question,
+    group: Group,
+    texts: NDArray[np.object_],
 ) -> Suspects:
     reasons: dict[int, str] = {}
     for place, text in zip(group.block.tolist(), texts, strict=True):
@@ -80,7 +89,7 @@ def _suspects(
         return Suspects({}, (), np.empty(0, dtype=np.intp))
     reasons = dict(sorted(reasons.items()))
     places = list(reasons)
-    labels = _labels(scores, question, group.first[places])
+    labels = _labels(columns(), group.first[places])
     names = tuple(f"{name}: {reasons[at]}" for name, at in zip(labels, places, strict=True))
     return Suspects(reasons, names, group.rows[np.isin(group.block, places)])
 
@@ -130,9 +139,8 @@ def identifying(scores: Across[Table], question: Question) -> tuple[str, ...]:
     return names
 
 
-def _labels(scores: Across[Table], question: Question, rows: NDArray[np.intp]) -> Sequence[str]:
+def _labels(columns: BlockColumns, rows: NDArray[np.intp]) -> Sequence[str]:
     """Return what blocks are called, by a row of each."""
-    columns = columns_of(scores, identifying(scores, question))
     parts = [
         [f"{name} {labels[code]}" for code in codes[rows].tolist()]
         for name, labels, codes in zip(columns.names, columns.labels, columns.codes, strict=True)

@@ -250,16 +250,17 @@ def _ridge(moved: Numbers, rate: float) -> Numbers:
     frames, markers, _ = moved.shape
     length = min(_PART * rate, frames / _PARTS)
     part = (np.arange(frames) / length).astype(np.intp) % _PARTS
-    squares = np.zeros((frames, markers))
+    flat, squares = moved.reshape(frames, -1), np.zeros((frames, markers))
     for held in np.unique(part):
-        known, hidden = moved[part != held], moved[part == held]
+        known, hidden = flat[part != held], flat[part == held]
+        products = known.T @ known
         for marker in range(markers):
-            others = np.arange(markers) != marker
-            rows = known[:, others].reshape(len(known), -1)
-            normal = rows.T @ rows
-            normal += _PENALTY * np.trace(normal) / len(normal) * np.eye(len(normal))
-            weights = np.linalg.lstsq(normal, rows.T @ known[:, marker], rcond=None)[0]
-            error = hidden[:, others].reshape(len(hidden), -1) @ weights - hidden[:, marker]
+            others = np.arange(3 * markers) // 3 != marker
+            normal = products[others][:, others]
+            # where nothing moves, nothing is predicted
+            normal.flat[:: len(normal) + 1] += max(_PENALTY * normal.trace() / len(normal), 1e-300)
+            weights = np.linalg.solve(normal, products[others][:, ~others])
+            error = hidden[:, others] @ weights - hidden[:, ~others]
             squares[part == held, marker] = (error**2).sum(axis=1)
     return np.asarray(np.sqrt(squares.mean(axis=0)))
 
