@@ -6,6 +6,8 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from operator import contains
+from pathlib import Path
 
 from nodegraph.draw.boxes import shortened
 from nodegraph.draw.picture import Alternative, Arrow, Box, Kind, Picture, Socket, folded, origins
@@ -19,6 +21,8 @@ from nodegraph.graphfile.spec import Reference
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port
 
+_LONGEST = 28
+"""Characters of the values that a setting has along axes."""
 _MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 20
@@ -108,7 +112,7 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         yield replace(box, alternatives=tuple(alternatives))
 
 
-def labels_text(labels: Sequence[Label], longest: int = 90) -> str:
+def labels_text(labels: Sequence[Label], longest: int = 90, between: str = ", ") -> str:
     """Return the labels of an axis, or the first and the last and their number where that is long.
 
     Numbered labels need not be read one by one, so that a shorter text of them is long.
@@ -121,7 +125,7 @@ def labels_text(labels: Sequence[Label], longest: int = 90) -> str:
     short = [shortened(str(label), _LONGEST_LABEL) for label in labels]
     numbered = [_NUMBERED.fullmatch(each) for each in short]
     is_series = all(numbered) and len({found[1] for found in numbered if found}) == 1
-    text = ", ".join(short)
+    text = between.join(short)
     if len(text) <= (min(longest, _LONGEST_SERIES) if is_series else longest) or len(short) < 3:
         return text
     return f"{short[0]} … {short[-1]} ({len(short)})"
@@ -250,9 +254,10 @@ def _told(label: Label, use: str, methods: Collection[str]) -> str:
 
 
 def _settings(method: Method) -> dict[str, str]:
-    """Return the settings of a method that differ from the default: those equal at all labels.
+    """Return the settings of a method that differ from the default.
 
-    A number that depends on a single axis may be another at one of its labels.
+    A number that depends on a single axis may be another at one of its labels. What differs at
+    more labels is a list, unless each value has its label in it, which the box of the axis shows.
     """
     found = {}
     for name in method.places:
@@ -271,6 +276,10 @@ def _settings(method: Method) -> dict[str, str]:
         ):
             (label,) = next(labels for labels, text in shown.items() if text != usual)
             found[name] = f"{shown[label,]} at {label}, else {usual}"
+        elif others and isinstance(value, (int, float, str, Path)):
+            along = zip(*shown, strict=True)  # for each axis, its label at each value
+            if not any(all(map(contains, shown.values(), map(str, each))) for each in along):
+                found[name] = labels_text(tuple(dict.fromkeys(shown.values())), _LONGEST, " / ")
     return found
 
 

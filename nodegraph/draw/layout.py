@@ -4,9 +4,10 @@ After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2)
 stands in a column after its sources, the barycentres of its neighbours order each column, and a
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
-that are wider than a page together stand in bands, like lines of text. Of an arrow from one band to
-another only the end is drawn, and circles with one number where it begins and before its end: a
-long line around the boxes cannot be followed.
+that are wider than a page together stand in bands, like lines of text. An arrow to the first input
+of a box in the next band runs between the bands; of any other from one band to another only the end
+is drawn, and circles with one number where it begins and before its end: long lines around the
+boxes cannot be followed.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ _TIP = 7.0
 _STEEP = 12.0
 _MOST_IN_LANES = 24
 """Pieces of wires between two columns that can be told apart."""
+_MOST_BETWEEN_BANDS = 3
+"""Outputs of which arrows run between two bands."""
 _END = 10.0
 """Length of what is drawn of an arrow from another band."""
 CONNECTOR = 8.5
@@ -521,23 +524,25 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     links = tuple([link for each in links_of for link in each])
     frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
     cut: set[Arrow] = set()
+    led: frozenset[_Link] = frozenset()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
-        first = _outlines(shapes, cut)
+        first = _outlines(shapes, cut, led)
         bands, before = _bands(first, links), cut
+        led = _led(picture, links_of, frames, bands)
         cut = {
             arrow
             for arrow, (link, *_) in zip(picture.arrows, links_of, strict=True)
-            if _is_cut(link, frames, bands)
+            if _steps(link, frames, bands) and link not in led
         }
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes, cut), links)
+    placed = _placed(first, _outlines(shapes, cut, led), links, led)
     ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines), cut)
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes, cut), links)
+        placed = _placed(first, _outlines(shapes, cut, led), links, led)
     routes = _routes(links_of, placed.lines)
     boxes = tuple(zip(shapes, placed.corners, strict=True))
     return Layout(
@@ -603,9 +608,15 @@ def _connectors(
             yield Connector(numbers[arrow.source, arrow.source_port], middle, arrow.truth)
 
 
-def _outlines(shapes: Iterable[Shape], cut: Iterable[Arrow]) -> tuple[_Outline, ...]:
-    sources = {arrow.source for arrow in cut}
-    targets = {arrow.target for arrow in cut}
+def _outlines(
+    shapes: Iterable[Shape], cut: Iterable[Arrow], led: Collection[_Link]
+) -> tuple[_Outline, ...]:
+    circle = 2.0 * CONNECTOR
+    lanes = _LANE * min(len({link[:2] for link in led}), _MOST_BETWEEN_BANDS)
+    before = {arrow.target: _END + circle for arrow in cut}
+    before |= {link.target: _END + circle + lanes for link in led}
+    after = {arrow.source: circle for arrow in cut}
+    after |= {link.source: circle + lanes for link in led}
     return tuple(
         [
             _Outline(
@@ -614,8 +625,8 @@ def _outlines(shapes: Iterable[Shape], cut: Iterable[Arrow]) -> tuple[_Outline, 
                 each.height,
                 tuple(each.inputs.items()),
                 tuple(each.outputs.items()),
-                (_END + 2.0 * CONNECTOR) * (each.box.name in targets),
-                2.0 * CONNECTOR * (each.box.name in sources),
+                before.get(each.box.name, 0.0),
+                after.get(each.box.name, 0.0),
             )
             for each in shapes
         ]
@@ -688,7 +699,10 @@ class _Placed(NamedTuple):
 
 @lru_cache(_KEPT)
 def _placed(
-    first: tuple[_Outline, ...], outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
+    first: tuple[_Outline, ...],
+    outlines: tuple[_Outline, ...],
+    links: tuple[_Link, ...],
+    led: frozenset[_Link],
 ) -> _Placed:
     """Place boxes and arrows.
 
@@ -697,12 +711,15 @@ def _placed(
     first
         Outlines that the bands were chosen by.
     outlines, links
+    led
+        Those links that run from one band to the next.
     """
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
     bands = _bands(first, links)
-    ways = {link: _way(link, frames) for link in links if not _is_cut(link, frames, bands)}
+    ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
-    _stack_bands(areas[()], bands)
+    lanes = _lanes_between(led, bands)
+    gaps = _stack_bands(areas[()], bands, lanes)
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
     drawn: list[tuple[Frame, Point, Point]] = []
     for frame in list(areas)[1:]:
@@ -716,6 +733,8 @@ def _placed(
         for name, frame in frames.items()
     }
     inputs = {each.name: dict(each.inputs) for each in outlines}
+    outputs = {each.name: dict(each.outputs) for each in outlines}
+    widths = {each.name: each.width for each in outlines}
 
     def line(link: _Link) -> list[Point]:
         if link in ways:
@@ -725,7 +744,17 @@ def _placed(
                 for point in areas[frame].wires[wire]
             ]
         x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
-        return [(x - _END, y), (x, y)]
+        if link not in led:
+            return [(x - _END, y), (x, y)]
+        band = bands["box", link.target]
+        lane = _LANE * (1 + lanes[band].index(link[:2]))
+        right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + lane
+        left, between = x - _END - 2.0 * CONNECTOR - lane, gaps[band] - lane
+        begin = _moved(
+            corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
+        )
+        turns = [(right, begin[1]), (right, between), (left, between), (left, y)]
+        return [begin, *turns, (x, y)]
 
     lines = tuple([line(link) for link in links])
     wide, high = areas[()].width, areas[()].height
@@ -756,8 +785,11 @@ def _framed(
     return areas
 
 
-def _stack_bands(area: Area, band_of: _Bands) -> None:
-    """Arrange each band by itself, one below the other; no wire runs between them."""
+def _stack_bands(area: Area, band_of: _Bands, lanes: Mapping[int, Sequence[object]]) -> list[float]:
+    """Arrange each band by itself, one below the other, and return where each begins.
+
+    Outputs that are led to it have a lane each above it.
+    """
     bands = [Area() for _ in range(max(band_of.values(), default=-1) + 1)]
     for cell, size in area.sizes.items():
         bands[band_of[cell]].sizes[cell] = size
@@ -766,8 +798,10 @@ def _stack_bands(area: Area, band_of: _Bands) -> None:
     for band in bands:
         band.arrange()
     lefts = [min([x for x, _ in band.corners.values()], default=0.0) for band in bands]
-    top = 0.0
-    for band, left in zip(bands, lefts, strict=True):
+    top, tops = 0.0, []
+    for number, (band, left) in enumerate(zip(bands, lefts, strict=True)):
+        top += _LANE * len(lanes.get(number, ()))
+        tops.append(top)
         by = max(lefts) - left, top
         area.corners |= {cell: _moved(corner, by) for cell, corner in band.corners.items()}
         for wire, points in band.wires.items():
@@ -775,15 +809,61 @@ def _stack_bands(area: Area, band_of: _Bands) -> None:
         area.width = max(area.width, by[0] + band.width)
         area.height = top + band.height
         top = area.height + 2 * _BETWEEN_CELLS
+    return tops
 
 
-def _is_cut(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> bool:
-    """Return whether an arrow begins and ends in different bands."""
-    source, target = (
-        bands[("frame", frames[name][:1]) if frames[name] else ("box", name)]
-        for name in (link.source, link.target)
-    )
-    return source != target
+def _lanes_between(led: Iterable[_Link], bands: _Bands) -> dict[int, list[tuple[str, str]]]:
+    """Return the outputs that are led to each band, in the order of their lanes."""
+    lanes: dict[int, list[tuple[str, str]]] = {}
+    for link in sorted(led):
+        outputs = lanes.setdefault(bands["box", link.target], [])
+        if link[:2] not in outputs:
+            outputs.append(link[:2])
+    return lanes
+
+
+def _free(area: Area, bands: _Bands, source: Cell) -> float:
+    """Return where nothing is right of a cell and below it, up to the next band."""
+    x, y = area.corners[source]
+    reach = x + area.sizes[source].width
+    for cell, (left, top) in sorted(area.corners.items(), key=lambda item: item[1]):
+        is_below = bands.get(cell) == bands[source] and top > y
+        if is_below and left < reach + _BETWEEN_COLUMNS:
+            reach = max(reach, left + area.sizes[cell].width)
+    return reach
+
+
+def _outermost(name: str, frames: Mapping[str, Frame]) -> Cell:
+    return ("frame", frames[name][:1]) if frames[name] else ("box", name)
+
+
+def _steps(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> int:
+    """Return how many bands an arrow goes down."""
+    source, target = (bands[_outermost(name, frames)] for name in (link.source, link.target))
+    return target - source
+
+
+def _led(
+    picture: Picture,
+    links_of: Iterable[Sequence[_Link]],
+    frames: Mapping[str, Frame],
+    bands: _Bands,
+) -> frozenset[_Link]:
+    """Return the links that run from one band to the next: those of few outputs to first inputs."""
+    first = {box.name: box.inputs[0].name for box in picture.boxes if box.inputs}
+    reports = {box.name for box in picture.boxes if box.kind == "report"}
+    outputs: dict[int, set[tuple[str, str]]] = {}
+    led = []
+    for link, *_ in links_of:
+        if link.target_port != first[link.target] or link.target in reports:
+            continue
+        if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
+            continue
+        lanes = outputs.setdefault(bands["box", link.target], set())
+        if len(lanes | {link[:2]}) <= _MOST_BETWEEN_BANDS:
+            lanes.add(link[:2])
+            led.append(link)
+    return frozenset(led)
 
 
 def _shapes(

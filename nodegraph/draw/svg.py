@@ -10,7 +10,7 @@ from math import ceil
 
 from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
-from nodegraph.draw.layout import CONNECTOR, LABEL_HEIGHT, PADDING, Connector, Point, layout
+from nodegraph.draw.layout import CONNECTOR, LABEL_HEIGHT, PADDING, Connector, Layout, Point, layout
 from nodegraph.draw.picture import Arrow, Picture
 from nodegraph.gc_pause import gc_paused
 
@@ -66,14 +66,14 @@ def tag(name: str, text: str) -> str:
 def line(points: Sequence[Point]) -> str:
     """Return the path of an arrow; the last point is the tip, the line ends where the head begins.
 
-    It is straight between points of one height, else a curve that begins and ends level, past the
-    ends of other arrows.
+    It is straight between points of one height, or one above the other, else a curve that begins
+    and ends level, past the ends of other arrows.
     """
     *before, (tip_x, tip_y) = points
     path = f"M{_pair(points[0])}"
     for (x, y), (to_x, to_y) in pairwise([*before, (tip_x - HEAD_LENGTH + 1.0, tip_y)]):
-        if y == to_y:
-            path += f"L{_pair((to_x, to_y))}" if x != to_x else ""
+        if y == to_y or x == to_x:
+            path += f"L{_pair((to_x, to_y))}" if (x, y) != (to_x, to_y) else ""
         else:
             begin, end = x + _LEVEL, max(to_x - _LEVEL, x + _LEVEL)
             middle = (begin + end) / 2
@@ -132,17 +132,23 @@ _Samples = list[tuple[str, str]]
 """What is drawn in the legend, each with its meaning."""
 
 
-def _styles(picture: Picture, *, cut: bool) -> _Samples:
+def _styles(picture: Picture, drawing: Layout) -> _Samples:
     """Return samples of arrows, chips and frames that the picture has."""
     samples = []
-    if cut:
+    drawn = zip(picture.arrows, drawing.routes, strict=True)
+    # of an arrow that is cut, a line too short to show what it is like
+    whole = [arrow for arrow, lines in drawn if len(lines[0]) > 2]
+    if drawing.connectors:
         ends = _connector(Connector(1, (15.0, 0.0), truth=False))
         samples.append((ends, "goes on at the same number"))
     for kind, text in (("truth", "truth"), ("gathers", "gathers several values")):
-        if any(getattr(arrow, kind) for arrow in picture.arrows):
+        if any(getattr(arrow, kind) for arrow in whole):
             look = _LOOK[f"wire {kind}"]
             path = f'<path class="wire" {look} d="M0 0L30 0"/>'
             samples.append((f'<g class="{kind}">{path}</g>', text))
+    is_cut = any(each.truth for each in drawing.connectors)
+    if is_cut and not any(arrow.truth for arrow in whole):
+        samples.append((_connector(Connector(1, (15.0, 0.0), truth=True)), "truth"))
     for style, shown, bars in (
         ("alternative", "alternatives", ((-7.5, 6.5, 2.5), (1, 6.5, 2.5))),
         ("axis", "axes", ((-7, 14, 7),)),
@@ -233,7 +239,7 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     frames = [_frame(*frame) for frame in drawing.frames]
     marks = _marks(picture) if sockets else {}
     boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    samples = _styles(picture, cut=bool(drawing.connectors)), _types(picture, marks)
+    samples = _styles(picture, drawing), _types(picture, marks)
     explained, wide, high = _legend(samples, max(drawing.width, _LEGEND), drawing.height + 18.0)
     return _document(
         picture, [*frames, *arrows, *connectors, *boxes, explained], max(drawing.width, wide), high
