@@ -66,7 +66,12 @@ def _names_file(word: str, registry: Registry) -> bool:
 
 def _print_file(arguments: Namespace, registry: Registry) -> None:
     from nodegraph.execute.read_files import read_files
+    from nodegraph.runs.folder import is_run
 
+    if is_run(Path(arguments.word)):
+        raise NodegraphError(
+            f"{arguments.word} is a run; `nodegraph open {arguments.word}` shows its report"
+        )
     (file,) = read_files([arguments.word], registry, values_of(arguments, "with"))
     if arguments.json:
         from nodegraph.cli.answers import FileAnswer, ShownFact, print_json

@@ -143,3 +143,10 @@ def test_what_a_file_does_not_state_can_be_set(command: Command) -> None:
         assert (status, out) == (2, "")
         assert message in err
     assert "'fill.hold' is none" in command("show", "fill.hold", "--with", "times=2")[2]
+
+
+def test_a_run_is_shown_by_another_command(command: Command) -> None:
+    assert command("run", "toy.yaml", "--until", "a", "--out", "ran")[0] == 0
+    status, _, err = command("show", "ran")
+    assert status == 2
+    assert "`nodegraph open ran` shows its report" in err
