@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from nodegraph import nearest
 from nodegraph_compare.blocks import groups, label_order
 from nodegraph_compare.question import ask, blocks_name, unit_of
 from nodegraph_tables import info_of
+from nodegraph_tables.style import SHARE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,6 +62,14 @@ class Comparison:
     def unit(self) -> str:
         """Unit of the metric; empty if it has none."""
         return unit_of(self.scores, self.question.metric)
+
+    @cached_property
+    def limits(self) -> tuple[float, float]:
+        """What a mean lies within: 0 to 1 of shares that all do."""
+        values = np.concatenate([group.values.ravel() for group in self.groups] or [np.empty(0)])
+        values = values[np.isfinite(values)]
+        is_bound = self.unit == SHARE and bool(((values >= 0.0) & (values <= 1.0)).all())
+        return (0.0, 1.0) if is_bound else (-np.inf, np.inf)
 
     @cached_property
     def blocks(self) -> str:

@@ -407,7 +407,8 @@ def change_text(verdicts: Verdicts, group: Verdict, before: int, step: int) -> s
 def group_title(verdicts: Verdicts, group: Verdict, axes: Sequence[int] | None = None) -> str:
     """Return the labels of a group along some axes, by default those in which groups differ."""
     axes = varying(verdicts) if axes is None else axes
-    return ", ".join(f"{verdicts.within[axis]} {group.labels[axis]}" for axis in axes)
+    names = [name.rpartition(".")[2] for name in verdicts.within]  # of a field without its axis
+    return ", ".join(f"{names[axis]} {group.labels[axis]}" for axis in axes)
 
 
 def varying(verdicts: Verdicts) -> list[int]:

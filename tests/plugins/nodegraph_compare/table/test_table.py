@@ -317,6 +317,18 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
     )
 
 
+def test_an_interval_of_shares_does_not_go_below_none_unless_they_do() -> None:
+    wrong = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3])
+    for shift, unit in ((0.0, "share"), (-0.01, "share"), (0.0, "mm")):
+        info = TableInfo(units={"rmse": unit})
+        entries = {"few": wrong + shift, "more": wrong + 0.1}
+        scores = {name: with_info(scored(each), info) for name, each in entries.items()}
+        frame = table(Across.of(scores, axis="fill"), blocks=("gap",)).table
+        (low,) = frame.loc[frame["fill"] == "few", "low"]
+        assert (low == 0.0) == (shift == 0.0 and unit == "share")
+        assert low <= 0.0
+
+
 def test_shares_are_reported_in_percent_and_powers_as_they_are_printed() -> None:
     for unit, text in (
         ("share", "(18.6\N{NO-BREAK SPACE}%)"),
