@@ -87,8 +87,10 @@ def _concentrated(
     active = np.flatnonzero(poses.known)
     for _ in range(rounds):
         apart = fitting.some(active).distances(poses.some(active))
-        rank = apart.argsort(axis=1, kind="stable").argsort(axis=1, kind="stable")
-        wanted = np.where(np.isfinite(apart) & (rank < count[active, None]), 1.0, 0.0)
+        nearest = np.arange(apart.shape[1]) < count[active, None]
+        wanted = np.empty_like(apart)
+        np.put_along_axis(wanted, apart.argsort(axis=1, kind="stable"), nearest, axis=1)
+        wanted[~np.isfinite(apart)] = 0.0
         changed = np.any(wanted != weights[active], axis=1)
         active = active[changed]
         if not len(active):
