@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from nodegraph_compare.blocks import Group
     from nodegraph_compare.question import Asked, Question
     from nodegraph_mocap import Table
+
+_OF_SO_MANY = re.compile(r"of ([\d,]+)")
+"""A unit that says the whole: ``of 100,000 links``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +69,9 @@ class Comparison:
 
     @cached_property
     def limits(self) -> tuple[float, float]:
-        """What a mean lies within: 0 to 1 of shares that all do."""
+        """What a mean lies within: of so many, 0 to these; 0 to 1 of shares that all do."""
+        if whole := _OF_SO_MANY.match(self.unit):
+            return 0.0, float(whole[1].replace(",", ""))
         values = np.concatenate([group.values.ravel() for group in self.groups] or [np.empty(0)])
         values = values[np.isfinite(values)]
         is_bound = self.unit == SHARE and bool(((values >= 0.0) & (values <= 1.0)).all())

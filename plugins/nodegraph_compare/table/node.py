@@ -147,8 +147,8 @@ def table(
     table
         A row per combination of `within` and `compare`, the best mean of a group first (in the
         order of the labels where neither end is better): ``blocks`` used; ``mean``, the number that
-        is compared, with ``low`` and ``high``, Student's 95 % interval of y over the units (of
-        shares that all lie within 0 to 1, what of it does);
+        is compared, with ``low`` and ``high``, Student's 95 % interval of y over the units, as far
+        as a mean can be there (of shares that all lie within 0 to 1, and of a unit ``of 100``);
         ``arithmetic mean`` over clusters, in the CSV file alone; ``median`` over blocks; ``ratio``
         to the best, or the baseline, with the ends of its interval, and ``difference`` of the
         means, its ends those of the ratio, less 1, times the mean that it is to; ``p``, of the step

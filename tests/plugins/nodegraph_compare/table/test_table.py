@@ -173,7 +173,7 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
         holds = "One recording: holds for further gaps in it, not for others."
         assert (holds in scope) == (count > 2)
     assert (
-        '; ten help: --axis "trial={count: 10}"'
+        '; ten are enough: --axis "trial={count: 10}"'
         in words(table_of(replace(trials(2), sources=()), within=("length",)).table)[0]
     )
 
@@ -317,15 +317,15 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
     )
 
 
-def test_an_interval_of_shares_does_not_go_below_none_unless_they_do() -> None:
+def test_an_interval_of_shares_and_counts_does_not_go_below_none_unless_they_do() -> None:
     wrong = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3])
-    for shift, unit in ((0.0, "share"), (-0.01, "share"), (0.0, "mm")):
+    for shift, unit in ((0.0, "share"), (-0.01, "share"), (0.0, "mm"), (0.0, "of 100 links")):
         info = TableInfo(units={"rmse": unit})
         entries = {"few": wrong + shift, "more": wrong + 0.1}
         scores = {name: with_info(scored(each), info) for name, each in entries.items()}
         frame = table(Across.of(scores, axis="fill"), blocks=("gap",)).table
         (low,) = frame.loc[frame["fill"] == "few", "low"]
-        assert (low == 0.0) == (shift == 0.0 and unit == "share")
+        assert (low == 0.0) == (shift == 0.0 and unit != "mm")
         assert low <= 0.0
 
 
