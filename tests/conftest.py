@@ -20,7 +20,7 @@ from tests.studies import Studies
 pytest_plugins = ("tests.browser",)
 
 # no draw depends on the day or the speed of the machine
-hypothesis.settings.register_profile("tests", max_examples=20, deadline=None, derandomize=True)
+hypothesis.settings.register_profile("tests", max_examples=30, deadline=None, derandomize=True)
 hypothesis.settings.load_profile("tests")
 
 

@@ -282,6 +282,14 @@ def test_an_arrow_past_a_row_has_numbers_at_its_ends_and_to_the_next_row_it_is_w
     assert notes_of(root, "step0") == ["to step19"]
     assert notes_of(root, "step19") == ["from step0"]
     assert connectors(root, boxes) == {"1": (["step19"], ["step0"])}
+    past = [("step0", "step19"), ("step1", "step18"), ("step6", "step17")]
+    several = check(plain(names, [*pairwise(names), *past]))
+    for before, after in past:
+        assert notes_of(several, before) == [f"to {after}"]
+        assert f"from {before}" in notes_of(several, after)
+    assert connectors(several, rectangles(several)) == {
+        str(number): ([target], [source]) for number, (source, target) in enumerate(past, 1)
+    }
     legend = "goes on at the same number"
     assert legend in {text.text for text in root.iter(f"{SVG}text")}
     short = ElementTree.fromstring(svg(chain(4)))
