@@ -186,7 +186,7 @@ def shape(
             socket,
             [
                 socket.gathers,
-                *(f"from {source}" for source in _of(socket, sources)),
+                f"from {', '.join(names)}" if (names := _of(socket, sources)) else "",
                 *(_at(text, common) for text in _of(socket, fixed)),
             ],
         )
@@ -274,24 +274,27 @@ def _side(ports: Iterable[tuple[Socket, Sequence[str]]]) -> _Side:
     lines, heights = list[Text](), dict[str, float]()
     y = 0.0
     for socket, notes in ports:
-        y += 3.0
+        y += 6.0 if socket.items else 3.0
         heights[socket.name] = y + _LEADING["port"] / 2
         own = [*filter(None, dict.fromkeys(notes))]
         hint = "; ".join([str(socket), *own])
-        texts = [("note", line) for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
-        if socket.text or not texts:
-            texts.insert(0, ("port", socket.text))
+        longest = _LONGEST_ITEM if socket.items else _LONGEST_AT_PORT
+        texts = [("note", line, 0.0) for text in own for line in _wrapped(text, longest)]
+        if socket.items or socket.text or not texts:
+            texts = [*_port(socket), *texts]
         y += _LEADING["port"] - _LEADING[texts[0][0]]
-        indents = [0.0] * len(texts)
-        for item in socket.items:
-            wrapped = _wrapped(item, _LONGEST_ITEM)
-            texts += [("port", line.removesuffix(" \N{MIDDLE DOT}")) for line in wrapped]
-            indents += [_INDENT * (1 + (line is not wrapped[0])) for line in wrapped]
-        for (style, text), indent in zip(texts, indents, strict=True):
+        for style, text, indent in texts:
             y += _LEADING[style]
             if text:
                 lines.append(Text(style, shortened(text), indent, y - 3.5, hint))
     return _Side(lines, heights, y)
+
+
+def _port(socket: Socket) -> Iterator[tuple[str, str, float]]:
+    """Yield the lines of what is shown of a port's name, with their styles and indents."""
+    for item in socket.items or (socket.text,):
+        for number, line in enumerate(_wrapped(item, _LONGEST_ITEM) or ("",)):
+            yield "port", line.removesuffix(" \N{MIDDLE DOT}"), _INDENT * (number > 0)
 
 
 def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
@@ -337,9 +340,9 @@ def _at(text: str, common: Sequence[str] = ()) -> str:
 
 
 def _heading(box: Box) -> Iterator[str]:
-    """Yield the lines below the name of a box: its settings in several."""
+    """Yield the lines below the name of a box: its settings, and what it does, in several."""
     for text in box.lines:
-        yield from _wrapped(text, _LONGEST_SETTINGS) if ": " in text else (text,)
+        yield from _wrapped(text, _LONGEST_SETTINGS) if " " in text else (text,)
 
 
 @_cached

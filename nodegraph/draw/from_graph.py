@@ -17,7 +17,7 @@ from nodegraph.graph import Gather, Graph, GraphNode
 from nodegraph.graph.methods import PASS
 from nodegraph.graph.model import Method
 from nodegraph.graph.pass_through import PassThrough
-from nodegraph.graphfile.spec import Reference
+from nodegraph.graphfile.spec import Reference, Variable
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port
 
@@ -234,6 +234,9 @@ def _box(
         alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
     lines = [*methods] if len(methods) == 1 else []
     lines += filter(None, [_text(common)])
+    is_graph = isinstance(described, PassThrough) and not node.has_alternatives
+    if is_graph and described.name != PASS:
+        lines += filter(None, [described.doc, _text(_along_axes(graph, node))])
     return Box(
         node.name,
         lines=tuple(lines),
@@ -241,7 +244,7 @@ def _box(
         outputs=tuple(outputs),
         alternatives=tuple(alternatives),
         kind=_kind(graph, node),
-        passes=isinstance(described, PassThrough) and not node.has_alternatives,
+        passes=is_graph,
     )
 
 
@@ -281,6 +284,15 @@ def _settings(method: Method) -> dict[str, str]:
             if not any(all(map(contains, shown.values(), map(str, each))) for each in along):
                 found[name] = labels_text(tuple(dict.fromkeys(shown.values())), _LONGEST, " / ")
     return found
+
+
+def _along_axes(graph: Graph, node: GraphNode) -> dict[str, str]:
+    """Return the settings that an axis gives to a graph used as a node, as they are written."""
+    return {
+        name: str(each.value)
+        for name, each in graph.spec.nodes[node.name].settings.items()
+        if isinstance(each.value, Variable) and each.value.name in graph.axes
+    }
 
 
 def _value_text(value: object) -> str:

@@ -558,19 +558,19 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
 def _with_ports_in_order(
     picture: Picture, routes: Iterable[Sequence[Sequence[Point]]], cut: Collection[Arrow]
 ) -> Picture:
-    """Return a picture whose ports without a name of their own stand as their arrows arrive.
+    """Return a picture in which ports of what the report lists stand as their arrows arrive.
 
-    Those of arrows that are cut come last.
+    Those whose arrows are all cut come last.
     """
-    arrivals = {
-        (arrow.target, arrow.target_port): (arrow in cut, lines[0][-4:][0][1])
-        for arrow, lines in zip(picture.arrows, routes, strict=True)
-    }
+    last = True, inf
+    arrivals: dict[tuple[str, str], tuple[bool, float]] = {}
+    for arrow, lines in zip(picture.arrows, routes, strict=True):
+        end = arrow.target, arrow.target_port
+        arrivals[end] = min(arrivals.get(end, last), (arrow in cut, lines[0][-4:][0][1]))
 
     def ordered(box: Box) -> Box:
-        if any(socket.shown is None for socket in box.inputs):
+        if not any(socket.items for socket in box.inputs):
             return box
-        last = True, inf
         inputs = sorted(box.inputs, key=lambda each: arrivals.get((box.name, each.name), last))
         return replace(box, inputs=tuple(inputs))
 
@@ -589,7 +589,7 @@ def _connectors(
     routes: Collection[tuple[Arrow, Sequence[Sequence[Point]]]],
     cut: Collection[Arrow],
 ) -> Iterator[Connector]:
-    """Yield the circles at the ends of arrows; each stands below what else ends at its port."""
+    """Yield the circles at the ends of arrows: those of a port in a row."""
     truth = {(arrow.source, arrow.source_port): arrow.truth for arrow in cut}
     numbers: dict[tuple[str, str], int] = {}
     for shape_, corner in boxes:
@@ -598,23 +598,27 @@ def _connectors(
                 numbers[output] = len(numbers) + 1
                 middle = _moved(corner, (shape_.width + CONNECTOR, height))
                 yield Connector(numbers[output], middle, truth[output])
-    whole = (lines for arrow, lines in routes if arrow not in cut)
-    above = Counter({points[-1] for lines in whole for points in lines})
+    whole = {points[-1] for arrow, lines in routes if arrow not in cut for points in lines}
+    rows: dict[Point, list[tuple[Arrow, Point]]] = {}
     for arrow, lines in routes:
         for begin, tip in lines if arrow in cut else ():
-            down = 2.0 * CONNECTOR * above[tip]
-            above[tip] += 1
-            middle = _moved(begin, (-CONNECTOR, down))
-            yield Connector(numbers[arrow.source, arrow.source_port], middle, arrow.truth)
+            rows.setdefault(tip, []).append((arrow, begin))
+    for tip, row in rows.items():
+        for left, (arrow, begin) in enumerate(reversed(row)):
+            by = -CONNECTOR * (1 + 2 * left), 2.0 * CONNECTOR * (tip in whole)
+            number = numbers[arrow.source, arrow.source_port]
+            yield Connector(number, _moved(begin, by), arrow.truth)
 
 
 def _outlines(
-    shapes: Iterable[Shape], cut: Iterable[Arrow], led: Collection[_Link]
+    shapes: Iterable[Shape], cut: Collection[Arrow], led: Collection[_Link]
 ) -> tuple[_Outline, ...]:
     circle = 2.0 * CONNECTOR
     lanes = _LANE * min(len({link[:2] for link in led}), _MOST_BETWEEN_BANDS)
-    before = {arrow.target: _END + circle for arrow in cut}
-    before |= {link.target: _END + circle + lanes for link in led}
+    circles = Counter((arrow.target, arrow.target_port) for arrow in cut)
+    before = dict.fromkeys((link.target for link in led), lanes + circle + _END)
+    for (target, _), count in circles.items():
+        before[target] = max(before.get(target, 0.0), circle * count + _END)
     after = {arrow.source: circle for arrow in cut}
     after |= {link.source: circle + lanes for link in led}
     return tuple(
@@ -735,6 +739,11 @@ def _placed(
     inputs = {each.name: dict(each.inputs) for each in outlines}
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
+    highest: dict[tuple[str, str], float] = {}
+    for link in led:
+        highest[link[:2]] = min(highest.get(link[:2], inf), corners[link.target][1])
+    for lane in lanes.values():  # arrows that begin in the order in which they end do not cross
+        lane.sort(key=highest.__getitem__)
 
     def line(link: _Link) -> list[Point]:
         if link in ways:
@@ -747,8 +756,9 @@ def _placed(
         if link not in led:
             return [(x - _END, y), (x, y)]
         band = bands["box", link.target]
-        lane = _LANE * (1 + lanes[band].index(link[:2]))
-        right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + lane
+        number = lanes[band].index(link[:2])
+        lane, outer = _LANE * (1 + number), _LANE * (len(lanes[band]) - number)
+        right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + outer
         left, between = x - _END - 2.0 * CONNECTOR - lane, gaps[band] - lane
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
@@ -881,16 +891,13 @@ def _shapes(
         if into[box.name, socket.name] > 1
         for each in box.alternatives
     }
-    unnamed = {
-        (box.name, socket.name) for box in picture.boxes for socket in box.inputs if not socket.text
-    }
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         if arrow.fixed:
             fixed[arrow.target].append((arrow.target_port, arrow.fixed))
         if arrow in cut:
             readers[arrow.source].append((arrow.source_port, arrow.target))
         end = arrow.target, arrow.target_port
-        if end in unnamed or (arrow in cut and (*end, origin) not in said):
+        if arrow in cut and (*end, origin) not in said:
             sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(

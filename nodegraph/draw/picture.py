@@ -29,9 +29,9 @@ class Socket:
     gathers : str
         The labels that a gathering port receives.
     shown : str, optional
-        Shown in place of the name. An input without a name says where its arrows begin.
+        Shown in place of the name.
     items : tuple of str
-        What in the report reads it.
+        What in the report reads it, shown in place of the name.
     """
 
     name: str
@@ -46,7 +46,8 @@ class Socket:
     @property
     def text(self) -> str:
         """What is shown of the name."""
-        return self.name if self.shown is None else self.shown
+        own = "" if self.items else self.name
+        return own if self.shown is None else self.shown
 
     @property
     def value(self) -> str:
@@ -209,9 +210,8 @@ def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, tuple[str, ..
 def folded(picture: Picture) -> Picture:
     """Return a picture in which one box lists all those that only show something.
 
-    These are boxes of the report that no other box reads. An arrow into the list stands for all
-    arrows of its output; what reads it is named there, and described at the first of its sources.
-    With fewer than two such boxes, they stay. A graph that is used as a node is one box.
+    These are boxes of the report that no other box reads. Those that read the same outputs share
+    a port. With fewer than two such boxes, they stay. A graph that is used as a node is one box.
     Alternatives that several boxes have are listed at the first.
     """
     picture = _with_alternatives_once(_graphs_as_boxes(picture))
@@ -227,36 +227,40 @@ def folded(picture: Picture) -> Picture:
     name = "report"
     while any(box.name == name for box in picture.boxes if box.name not in shown):
         name += " "
-    kept, wires = [], dict[tuple[str, str], Arrow]()
-    sources_of = {item: list[tuple[str, str]]() for item in shown}
+    kept = list[Arrow]()
+    sources_of = {item: dict[tuple[str, str], Arrow]() for item in shown}
     for arrow in picture.arrows:
         if arrow.target not in shown:
             kept.append(arrow)
         elif arrow.source not in shown:
             ends = arrow.source, arrow.source_port
-            sources_of[arrow.target].append(ends)
-            known = wires.get(ends, arrow)
-            wires[ends] = Arrow(
-                *ends,
-                name,
-                ".".join(ends),
-                gathers=known.gathers or arrow.gathers,
-                truth=arrow.truth,
-            )
+            known = sources_of[arrow.target].get(ends, arrow)
+            gathers = known.gathers or arrow.gathers
+            sources_of[arrow.target][ends] = replace(arrow, gathers=gathers)
     boxes = [box for box in picture.boxes if box.name not in shown]
-
-    def items(ends: tuple[str, str]) -> tuple[str, ...]:
-        readers = {item: each.index(ends) for item, each in sources_of.items() if ends in each}
-        described = [_item(shown[item]) for item, at in readers.items() if at == 0]
-        named = ", ".join(item for item, at in readers.items() if at > 0)
-        return (*described, named) if named else tuple(described)
-
+    items_of: dict[frozenset[tuple[str, str]], list[str]] = {}
+    for item, sources in sources_of.items():
+        items_of.setdefault(frozenset(sources), []).append(item)
+    items_of.pop(frozenset(), None)
     sockets = [
-        Socket(arrow.target_port, shown="", items=items(ends)) for ends, arrow in wires.items()
+        Socket(item, items=tuple(_item(shown[each]) for each in (item, *others)))
+        for item, *others in items_of.values()
+    ]
+    wires = [
+        Arrow(
+            *ends,
+            name,
+            items[0],
+            gathers=any(sources_of[item][ends].gathers for item in items),
+            truth=arrow.truth,
+        )
+        for items in items_of.values()
+        # truth below what ends at the same port
+        for ends, arrow in sorted(sources_of[items[0]].items(), key=lambda each: not each[1].truth)
     ]
     lines = tuple(_item(box) for item, box in shown.items() if not sources_of[item])
     card = Box(name, lines, tuple(sockets), kind="report")
-    return Picture(picture.title, (*boxes, card), (*kept, *wires.values()))
+    return Picture(picture.title, (*boxes, card), (*kept, *wires))
 
 
 def _item(box: Box) -> str:

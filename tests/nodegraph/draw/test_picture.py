@@ -41,6 +41,7 @@ def test_boxes_that_only_show_are_one_list() -> None:
         Box("kept", inputs=(Socket("in"),), outputs=out),
         Box("curve", ("compare.curve", "x: k, compare: [a, b]"), scores, out, kind="report"),
         Box("figure", ("plot.selection",), (*scores, Socket("truth")), kind="report"),
+        Box("faces", ("plot.faces",), (*scores, Socket("truth")), kind="report"),
         Box("glb", ("write.glb", "rate: 30"), scores, kind="report"),
     )
     arrows = (
@@ -51,6 +52,8 @@ def test_boxes_that_only_show_are_one_list() -> None:
         Arrow("curve", "out", "figure", "scores"),
         Arrow("kept", "out", "figure", "scores", gathers=True, fixed="k=3"),
         Arrow("face", "truth", "figure", "truth", truth=True),
+        Arrow("kept", "out", "faces", "scores"),
+        Arrow("face", "truth", "faces", "truth", truth=True),
         Arrow("curve", "out", "glb", "scores"),
     )
     picture = folded(Picture("fold", boxes, arrows))
@@ -58,17 +61,18 @@ def test_boxes_that_only_show_are_one_list() -> None:
     report = picture.boxes[-1]
     assert report.lines == ("glb \N{MIDDLE DOT} rate: 30",)  # it reads nothing outside the list
     assert {socket.name: socket.items for socket in report.inputs} == {
-        "kept.out": (
-            "curve \N{MIDDLE DOT} x: k, compare: [a, b]",
+        "curve": ("curve \N{MIDDLE DOT} x: k, compare: [a, b]",),
+        "figure": (
             "figure \N{MIDDLE DOT} plot.selection",
+            "faces",
         ),
-        "face.truth": ("figure",),
     }
-    assert report.texts == (*report.lines, *report.inputs[0].items, "figure")
+    assert report.texts == (*report.lines, *report.inputs[0].items, *report.inputs[1].items)
     assert picture.arrows[:3] == arrows[:3]  # a box that another one reads stays
     assert picture.arrows[3:] == (
-        Arrow("kept", "out", "report", "kept.out", gathers=True),
-        Arrow("face", "truth", "report", "face.truth", truth=True),
+        Arrow("kept", "out", "report", "curve"),
+        Arrow("face", "truth", "report", "figure", truth=True),
+        Arrow("kept", "out", "report", "figure", gathers=True),
     )
     assert folded(picture) == picture
 

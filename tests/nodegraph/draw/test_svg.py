@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import random
 import re
+from collections.abc import Iterator
 from itertools import pairwise
 from xml.etree import ElementTree
 
@@ -132,7 +133,19 @@ def check(picture: Picture) -> ElementTree.Element:
     assert len(drawn) == len(picture.arrows)
     for arrow, group in zip(picture.arrows, drawn, strict=True):
         check_arrow(arrow, group, boxes)
+    check_circles(root, boxes)
     return root
+
+
+def check_circles(
+    root: ElementTree.Element, boxes: dict[str, tuple[float, float, float, float]]
+) -> None:
+    """Check that the numbers of arrows lie neither over one another nor over boxes."""
+    circles = [(x, y, x + wide, y + wide) for _, (x, y), wide in circles_of(root)]
+    for at, (left, top, right, bottom) in enumerate(circles):
+        for a, b, c, d in (*circles[:at], *boxes.values()):
+            across, down = min(right, c) - max(left, a), min(bottom, d) - max(top, b)
+            assert min(across, down) < 1.0
 
 
 def check_texts(root: ElementTree.Element) -> None:
@@ -182,23 +195,29 @@ def is_cut(drawn: list[list[tuple[float, float]]]) -> bool:
     return all(abs(points[-1][0] - points[0][0]) < 20 for points in drawn)
 
 
+def circles_of(root: ElementTree.Element) -> Iterator[tuple[str, tuple[float, float], float]]:
+    """Yield the number, the upper left corner and the width of each circle."""
+    for each in root.iterfind(f"{SVG}g/{SVG}g"):
+        if "connector" in each.get("class", ""):
+            circle, text = each.find(f"{SVG}rect"), each.findtext(f"{SVG}text")
+            assert circle is not None
+            assert text
+            x, y, wide = (float(circle.attrib[name]) for name in ("x", "y", "width"))
+            yield text, (x, y), wide
+
+
 def connectors(
     root: ElementTree.Element, boxes: dict[str, tuple[float, float, float, float]]
 ) -> dict[str, tuple[list[str], list[str]]]:
     """Return, for each number, the boxes with its circle on the left, and on the right."""
     found: dict[str, tuple[list[str], list[str]]] = {}
-    for group in root:
-        for each in group.iter(f"{SVG}g"):
-            if "connector" in each.get("class", "") and group.get("class") != "legend":
-                circle, text = each.find(f"{SVG}rect"), each.findtext(f"{SVG}text")
-                assert circle is not None
-                assert text
-                x, y, wide = (float(circle.attrib[name]) for name in ("x", "y", "width"))
-                for name, (left, top, right, bottom) in boxes.items():
-                    if top < y + wide / 2 < bottom:
-                        sides = found.setdefault(text, ([], []))
-                        sides[0].extend([name] * (0 <= left - x - wide < 14))
-                        sides[1].extend([name] * (abs(x - right) < 0.2))
+    for text, (x, y), wide in circles_of(root):
+        is_source = any(abs(x - right) < 0.2 for _, _, right, _ in boxes.values())
+        for name, (left, top, right, bottom) in boxes.items():
+            if top < y + wide / 2 < bottom:
+                sides = found.setdefault(text, ([], []))
+                sides[0].extend([name] * (not is_source and 0 <= left - x - wide < 14 + 2 * wide))
+                sides[1].extend([name] * (abs(x - right) < 0.2))
     return found
 
 
@@ -359,19 +378,26 @@ def test_lines_that_turn_side_by_side_lie_apart() -> None:
         assert second - first > 5
 
 
-def test_a_port_of_the_report_names_its_source_once() -> None:
+def test_what_the_report_shows_names_the_sources_that_no_line_leads_to() -> None:
     steps = chain(20)
-    shows = tuple(Box(name, (), (Socket("in"),), kind="report") for name in ("table", "faces"))
-    arrows = (Arrow("step0", "x", "table", "in"), Arrow("step19", "x", "faces", "in"))
+    port, both = (Socket("in"),), (Socket("in"), Socket("like"))
+    shows = (Box("table", (), port, kind="report"), Box("faces", (), both, kind="report"))
+    ends = [("step0", "table", "in"), ("step19", "faces", "in"), ("step1", "faces", "like")]
+    arrows = [Arrow(source, "x", name, port) for source, name, port in ends]
+    arrows.append(Arrow("step2", "x", "faces", "like"))
     picture = folded(Picture("", (*steps.boxes, *shows), (*steps.arrows, *arrows)))
     root = check(picture)
     drawn = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
-    assert is_cut(drawn["step0.x report.step0.x"])
-    assert not is_cut(drawn["step19.x report.step19.x"])
-    assert notes_of(root, "report") == ["from step19", "from step0"]
+    assert is_cut(drawn["step0.x report.table"])
+    assert not is_cut(drawn["step19.x report.faces"])
     (report,) = (each for each in root.iter(f"{SVG}g") if each.get("data-box") == "report")
     told = [text.text for text in report.iter(f"{SVG}text") if text.get("class") != "name"]
-    assert told == ["from step19", "faces", "from step0", "table"]
+    assert told == ["faces", "from step1, step2", "table", "from step0"]
+    assert connectors(root, rectangles(root)) == {
+        "1": (["report"], ["step0"]),
+        "2": (["report"], ["step1"]),
+        "3": (["report"], ["step2"]),
+    }
 
 
 def test_a_graph_that_is_used_as_a_node_is_one_box_among_the_folded() -> None:
