@@ -17,7 +17,6 @@ from nodegraph_compare.words import (
     changes,
     count_text,
     group_title,
-    has_panels,
     method_words,
     nearest_first,
     plain_names,
@@ -138,7 +137,7 @@ def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
     shown = group.best if take is None or take in group.best else (take,)
     kind: Kind = "worse" if {*shown} & {*group.behind} else group.marks.get(shown[0], "rest")
     value, interval = _value(verdicts, group, shown[0])
-    names = listing(method_words(verdicts, shown))
+    names = say(f"{'take ' * (take is not None)}{HERE}", listing(method_words(verdicts, shown)))
     status = standing_text(_bare(verdicts), group, shown[0])
     return Card("", names, value, interval, rows=rows, status=status, kind=kind)
 
@@ -172,8 +171,7 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
         )
         for place in (group.known if described else ranked)
     ]
-    below = len(verdicts.groups) > ONE_ROW and not has_panels(verdicts)
-    most = _FEW_ROWS if below else MOST_ROWS
+    most = _FEW_ROWS if len(verdicts.groups) > ONE_ROW else MOST_ROWS
     return Rows.of(rows, line, verdicts.metric.unit, most)
 
 
@@ -206,12 +204,7 @@ def _notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
         start = f"from the {EXTREME[verdicts.metric.better]}: {HERE}"
         near = tied[:_MOST_NAMES]
         return {place: say(start, within_text(bare, group, place)) for place in near}
-    # how far the method to take is stands in the head of the card
-    return {
-        place: uncertain_text(bare, group, place)
-        for place in tied[:_MOST_NAMES]
-        if place != verdicts.for_all
-    }
+    return {place: uncertain_text(bare, group, place) for place in tied[:_MOST_NAMES]}
 
 
 def _bare(verdicts: Verdicts) -> Verdicts:

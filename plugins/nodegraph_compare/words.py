@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MAY_BE, MOST_CARDS, ONE_ROW, Word, joined, say
+from nodegraph_tables.answer import HERE, MAY_BE, Word, joined, listing, say
 from nodegraph_tables.numbers import (
     MINUS,
     SPACE,
@@ -349,13 +349,16 @@ def _distance(verdicts: Verdicts, group: Verdict, place: int) -> Word:
 
 
 def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return whether a method is the best of a group that a verdict tells apart, or how far off."""
-    best = method_words(verdicts, group.best)
-    if place in group.behind:
-        return say(f"clearly behind {HERE}: {HERE}", best[0], behind_text(verdicts, group, place))
-    if place in group.tied:
-        return say(f"{MAY_BE} as {HERE}: {HERE}", best[0], uncertain_text(verdicts, group, place))
+    """Return which method is the best of a group that a verdict tells apart, and how one stands."""
     here = "best" if verdicts.for_all is None else "best here"
+    if place not in group.best:
+        mean = span_text([group.mean[group.best[0]]], verdicts.metric.unit)
+        best, number = listing(best_words(verdicts, group.best)), Word(mean, "number")
+        (name,) = method_words(verdicts, [place])
+        first = say(f"{here}: {HERE} {HERE}; {HERE}", best, number, name)
+        if place in group.tied:
+            return joined(" ", [first, MAY_BE])
+        return say(f"{HERE} clearly behind: {HERE}", first, behind_text(verdicts, group, place))
     if group.tied:
         return joined("; ", [here, others_text(verdicts, group)])
     return (f"clearly {here}",) if group.behind else ()
@@ -419,8 +422,3 @@ def varying(verdicts: Verdicts) -> list[int]:
         if len({group.labels[axis] for group in verdicts.groups}) > 1
     ]
     return axes or list(range(len(verdicts.within)))
-
-
-def has_panels(verdicts: Verdicts) -> bool:
-    """Whether only the cards of one label of the first axis are in sight."""
-    return ONE_ROW < len(verdicts.groups) <= MOST_CARDS and len(varying(verdicts)) > 1

@@ -725,13 +725,21 @@ def _card(card: Card) -> str:
     return (
         '<article class="lead-card">'
         + (f'<h3 aria-level="2">{escape(card.title)}</h3>' if card.title else "")
-        + (f'<p class="{kind}">{html_of(card.headline)}</p>' if card.headline else "")
+        + (f'<p class="{kind}">{_headline(card.headline)}</p>' if card.headline else "")
         + (f'<p class="lead-value">{value}</p>' if value else "")
         + (f'<p class="lead-status {card.kind}">{html_of(card.status)}</p>' if card.status else "")
         + card.picture
         + (_rows_html(card.rows, judged=card.kind != "rest") if card.rows else "")
         + (f"<dl>{facts}</dl>" if facts else "")
         + "</article>"
+    )
+
+
+def _headline(text: Text) -> Markup:
+    """Return a headline in which, beside names, other words are small."""
+    tag = "<small>{}</small>" if any(isinstance(part, Word) for part in text) else "{}"
+    return Markup("").join(
+        Markup(tag).format(part) if isinstance(part, str) else html_of((part,)) for part in text
     )
 
 

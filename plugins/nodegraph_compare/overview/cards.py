@@ -1,9 +1,8 @@
-"""The answer of a comparison on a page: its sentence over cards in panels, or a grid of winners."""
+"""The answer of a comparison on a page: its sentence over cards, or a grid of winners."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +13,6 @@ from nodegraph_compare.words import (
     behind_text,
     best_words,
     group_title,
-    has_panels,
     method_words,
     others_text,
     varying,
@@ -50,24 +48,17 @@ _SOURCE = re.compile(r" \([^()]*\)\.$")
 def answer_html(
     answer: Answer,
     verdicts: Verdicts,
-    name: str,
-    meanings: Mapping[str, str],
     summaries: Mapping[Label, str],
 ) -> Markup:
     """Return the answer, and the verdicts of all groups.
 
-    Up to eight groups have a card each, of which a reader sees those of one label of the first
-    axis where there are more than four; more groups stand in a grid.
+    Up to eight groups have a card each; more stand in a grid.
 
     Parameters
     ----------
     answer
     verdicts
         Of the comparison, with labels as a reader sees them.
-    name
-        Distinguishes its parts from those of another on one page.
-    meanings
-        What the labels of an axis are.
     summaries
         What methods do, by their labels, in a sentence.
     """
@@ -75,8 +66,6 @@ def answer_html(
         inside = ""
     elif len(verdicts.groups) > MOST_CARDS:
         inside = _grid(verdicts)
-    elif has_panels(verdicts):
-        inside = _tabs(answer, verdicts, name, meanings)
     else:
         inside = f"{key(verdicts)}{cards_html(answer.cards)}"
     return lead_of_parts(answer, inside + _described(answer, summaries), legend(verdicts))
@@ -92,39 +81,6 @@ def _described(answer: Answer, summaries: Mapping[Label, str]) -> str:
     ]
     inside = html_of(joined(" ", texts))
     return f'<p class="lead-methods">{inside}</p>' if texts else ""
-
-
-def _tabs(answer: Answer, verdicts: Verdicts, name: str, meanings: Mapping[str, str]) -> str:
-    """Return cards behind a radio button per label, which needs no script."""
-    axis, *rest = varying(verdicts)
-    labels = list(dict.fromkeys(group.labels[axis] for group in verdicts.groups))
-    axis_name = escape(verdicts.within[axis])
-    buttons, panels = [], []
-    for at, label in enumerate(labels):
-        tab = f"{escape(name)}-{axis_name}-{at}"
-        checked = " checked" * (at == 0)
-        text = escape(str(label))
-        buttons.append(
-            f'<input type="radio" name="{escape(name)}-{axis_name}" id="{tab}"{checked}>'
-            f'<label for="{tab}">{text}</label>'
-        )
-        inside = cards_html(
-            [
-                replace(card, title=group_title(verdicts, group, rest))
-                for card, group in zip(answer.cards, verdicts.groups, strict=True)
-                if group.labels[axis] == label
-            ]
-        )
-        panels.append(
-            f'<div class="lead-panel"><p class="lead-label">{axis_name} {text}</p>{inside}</div>'
-        )
-    meaning = meanings.get(verdicts.within[axis], "")
-    title = f' title="{escape(meaning)}"' if meaning else ""
-    return (
-        f'<div class="lead-tabs" role="group" aria-label="{axis_name}">'
-        f'<span class="lead-axis"{title}>{axis_name}</span>'
-        f"{''.join(buttons)}{key(verdicts)}{''.join(panels)}</div>"
-    )
 
 
 def _grid(verdicts: Verdicts) -> str:
@@ -265,10 +221,9 @@ def key(verdicts: Verdicts) -> str:
         above = f" above {number_text(line.least)}" if line.least else ""
         parts.append(f"logarithmic{above}")
     if verdicts.for_all is not None:
-        (take,) = method_words(verdicts, [verdicts.for_all])
         is_best = verdicts.best_over_all is not None
-        why = "best over all" if is_best else "never clearly behind"
-        parts.append(f"<mark>tinted</mark>: {escape(take.text)}, {why}")
+        why = "best over all" if is_best else "clearly behind nowhere"
+        parts.append(f"<mark>tinted</mark>: the one to take, {why}")
     return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def render_overview(overview: Overview, title: str) -> Rendered:
     """Return the verdicts alone, as a notebook shows them."""
-    lead = answer_html(overview.answer, with_units(overview.verdicts), title, {}, {})
+    lead = answer_html(overview.answer, with_units(overview.verdicts), {})
     return Rendered(lead, styles=(lead_style(),), answer=overview.answer.lines)
 
 
@@ -41,17 +41,16 @@ def render_overview_in_run(overview: Overview, title: str, origin: Provenance) -
     title
         Of the section.
     origin
-        Of the run, which knows the times of methods, the inputs of scores and what axes are.
+        Of the run, which knows the times of methods and the inputs of scores.
     """
     name = f"overview-{origin.node}"
     verdicts = overview.verdicts
     # of a metric without a better end, the table's own lead says more
     is_lead = not is_described(verdicts)
-    meanings = {axis: origin.meaning(axis) for axis in verdicts.within}
     named = with_units(verdicts)
     told = in_authors_words(overview.answer, origin.answer)
     summaries = origin.summaries(verdicts.compare)
-    lead = answer_html(told, named, name, meanings, summaries) if is_lead else ""
+    lead = answer_html(told, named, summaries) if is_lead else ""
     answer = told.lines if is_lead else ()
     styles = (lead_style(), *_web(".css"))
     if not verdicts.groups:

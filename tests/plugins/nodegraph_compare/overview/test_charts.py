@@ -59,7 +59,7 @@ class Bakery:
         return {}
 
     def meaning(self, axis: str) -> str:
-        return "Of the <oven>." if axis == "heat" else ""
+        return ""
 
     def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {axis: tuple(of) for axis, of in self.gathered.items() if axis not in labels}

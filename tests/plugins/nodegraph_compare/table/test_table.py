@@ -107,7 +107,7 @@ def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> No
     assert far["ratio"] == pytest.approx(np.exp(d.mean()))
     assert far["mean"] == pytest.approx(np.exp(logs["far"].mean()))
     assert far["p"] <= 0.05
-    assert words(frame)[-1].startswith("all 2 groups: near and twin, ")
+    assert words(frame)[-1].startswith("all 2 groups: take near and twin, ")
     # too few units for any group have none over all of them, nor has a single group
     for few in (trials(2), trials(8, lengths=(5,))):
         assert table(few, within=("length",)).table["length"].notna().all()
@@ -704,7 +704,7 @@ def test_groups_of_which_few_blocks_are_left_are_distinguished() -> None:
     ]
     frame = table(Across(("length", "fill"), tuple(both)), within=("length",)).table
     short, long = words(frame)[2:4]
-    assert short.startswith("length 5: bold")
+    assert short.startswith("length 5: take bold")
     assert "used: 19 of 20 gaps" in short
     assert long.startswith("length 45: ")
     assert "used: 5 of 20 gaps" in long
