@@ -236,7 +236,7 @@ def _box(
     lines += filter(None, [_text(common)])
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
-        lines += filter(None, [described.doc, _text(_along_axes(graph, node))])
+        lines += filter(None, [described.doc, _text(_from_fields(graph, node))])
     return Box(
         node.name,
         lines=tuple(lines),
@@ -286,12 +286,12 @@ def _settings(method: Method) -> dict[str, str]:
     return found
 
 
-def _along_axes(graph: Graph, node: GraphNode) -> dict[str, str]:
-    """Return the settings that an axis gives to a graph used as a node, as they are written."""
+def _from_fields(graph: Graph, node: GraphNode) -> dict[str, str]:
+    """Return the settings that fields of an axis give to a graph used as a node, as written."""
     return {
         name: str(each.value)
         for name, each in graph.spec.nodes[node.name].settings.items()
-        if isinstance(each.value, Variable) and each.value.name in graph.axes
+        if isinstance(each.value, Variable) and each.value.field
     }
 
 

@@ -62,6 +62,8 @@ _SWEEPS = 16
 _STILL = 0.02
 _STRAIGHTENINGS = 3
 _NEARLY_LEVEL = 36.0
+_LOOSE = (1e-6, 0.0)
+"""Weight and height that a box without a wire wants: it stands close below the one above it."""
 _DIRECT = 4.0
 """Weight of a wire between neighbouring boxes: chains of boxes become straight first."""
 
@@ -363,7 +365,7 @@ def _settled(
                 mean = 0.0
                 for part, level, other in near[cell]:
                     mean += part * (heights[other] + level)
-                wanted.append((weight, mean / weight) if weight else (0.01, heights[cell]))
+                wanted.append((weight, mean / weight) if weight else _LOOSE)
             for cell, top in zip(cells, _apart(offsets, wanted), strict=True):
                 moved = max(moved, abs(top - heights[cell]))
                 heights[cell] = top
@@ -586,7 +588,7 @@ def _routes(
 
 def _connectors(
     boxes: Iterable[tuple[Shape, Point]],
-    routes: Collection[tuple[Arrow, Sequence[Sequence[Point]]]],
+    routes: Sequence[tuple[Arrow, Sequence[Sequence[Point]]]],
     cut: Collection[Arrow],
 ) -> Iterator[Connector]:
     """Yield the circles at the ends of arrows: those of a port in a row."""
@@ -598,16 +600,12 @@ def _connectors(
                 numbers[output] = len(numbers) + 1
                 middle = _moved(corner, (shape_.width + CONNECTOR, height))
                 yield Connector(numbers[output], middle, truth[output])
-    whole = {points[-1] for arrow, lines in routes if arrow not in cut for points in lines}
-    rows: dict[Point, list[tuple[Arrow, Point]]] = {}
-    for arrow, lines in routes:
-        for begin, tip in lines if arrow in cut else ():
-            rows.setdefault(tip, []).append((arrow, begin))
-    for tip, row in rows.items():
-        for left, (arrow, begin) in enumerate(reversed(row)):
-            by = -CONNECTOR * (1 + 2 * left), 2.0 * CONNECTOR * (tip in whole)
-            number = numbers[arrow.source, arrow.source_port]
-            yield Connector(number, _moved(begin, by), arrow.truth)
+    beside = Counter[Point]()
+    for arrow, lines in reversed(routes):
+        for begin, _ in lines if arrow in cut else ():
+            middle = _moved(begin, (-CONNECTOR * (1 + 2 * beside[begin]), 0.0))
+            beside[begin] += 1
+            yield Connector(numbers[arrow.source, arrow.source_port], middle, arrow.truth)
 
 
 def _outlines(
@@ -745,6 +743,8 @@ def _placed(
     for lane in lanes.values():  # arrows that begin in the order in which they end do not cross
         lane.sort(key=highest.__getitem__)
 
+    met = {link[2:] for link in links if link in ways or link in led}
+
     def line(link: _Link) -> list[Point]:
         if link in ways:
             return [
@@ -754,6 +754,7 @@ def _placed(
             ]
         x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
         if link not in led:
+            y += 2.0 * CONNECTOR * (link[2:] in met)
             return [(x - _END, y), (x, y)]
         band = bands["box", link.target]
         number = lanes[band].index(link[:2])

@@ -238,6 +238,8 @@ def folded(picture: Picture) -> Picture:
             gathers = known.gathers or arrow.gathers
             sources_of[arrow.target][ends] = replace(arrow, gathers=gathers)
     boxes = [box for box in picture.boxes if box.name not in shown]
+    outputs = [(box.name, socket.name) for box in boxes for socket in box.outputs]
+    order = {ends: at for at, ends in enumerate(outputs)}
     items_of: dict[frozenset[tuple[str, str]], list[str]] = {}
     for item, sources in sources_of.items():
         items_of.setdefault(frozenset(sources), []).append(item)
@@ -255,8 +257,7 @@ def folded(picture: Picture) -> Picture:
             truth=arrow.truth,
         )
         for items in items_of.values()
-        # truth below what ends at the same port
-        for ends, arrow in sorted(sources_of[items[0]].items(), key=lambda each: not each[1].truth)
+        for ends, arrow in sorted(sources_of[items[0]].items(), key=lambda each: order[each[0]])
     ]
     lines = tuple(_item(box) for item, box in shown.items() if not sources_of[item])
     card = Box(name, lines, tuple(sockets), kind="report")

@@ -148,7 +148,7 @@ def _styles(picture: Picture, drawing: Layout) -> _Samples:
             samples.append((f'<g class="{kind}">{path}</g>', text))
     is_cut = any(each.truth for each in drawing.connectors)
     if is_cut and not any(arrow.truth for arrow in whole):
-        samples.append((_connector(Connector(1, (15.0, 0.0), truth=True)), "truth"))
+        samples.append((_connector(Connector(2, (15.0, 0.0), truth=True)), "truth"))
     for style, shown, bars in (
         ("alternative", "alternatives", ((-7.5, 6.5, 2.5), (1, 6.5, 2.5))),
         ("axis", "axes", ((-7, 14, 7),)),
