@@ -13,6 +13,7 @@ from nodegraph_align.poses import fit
 from nodegraph_align.procrustes import procrustes
 from nodegraph_mocap import Trajectories
 from tests.benchmarks.conftest import Clock
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
 MARKERS = 60
@@ -28,9 +29,7 @@ def nodding(frames: int) -> tuple[Trajectories, Trajectories]:
     angles = 0.2 * np.sin(np.arange(frames)[:, None] / [17.0, 29.0])
     positions = rest @ turned(angles[:, 0], 0) @ turned(angles[:, 1], 1)
     positions += random.normal([10.0, 1400.0, 300.0], 0.5, positions.shape)
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    take = Trajectories(positions=positions, markers=names, rate=60.0)
-    return take, Trajectories(positions=rest[None], markers=names, rate=60.0)
+    return make_recording(positions), make_recording(rest[None])
 
 
 def turned(angle: NDArray[np.float64], axis: int) -> NDArray[np.float64]:

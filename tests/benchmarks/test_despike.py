@@ -7,7 +7,6 @@ does not depend on how the axes lie, and takes more work.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -19,6 +18,7 @@ from nodegraph_despike.impulse import impulse
 from nodegraph_despike.median import median
 from nodegraph_mocap import Trajectories
 from tests.benchmarks.conftest import Clock
+from tests.plugins.recordings import make_recording, quietly
 
 FRAMES, MARKERS, REACH = 600, 60, 2
 IMPULSES = "impulse filter, 600 x 60"
@@ -32,11 +32,6 @@ def spiky() -> Positions:
     hit = random.random((FRAMES, MARKERS)) < 0.005
     positions[hit] += random.normal(0, 8, (np.count_nonzero(hit), 3))
     return positions
-
-
-def recorded(positions: Positions) -> Trajectories:
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
 
 
 def plain_loop(positions: Positions) -> Positions:
@@ -78,12 +73,10 @@ def kernel(order: str) -> Callable[[Positions], Positions]:
 def node(
     method: Callable[..., Trajectories], **settings: object
 ) -> Callable[[Positions], Positions]:
-    take = recorded(spiky())
+    take = make_recording(spiky())
 
     def run(positions: Positions) -> Positions:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return method(take, **settings).positions
+        return quietly(method, take, **settings).positions
 
     return run
 

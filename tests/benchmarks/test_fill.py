@@ -7,7 +7,6 @@ fills a made face.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -30,6 +29,7 @@ from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
 from nodegraph_synthesize.face import synthesize_face
 from tests.benchmarks.conftest import Clock
+from tests.plugins.recordings import make_recording, quietly
 
 FRAMES, MARKERS, GAP = 600, 60, 15
 SHARES = (0.05, 0.2)
@@ -45,8 +45,7 @@ def take(share: float) -> Trajectories:
     while np.isnan(positions[..., 0]).mean() < share:
         start = int(random.integers(1, FRAMES - GAP - 1))
         positions[start : start + GAP, random.integers(MARKERS)] = np.nan
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(positions)
 
 
 def kernel(recording: Trajectories, **rule: Any) -> Callable[[], Positions]:
@@ -65,9 +64,7 @@ def kernel(recording: Trajectories, **rule: Any) -> Callable[[], Positions]:
 
 def node(fill: Fill, recording: Trajectories) -> Callable[[], Positions]:
     def run() -> Positions:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return fill(recording).positions
+        return quietly(fill, recording).positions
 
     return run
 

@@ -23,6 +23,7 @@ from nodegraph_select import kmeans_kernel
 from nodegraph_select.features import features_of
 from nodegraph_select.pfa import leading_vectors, pfa
 from tests.benchmarks.conftest import Clock
+from tests.plugins.recordings import make_recording
 
 FRAMES, MARKERS, MOVEMENTS, RUNS, FEW = 600, 60, 12, 1000, 50
 SIZES = (10, 35, 90)
@@ -35,9 +36,7 @@ def face() -> Trajectories:
     time = np.cumsum(random.normal(0, 1, (FRAMES, MOVEMENTS)), axis=0)
     time = np.linalg.qr(time - time.mean(axis=0))[0] * 100.0
     reach = random.normal(0, 1, (MOVEMENTS, MARKERS, 3))
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    positions = np.einsum("tk,kmc->tmc", time, reach)
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(np.einsum("tk,kmc->tmc", time, reach))
 
 
 def rows() -> Rows:

@@ -20,6 +20,7 @@ from nodegraph_smooth.bspline_weights import first_rows, middle
 from nodegraph_smooth.gcv import gcv
 from nodegraph_smooth.present_runs import Runs
 from tests.benchmarks.conftest import Clock
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
 MARKERS = 60
@@ -31,8 +32,7 @@ WEIGHTS = np.array([1.0, 4.0, 1.0]) / 6.0
 def noisy(frames: int) -> Trajectories:
     random = np.random.default_rng(0)
     positions = np.cumsum(random.normal(0, 0.3, (frames, MARKERS, 3)), axis=0)
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(positions)
 
 
 def into_a_buffer(take: Trajectories) -> Callable[[], Positions]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from functools import cache
 
@@ -17,6 +16,7 @@ from nodegraph_track.neighbours import neighbours
 from tests.benchmarks.conftest import Clock
 from tests.benchmarks.tables import OURS, Tables
 from tests.benchmarks.trackers import Scene, Trackpy, best_of_trackpy, recording_of, scene
+from tests.plugins.recordings import quietly
 
 CASE = "tracking points, 2 % dropped, 1 % ghosts, ms per take"
 RIGHT = "the same: wrong links among 1000"
@@ -39,9 +39,7 @@ def best(name: str) -> Trackpy:
 
 
 def tracked(row: str, case: Scene, gate: float | None = None) -> Trajectories:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return TRACKERS[row](case.detections, gate=gate)
+    return quietly(TRACKERS[row], case.detections, gate=gate)
 
 
 def wrong(case: Scene, tracks: Trajectories) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -16,6 +15,7 @@ from nodegraph_mocap import Detections, Table, Trajectories
 from nodegraph_score.tracking import tracking
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_track.points_scatter import scatter
+from tests.plugins.recordings import quietly
 from tests.studies import DATA
 
 ANIMFACE = DATA / "animface"
@@ -32,9 +32,7 @@ class Scene:
 
     def score(self, tracks: Trajectories) -> Table:
         """Return how right tracks are; see `score.tracking`."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return tracking(tracks, self.truth)
+        return quietly(tracking, tracks, self.truth)
 
 
 def scene(name: str) -> Scene:

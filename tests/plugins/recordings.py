@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from nodegraph_files import read_c3d
 from nodegraph_mocap import Origin, Trajectories
+from tests.studies import DATA
 
 T = TypeVar("T")
 
@@ -37,6 +41,25 @@ def make_gappy(seed: int, *, most_frames: int = 30, most_markers: int = 9) -> Tr
         origin[random.integers(frames)] = Origin.MISSING
     positions[origin == Origin.MISSING] = np.nan
     return make_recording(positions, origin)
+
+
+@cache
+def real_take(name: str) -> Trajectories:
+    """A take of the shared data, such as ``animface/jaw``."""
+    return quietly(read_c3d, DATA / f"{name}.c3d")
+
+
+def runs_in(hidden: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    """Marker, first frame and length of every run, found one sample after the other."""
+    runs = []
+    for marker in range(hidden.shape[1]):
+        frame = 0
+        for is_hidden, same in itertools.groupby(hidden[:, marker]):
+            length = len(list(same))
+            if is_hidden:
+                runs.append((marker, frame, length))
+            frame += length
+    return runs
 
 
 def quietly(call: Callable[..., T], *inputs: object, **settings: object) -> T:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from nodegraph import Refusal
 from nodegraph_blendshapes.from_pca import from_pca
-from nodegraph_files import read_c3d
 from nodegraph_mocap import BlendshapeModel, Trajectories
 from nodegraph_mocap.specimens import recordings
 from nodegraph_tables import info_of
-from tests.studies import DATA, needs_recordings
+from tests.plugins.recordings import make_recording, real_take
+from tests.studies import needs_recordings
 
 FACE = recordings()["complete"]
 
@@ -21,11 +21,6 @@ FACE = recordings()["complete"]
 def frames(chosen: slice) -> Trajectories:
     positions, origin = FACE.positions[chosen], FACE.origin[chosen]
     return replace(FACE, positions=positions, origin=origin)
-
-
-def recorded(positions: NDArray[np.float64]) -> Trajectories:
-    markers = tuple(f"m{number}" for number in range(positions.shape[1]))
-    return Trajectories(positions=positions, markers=markers, rate=60.0)
 
 
 def solved(recording: Trajectories, model: BlendshapeModel) -> NDArray[np.float64]:
@@ -102,7 +97,7 @@ def test_the_sign_does_not_hang_on_rounding_where_two_frames_are_as_far() -> Non
     way = random.normal(0, 5, (1, 6, 3))
     positions = np.concatenate([-way, 0 * way, way]) + random.normal(0, 80, (6, 3))
     for shift in np.linspace(0, 500, 23):
-        shape = from_pca(recorded(positions + shift)).model.shapes[0]
+        shape = from_pca(make_recording(positions + shift)).model.shapes[0]
         assert np.vdot(shape, way) < 0
 
 
@@ -123,16 +118,16 @@ def test_what_does_not_differ_is_refused() -> None:
     rest = np.random.default_rng(0).normal(0, 1000, (1, 20, 3))
     for frames in (1, 2, 3, 100):
         with pytest.raises(Refusal, match="the frames do not differ: there is no component"):
-            from_pca(recorded(np.repeat(rest, frames, axis=0)))
+            from_pca(make_recording(np.repeat(rest, frames, axis=0)))
     with pytest.raises(Refusal, match="needs frames: the recording has none"):
-        from_pca(recorded(np.zeros((0, 2, 3))))
+        from_pca(make_recording(np.zeros((0, 2, 3))))
     with pytest.raises(Refusal, match="needs frames: the recording has none"):
-        from_pca(recorded(np.zeros((4, 0, 3))))
+        from_pca(make_recording(np.zeros((4, 0, 3))))
 
 
 @pytest.mark.parametrize(("frames", "markers", "there"), [(5, 9, 4), (40, 3, 9), (2, 1, 1)])
 def test_more_components_than_there_are_is_refused(frames: int, markers: int, there: int) -> None:
-    recording = recorded(np.random.default_rng(1).normal(0, 50, (frames, markers, 3)))
+    recording = make_recording(np.random.default_rng(1).normal(0, 50, (frames, markers, 3)))
     assert len(from_pca(recording, components=there).model.names) == there
     message = f"differ in {there} directions only; {there + 1} components were asked for"
     with pytest.raises(Refusal, match=message):
@@ -142,7 +137,7 @@ def test_more_components_than_there_are_is_refused(frames: int, markers: int, th
 @needs_recordings
 @pytest.mark.parametrize("take", ["jaw", "cheeks"])
 def test_a_recorded_face_has_few_directions(take: str) -> None:
-    recording = read_c3d(DATA / "animface" / f"{take}.c3d")
+    recording = real_take(f"animface/{take}")
     model, _, table = from_pca(recording)
     assert 7 <= len(model.names) <= 12
     assert table["cumulative"][len(model.names) - 1] >= 0.98

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from itertools import product
 
 import pandas as pd
@@ -13,6 +12,7 @@ from nodegraph_compare.table.node import table
 from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_mocap import Table
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 AXES = ("fill", "neighbours", "trial")
 
@@ -71,7 +71,5 @@ def test_the_methods_that_an_axis_concerns_are_named(
 )
 def test_every_comparison_names_them(node: str, settings: dict[str, str]) -> None:
     scores = gathered({"ridge": ("neighbours",)})
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        result = get_node(node)(scores, compare="fill", **settings)
+    result = quietly(get_node(node), scores, compare="fill", **settings)
     assert "only mean, muscle depend on neighbours" in " ".join(info_of(result.table).notes)

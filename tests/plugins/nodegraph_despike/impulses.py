@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins import recordings
 
 Positions = NDArray[np.float64]
 
@@ -18,8 +19,7 @@ def make_recording(positions: object, origin: Any = None, rate: float = 60.0) ->
     if array.ndim < 3:
         along = np.array([2.0, -1.0, 2.0]) / 3.0
         array = (array[:, None] if array.ndim == 1 else array)[..., None] * along
-    names = tuple(f"m{index}" for index in range(array.shape[1]))
-    return Trajectories(positions=array, markers=names, rate=rate, origin=origin)
+    return recordings.make_recording(array, origin, rate)
 
 
 def make_gappy(seed: int) -> Trajectories:

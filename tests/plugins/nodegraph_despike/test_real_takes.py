@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -13,33 +12,26 @@ from nodegraph_despike.hampel import hampel
 from nodegraph_despike.impulse import impulse
 from nodegraph_despike.median import median
 from nodegraph_despike.wavelet import wavelet
-from nodegraph_files.c3d import read_c3d
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_synthesize.impulses import add
-from tests.plugins.recordings import quietly
-from tests.studies import DATA, needs_recordings
+from tests.plugins.recordings import quietly, real_take
+from tests.studies import needs_recordings
 
 pytestmark = needs_recordings
-
-
-def take(name: str) -> Trajectories:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return read_c3d(DATA / name)
 
 
 @pytest.mark.parametrize(
     ("name", "share", "mean", "most"),
     [
-        ("animface/jaw.c3d", 0.169, 0.0166, 0.112),
-        ("animface/cheeks.c3d", 0.187, 0.0406, 0.422),
-        ("facecap/take001.c3d", 0.115, 1.43, 10.6),
+        ("animface/jaw", 0.169, 0.0166, 0.112),
+        ("animface/cheeks", 0.187, 0.0406, 0.422),
+        ("facecap/take001", 0.115, 1.43, 10.6),
     ],
 )
 def test_the_impulse_filter_takes_much_of_a_clean_face_for_noise(
     name: str, share: float, mean: float, most: float
 ) -> None:
-    clean = take(name)
+    clean = real_take(name)
     despiked = quietly(impulse, clean)
     bad = despiked.origin == Origin.REPAIRED
     moved = np.linalg.norm(despiked.positions - clean.positions, axis=2)[bad]
@@ -53,7 +45,7 @@ def test_the_impulse_filter_takes_much_of_a_clean_face_for_noise(
 def test_its_rivals_leave_a_clean_face_alone_and_find_what_is_added(
     method: Callable[..., Trajectories], name: str
 ) -> None:
-    clean = take(f"animface/{name}.c3d")
+    clean = real_take(f"animface/{name}")
     assert np.mean(quietly(method, clean).origin == Origin.REPAIRED) < 1e-4
     spiky, _, hit = add(clean, share=0.005, size=5.0, seed=1)
     actual = quietly(method, spiky).origin == Origin.REPAIRED

@@ -1,12 +1,11 @@
 from __future__ import annotations
 
-import warnings
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph_files.marker_names import unique_names
+from tests.plugins.recordings import quietly
 
 
 def test_plain_labels_stay() -> None:
@@ -41,8 +40,6 @@ def test_labels_beyond_the_markers_are_reported_unless_empty() -> None:
 
 @given(st.lists(st.sampled_from(["", "a", "a_1", "a_2", "a:b", "unnamed_1"])), st.integers(0, 8))
 def test_there_is_one_name_per_marker(labels: list[str], count: int) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        names = unique_names(labels, count)
+    names = quietly(unique_names, labels, count)
     assert len(names) == count == len(set(names))
     assert all(names)

@@ -209,3 +209,13 @@ def check_hermite(
                 + s * s * (s - 1) * 5 * last
             )
             assert filled[frame, marker, axis] == pytest.approx(expected, abs=1e-10)
+
+
+def driven(frames: int, markers: int, *, movements: int, noise: float, seed: int) -> Positions:
+    """Markers that hidden movements drive, and noise of that standard deviation."""
+    random = np.random.default_rng(seed)
+    places = random.normal(0, 30, (markers, 3))
+    hidden = np.cumsum(random.normal(0, 1, (frames, movements)), axis=0)
+    shapes = random.normal(0, 1, (movements, markers, 3))
+    off = random.normal(0, noise, (frames, markers, 3))
+    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + off)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 import pytest
 
-from nodegraph_files.c3d import read_c3d
 from nodegraph_fill.guenter import guenter
 from nodegraph_fill.muscle import muscle
 from nodegraph_gaps.cut import cut
 from nodegraph_mocap import Trajectories
-from tests.studies import DATA, needs_recordings
+from tests.plugins.recordings import real_take
+from tests.studies import needs_recordings
 
-FOLDER = DATA / "animface"
 EXPECTED = {
     ("jaw", 5): (0.27, 0.28),
     ("jaw", 15): (0.63, 0.63),
@@ -38,9 +35,7 @@ def error(take: Trajectories, length: int, seed: int) -> tuple[float, float]:
 @needs_recordings
 @pytest.mark.parametrize("name", ["jaw", "cheeks"])
 def test_muscles_and_plain_mean_come_as_near_as_is_known(name: str) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        take = read_c3d(FOLDER / f"{name}.c3d")
+    take = real_take(f"animface/{name}")
     for length in (5, 15, 45):
         actual = np.mean([error(take, length, seed) for seed in range(12)], axis=0)
         assert actual == pytest.approx(EXPECTED[name, length], rel=0.15)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,19 +11,11 @@ from numpy.typing import NDArray
 from nodegraph_fill.meet_ends import Ends
 from nodegraph_fill.ridge import ridge
 from nodegraph_mocap import Origin
+from tests.plugins.nodegraph_fill.plain_fills import driven
 from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
-
-
-def take(frames: int = 80, markers: int = 6, seed: int = 3) -> Positions:
-    """Markers that four hidden movements drive, and a little noise."""
-    random = np.random.default_rng(seed)
-    places = random.normal(0, 30, (markers, 3))
-    hidden = np.cumsum(random.normal(0, 1, (frames, 4)), axis=0)
-    shapes = random.normal(0, 1, (4, markers, 3))
-    noise = random.normal(0, 0.01, (frames, markers, 3))
-    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+take = partial(driven, movements=4, noise=0.01, seed=3)
 
 
 def solved(x: Positions, y: Positions, penalty: float, at: Positions) -> Positions:
@@ -35,7 +29,7 @@ def solved(x: Positions, y: Positions, penalty: float, at: Positions) -> Positio
 @pytest.mark.parametrize("ends", ["as_published", "met"])
 @pytest.mark.parametrize("penalty", [0.1, 10.0, 1e4])
 def test_equals_the_normal_equations(penalty: float, ends: Ends) -> None:
-    truth = take()
+    truth = take(80, 6)
     gappy = truth.copy()
     gappy[20:30, 0] = gappy[25, 5] = np.nan
     filled = ridge(
@@ -62,7 +56,7 @@ def _shape_distances(positions: Positions) -> Positions:
 
 
 def test_where_nothing_can_be_learnt_the_gap_is_left_and_reported() -> None:
-    positions = take(frames=6, markers=3)
+    positions = take(6, 3)
     positions[1:5, 0] = np.nan
     positions[[0, 5], 1:] = np.nan
     message = "^8 samples of 3 markers left missing: no marker, or no frames, to learn from 8$"

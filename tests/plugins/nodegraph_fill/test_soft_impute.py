@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-import warnings
+from functools import partial
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_files.c3d import read_c3d
 from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_gaps.cut import cut
-from tests.plugins.recordings import make_recording
-from tests.studies import DATA, needs_recordings
+from tests.plugins.nodegraph_fill.plain_fills import driven
+from tests.plugins.recordings import make_recording, real_take
+from tests.studies import needs_recordings
 
-FOLDER = DATA / "animface"
 Positions = NDArray[np.float64]
-
-
-def take(frames: int = 60, markers: int = 7, seed: int = 3) -> Positions:
-    """Markers that three hidden movements drive, and a little noise."""
-    random = np.random.default_rng(seed)
-    places = random.normal(0, 30, (markers, 3))
-    hidden = np.cumsum(random.normal(0, 1, (frames, 3)), axis=0)
-    shapes = random.normal(0, 1, (3, markers, 3))
-    noise = random.normal(0, 0.05, (frames, markers, 3))
-    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+take = partial(driven, movements=3, noise=0.05)
 
 
 def holed(seed: int = 3) -> Positions:
     """Gaps anywhere: no frame is complete."""
-    positions = take(seed=seed)
+    positions = take(60, 7, seed=seed)
     random = np.random.default_rng(seed)
     positions[np.arange(60), random.integers(0, 7, 60)] = np.nan
     positions[10:20, 2] = positions[14:25, 3] = positions[50:, 4] = np.nan
@@ -61,7 +51,7 @@ def test_the_answer_is_optimal(shrinkage: float) -> None:
 
 @pytest.mark.parametrize("one_end", [False, True])
 def test_the_ends_are_estimated_without_what_the_gap_lacks(one_end: bool) -> None:
-    gappy = take()
+    gappy = take(60, 7, seed=3)
     gappy[20:30, 0] = gappy[24:32, 5] = np.nan
     if one_end:
         gappy[30:, 0] = np.nan
@@ -92,9 +82,6 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks(one_end: bool) -> Non
 @needs_recordings
 @pytest.mark.parametrize(("name", "length", "most"), [("jaw", 15, 0.3), ("cheeks", 45, 0.9)])
 def test_a_real_face_is_filled_as_well_as_is_known(name: str, length: int, most: float) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        recording = read_c3d(FOLDER / f"{name}.c3d")
-    gappy, truth, mask = cut(recording, length=length, count=20, seed=0)
+    gappy, truth, mask = cut(real_take(f"animface/{name}"), length=length, count=20, seed=0)
     off = (soft_impute(gappy, ends="met").positions - truth.positions)[mask.hidden]
     assert np.sqrt((off**2).sum(axis=1).mean()) < most

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,19 +11,11 @@ from numpy.typing import NDArray
 from nodegraph_fill.soft_impute import soft_impute
 from nodegraph_fill.subspace_kalman import subspace_kalman
 from nodegraph_mocap import Trajectories
+from tests.plugins.nodegraph_fill.plain_fills import driven
 from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
-
-
-def take(frames: int = 14, markers: int = 4, seed: int = 1) -> Positions:
-    """Markers that two hidden movements drive, and noise."""
-    random = np.random.default_rng(seed)
-    places = random.normal(0, 30, (markers, 3))
-    hidden = np.cumsum(random.normal(0, 1, (frames, 2)), axis=0)
-    shapes = random.normal(0, 1, (2, markers, 3))
-    noise = random.normal(0, 0.2, (frames, markers, 3))
-    return np.asarray(places + np.einsum("tk,kmc->tmc", hidden, shapes) + noise)
+take = partial(driven, movements=2, noise=0.2, seed=1)
 
 
 class Plain:
@@ -63,7 +56,7 @@ class Plain:
 
 
 def holed() -> Positions:
-    positions = take()
+    positions = take(14, 4)
     positions[4:8, 0] = positions[6:10, 2] = positions[:2, 3] = positions[12:, 1] = np.nan
     positions[11] = np.nan
     return positions
@@ -80,7 +73,7 @@ def test_is_the_conditional_mean() -> None:
 
 
 def test_sigma_is_in_proportion_to_the_conditional_variance() -> None:
-    gappy = take(frames=30, markers=12)
+    gappy = take(30, 12)
     for marker in range(12):
         gappy[2 + marker : 4 + marker, marker] = np.nan
     recording = make_recording(gappy)
@@ -95,7 +88,7 @@ def test_sigma_is_in_proportion_to_the_conditional_variance() -> None:
 
 
 def test_the_ends_are_estimated_without_what_the_gap_lacks() -> None:
-    gappy = take()
+    gappy = take(14, 4)
     gappy[4:8, 0] = gappy[6:10, 2] = np.nan
     recording = make_recording(gappy)
     free = subspace_kalman(recording, variance=0.9).positions
@@ -113,7 +106,7 @@ def test_the_ends_are_estimated_without_what_the_gap_lacks() -> None:
 
 
 def test_sigma_grows_into_a_gap_of_all_markers() -> None:
-    gappy = take(frames=60, markers=12)
+    gappy = take(60, 12)
     gappy[10:21] = np.nan
     sigma = subspace_kalman(make_recording(gappy)).sigma
     assert sigma is not None

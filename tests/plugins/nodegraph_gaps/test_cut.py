@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal, get_args
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from nodegraph.node.decorator import node_of
 from nodegraph_gaps.cut import Cut, cut
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.recordings import make_recording, runs_in
 
 Pattern = Literal["random", "contiguous", "region", "end", "occlusion"]
 PATTERNS: tuple[Pattern, ...] = get_args(Pattern)
@@ -28,21 +28,7 @@ def recording(frames: int = 200, markers: int = 12, *, missing: float = 0.0) -> 
         size=(frames, markers, 3)
     )
     positions[random.random((frames, markers)) < missing] = np.nan
-    names = tuple(f"m{index}" for index in range(markers))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
-
-
-def runs(hidden: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
-    """Return (marker, first frame, length) of every gap, found one sample after the other."""
-    pieces = []
-    for marker in range(hidden.shape[1]):
-        frame = 0
-        for is_hidden, same in itertools.groupby(hidden[:, marker]):
-            length = len(list(same))
-            if is_hidden:
-                pieces.append((marker, frame, length))
-            frame += length
-    return pieces
+    return make_recording(positions)
 
 
 @pytest.mark.parametrize("pattern", PATTERNS)
@@ -59,7 +45,7 @@ def test_gaps_are_as_asked(pattern: Pattern, simultaneous: int, missing: float) 
         pattern=pattern,
         seed=3,
     )
-    actual = runs(result.hidden.hidden)
+    actual = runs_in(result.hidden.hidden)
     assert [length for *_, length in actual] == [6] * (count * simultaneous)
     starts = [start for _, start, _ in actual]
     assert len(actual) == count * simultaneous
@@ -94,7 +80,9 @@ def test_the_seed_decides_and_nothing_else() -> None:
 
 def test_every_place_can_be_drawn() -> None:
     source = recording(frames=6, markers=2)
-    seen = {runs(cut(source, length=2, count=1, seed=seed).hidden.hidden)[0] for seed in range(200)}
+    seen = {
+        runs_in(cut(source, length=2, count=1, seed=seed).hidden.hidden)[0] for seed in range(200)
+    }
     assert seen == {(marker, start, 2) for marker in range(2) for start in (1, 2, 3)}
 
 
@@ -103,7 +91,7 @@ def test_as_many_gaps_as_there_is_room_for() -> None:
     source = recording(frames=21, markers=1)
     for seed in range(20):
         result = cut(source, length=4, count=4, seed=seed)
-        assert len(runs(result.hidden.hidden)) == 4
+        assert len(runs_in(result.hidden.hidden)) == 4
 
 
 @pytest.mark.parametrize(
@@ -210,7 +198,7 @@ def test_only_seed_gaps_and_reference_shape_decide(
 def events(result: Cut) -> list[set[int]]:
     """Return the markers of each event; events of one start frame would be one."""
     actual: dict[int, set[int]] = {}
-    for marker, start, _ in runs(result.hidden.hidden):
+    for marker, start, _ in runs_in(result.hidden.hidden):
         actual.setdefault(start, set()).add(marker)
     return list(actual.values())
 

@@ -8,14 +8,14 @@ import pytest
 from nodegraph import get_node
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
+from tests.plugins.recordings import make_recording
 
 dropout = get_node("gaps.dropout")
 
 
 def take(frames: int = 2000, markers: int = 20) -> Trajectories:
     positions = np.random.default_rng(1).normal(size=(frames, markers, 3))
-    names = tuple(f"m{number}" for number in range(markers))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(positions)
 
 
 @pytest.mark.parametrize(("share", "length"), [(0.05, 15), (0.3, 4)])

@@ -12,6 +12,7 @@ import pytest
 from nodegraph_gaps.cut import cut
 from nodegraph_gaps.places import free_places
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.recordings import make_recording
 
 
 def recording(frames: int, markers: int, missing: float = 0.0) -> Trajectories:
@@ -20,8 +21,7 @@ def recording(frames: int, markers: int, missing: float = 0.0) -> Trajectories:
     origin = random.choice([1, 1, 1, 2, 3], (frames, markers)).astype(np.uint8)
     origin[random.random((frames, markers)) < missing] = Origin.MISSING
     positions[origin == Origin.MISSING] = np.nan
-    names = tuple(f"m{index}" for index in range(markers))
-    return Trajectories(positions=positions, markers=names, rate=60.0, origin=origin)
+    return make_recording(positions, origin)
 
 
 @pytest.mark.parametrize("length", [1, 2, 5])

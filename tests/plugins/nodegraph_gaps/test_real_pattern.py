@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from nodegraph_gaps.transplant import read_pattern
 from nodegraph_mocap import Origin, Trajectories
+from tests.plugins.recordings import make_recording
 
 FRAMES, MARKERS = 60, 5
 
@@ -26,8 +27,7 @@ def with_gaps(*gaps: tuple[int, int, int], rate: float = 100.0) -> Trajectories:
 def lacking(missing: NDArray[np.bool_], rate: float = 100.0) -> Trajectories:
     positions = np.random.default_rng(0).normal(size=(*missing.shape, 3))
     positions[missing] = np.nan
-    names = tuple(f"m{index}" for index in range(missing.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=rate)
+    return make_recording(positions, rate=rate)
 
 
 def read(source: Trajectories, rate: float = 100.0) -> list[tuple[int, int, int]]:

@@ -3,57 +3,37 @@
 from __future__ import annotations
 
 import re
-import warnings
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
-from nodegraph_files import read_c3d
 from nodegraph_gaps.cut import cut
-from nodegraph_mocap import Trajectories
-from tests.studies import DATA, needs_recordings
+from tests.plugins.recordings import real_take, runs_in
+from tests.studies import needs_recordings
 
 PATTERNS = ["random", "contiguous", "region", "end", "occlusion"]
 
 pytestmark = needs_recordings
 
 
-@cache
-def take(name: str) -> Trajectories:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return read_c3d(DATA / f"{name}.c3d")
-
-
-def gaps(missing: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
-    """Return (marker, first frame, length) of every run, by marker."""
-    pieces = []
-    for marker, column in enumerate(missing.T):
-        text = "".join("x" if value else "." for value in column)
-        pieces += [(marker, match.start(), len(match.group())) for match in re.finditer("x+", text)]
-    return pieces
-
-
 def test_the_shoulder_has_the_gaps_that_it_is_known_for() -> None:
-    actual = gaps(~take("vicon/shoulder").present)
+    actual = runs_in(~real_take("vicon/shoulder").present)
     lengths = [length for *_, length in actual]
     assert (len(actual), min(lengths), max(lengths)) == (34, 1, 71)
     assert len({marker for marker, *_ in actual}) == 13
-    assert (~take("vicon/shoulder").present).sum(axis=1).max() == 3
+    assert (~real_take("vicon/shoulder").present).sum(axis=1).max() == 3
 
 
 @pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks"])
 @pytest.mark.parametrize("seed", range(5))
 def test_the_shoulders_gaps_on_a_face(name: str, seed: int) -> None:
-    origin, face = take("vicon/shoulder"), take(name)
-    theirs = gaps(~origin.present)
+    origin, face = real_take("vicon/shoulder"), real_take(name)
+    theirs = runs_in(~origin.present)
     hidden = cut(face, origin, seed=seed).hidden.hidden
-    mine = gaps(hidden)
+    mine = runs_in(hidden)
     # 100 Hz to 60 Hz: six tenths of the frames, one at least
     wanted = sorted(max(round(0.6 * length), 1) for *_, length in theirs)
     assert sorted(length for *_, length in mine) == wanted
@@ -84,7 +64,7 @@ def test_the_shoulders_gaps_on_a_face(name: str, seed: int) -> None:
 def test_a_study_of_gaps_gets_them_or_hears_how_many_there_can_be(
     name: str, length: int, simultaneous: int, pattern: object, seed: int
 ) -> None:
-    face = take(name)
+    face = real_take(name)
     ask: Any = {"length": length, "simultaneous": simultaneous, "pattern": pattern, "seed": seed}
     count = 20
     try:
@@ -93,7 +73,7 @@ def test_a_study_of_gaps_gets_them_or_hears_how_many_there_can_be(
         count = int(re.findall(r"(\d+) fit into", str(error))[0])
         assert 0 < count < 20
         hidden = cut(face, count=count, **ask).hidden.hidden
-    actual = gaps(hidden)
+    actual = runs_in(hidden)
     assert [frames for *_, frames in actual] == [length] * (count * simultaneous)
     for _, start, frames in actual:
         assert start > 0
@@ -115,4 +95,4 @@ def test_how_many_fit_is_all_that_there_is_room_for(
 ) -> None:
     """41 markers of 1499 frames; no two groups of 20 nearest markers are disjoint there."""
     with pytest.raises(ValueError, match=f"20 gaps of {length} frames .* requested, {most} fit"):
-        cut(take("animface/cheeks"), length=length, simultaneous=simultaneous, pattern=pattern)
+        cut(real_take("animface/cheeks"), length=length, simultaneous=simultaneous, pattern=pattern)

@@ -22,6 +22,7 @@ from nodegraph.testing import check_node
 from nodegraph_gaps.cut import cut
 from nodegraph_gaps.transplant import read_pattern
 from nodegraph_mocap import Trajectories
+from tests.plugins.recordings import make_recording, runs_in
 
 GAPS = ((3, 10, 4), (1, 12, 20), (3, 40, 1), (0, 41, 5), (2, 44, 3))
 """Marker, first frame, length: 3 and 1 at once, then 0 and 2 at once."""
@@ -32,8 +33,7 @@ def lacking(missing: NDArray[np.bool_], rate: float = 60.0) -> Trajectories:
     shape = random.normal(0, 50, (missing.shape[1], 3))
     positions = shape + random.normal(0, 0.1, (*missing.shape, 3))
     positions[missing] = np.nan
-    names = tuple(f"m{index}" for index in range(missing.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=rate)
+    return make_recording(positions, rate=rate)
 
 
 def source(rate: float = 60.0) -> Trajectories:
@@ -45,15 +45,6 @@ def source(rate: float = 60.0) -> Trajectories:
 
 def whole(frames: int = 200, markers: int = 12) -> Trajectories:
     return lacking(np.zeros((frames, markers), dtype=np.bool_))
-
-
-def gaps(missing: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
-    """Return (marker, first frame, length) of every run, by marker."""
-    pieces = []
-    for marker, column in enumerate(missing.T):
-        text = "".join("x" if value else "." for value in column)
-        pieces += [(marker, match.start(), len(match.group())) for match in re.finditer("x+", text)]
-    return pieces
 
 
 def test_the_gaps_are_those_of_the_source_at_another_time_on_other_markers() -> None:
@@ -121,7 +112,7 @@ def test_the_whole_pattern_fits_or_the_error_counts(
         predictors, fitting = map(int, re.findall(r"(\d+) (?:gaps on|fit into)", str(error)))
         assert fitting < predictors == len(pattern.length)
         return
-    actual = gaps(result.hidden.hidden)
+    actual = runs_in(result.hidden.hidden)
     assert sorted(length for *_, length in actual) == sorted(pattern.length.tolist())
     assert len({marker for marker, *_ in actual}) == pattern.markers
     for marker, first, length in actual:

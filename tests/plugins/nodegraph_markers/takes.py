@@ -14,16 +14,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from nodegraph_files import read_c3d, read_marker_set_yaml
+from nodegraph_files import read_marker_set_yaml
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_synthesize.face import SyntheticFace, synthesize_face
+from tests.plugins.recordings import real_take
 from tests.studies import DATA
 
-TAKES = {
-    "jaw": ("animface/jaw.c3d", "animface/markers.yaml"),
-    "cheeks": ("animface/cheeks.c3d", "animface/markers.yaml"),
-    "take001": ("facecap/take001.c3d", "facecap/markers.yaml"),
-}
+TAKES = {"jaw": "animface", "cheeks": "animface", "take001": "facecap"}
+"""The folder of each take."""
 
 
 @contextmanager
@@ -42,9 +40,8 @@ def face(**settings: Any) -> SyntheticFace:
 def read_take(name: str) -> tuple[Trajectories, MarkerSet]:
     if not DATA.exists():
         pytest.skip("the recordings are not part of the package")
-    recording, marker_set = TAKES[name]
-    with quiet():
-        return read_c3d(DATA / recording), read_marker_set_yaml(DATA / marker_set)
+    folder = TAKES[name]
+    return real_take(f"{folder}/{name}"), read_marker_set_yaml(DATA / folder / "markers.yaml")
 
 
 def without_names(recording: Trajectories, seed: int = 0) -> Trajectories:

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from nodegraph_mocap import MarkerSet, Trajectories
 from nodegraph_mocap.view import frontal
 from tests.plugins.nodegraph_plot import made_face
-from tests.studies import DATA, needs_recordings
+from tests.plugins.recordings import real_take
+from tests.studies import needs_recordings
 
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
@@ -77,9 +78,7 @@ def test_a_turned_head_is_seen_from_its_own_front(degrees: float) -> None:
 @needs_recordings
 @pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks", "facecap/take001"])
 def test_real_faces_are_upright_without_a_marker_set(name: str) -> None:
-    from nodegraph_files.c3d import read_c3d
-
-    recording = read_c3d(DATA / f"{name}.c3d")
+    recording = real_take(name)
     for rotation in (np.eye(3), Z_UP, Z_UP_FACING_X, Y_UP_FACING_X):
         assert_upright(recording, rotation)
 

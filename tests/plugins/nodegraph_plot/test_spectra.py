@@ -12,6 +12,7 @@ from scipy.signal import welch
 from nodegraph import Across
 from nodegraph_mocap import Trajectories
 from nodegraph_plot.spectra import spectra
+from tests.plugins.recordings import make_recording
 
 RATE, FRAMES, SEGMENT = 60.0, 600, 128
 
@@ -22,9 +23,7 @@ def across(**recordings: Trajectories) -> Across[Trajectories]:
 
 def noise(seed: int, *, markers: int = 3) -> Trajectories:
     positions = np.random.default_rng(seed).normal(0, 1.5, (FRAMES, markers, 3))
-    return Trajectories(
-        positions=positions, markers=tuple(f"m{offset}" for offset in range(markers)), rate=RATE
-    )
+    return make_recording(positions)
 
 
 def lines(figure: MatplotlibFigure) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from nodegraph import Across, Refusal
 from nodegraph_mocap import HeadMotion, Trajectories
 from nodegraph_score.alignment import COLUMNS, alignment
 from nodegraph_tables import info_of
+from tests.plugins.recordings import make_recording
 
 FRAMES = 400
 FACE = np.random.default_rng(8).normal(0.0, 40.0, (12, 3))
@@ -44,14 +45,9 @@ def speech(frames: int = FRAMES, mm: float = 3.0) -> NDArray[np.float64]:
     return offsets
 
 
-def recording(positions: NDArray[np.float64]) -> Trajectories:
-    names = tuple(f"m{number}" for number in range(positions.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
-
-
 def captured(offsets: NDArray[np.float64], where: HeadMotion) -> Trajectories:
     turned = np.einsum("tij,tmj->tmi", where.rotations, FACE + offsets)
-    return recording(turned + where.translations[:, None])
+    return make_recording(turned + where.translations[:, None])
 
 
 def single(take: object) -> Across[Any]:
@@ -107,7 +103,7 @@ def test_what_an_alignment_has_left_is_found() -> None:
     """Only the shift was taken out, so that the turn is all that is left."""
     where = motion()
     shift = replace(where, rotations=still().rotations)
-    estimate = recording(captured(speech(), where).positions - where.translations[:, None])
+    estimate = make_recording(captured(speech(), where).positions - where.translations[:, None])
     table = alignment(single(estimate), where, single(shift))
     turned = captured(speech(), replace(where, translations=still().translations))
     same = alignment(single(turned), replace(where, translations=still().translations))
@@ -116,7 +112,7 @@ def test_what_an_alignment_has_left_is_found() -> None:
 
 def test_the_order_of_what_was_removed_does_not_matter() -> None:
     where, take = motion(), captured(speech(), motion())
-    aligned = recording(FACE + speech())
+    aligned = make_recording(FACE + speech())
     takes = of(no=take, yes=aligned)
     one_way = alignment(takes, where, of(no=still(), yes=where))
     other = alignment(takes, where, of(yes=where, no=still()))
@@ -128,7 +124,7 @@ def test_scans_in_any_order_are_judged_alike() -> None:
     take, where = captured(speech(), motion()), motion()
     mixed = replace(where, rotations=where.rotations[order], translations=where.translations[order])
     table = alignment(single(take), where)
-    other = alignment(single(recording(take.positions[order])), mixed)
+    other = alignment(single(make_recording(take.positions[order])), mixed)
     same = ["share", "head motion", "in all", "R", "correlation"]
     np.testing.assert_allclose(table[same].to_numpy(), other[same].to_numpy(), atol=1e-9)
     assert (other["by chance"] < table["by chance"]).all()
@@ -138,7 +134,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
     positions = captured(speech(), motion()).positions.copy()
     positions[30:50, 2] = np.nan
     with pytest.warns(UserWarning, match="20 of 400 frames lack samples: left out"):
-        table = alignment(single(recording(positions)), motion())
+        table = alignment(single(make_recording(positions)), motion())
     kept = np.r_[0:30, 50:400]
     whole = motion()
     part = HeadMotion(
@@ -146,7 +142,7 @@ def test_incomplete_frames_are_left_out_and_counted() -> None:
         translations=whole.translations[kept],
         scales=whole.scales[kept],
     )
-    same = alignment(single(recording(positions[kept])), part)
+    same = alignment(single(make_recording(positions[kept])), part)
     np.testing.assert_allclose(table["head motion"], same["head motion"], atol=1e-9)
     assert list(info_of(table).notes) == ["20 of 400 frames lack samples: left out."]
 
@@ -155,7 +151,9 @@ def test_a_recording_that_cannot_be_judged_does_not_stop_the_others() -> None:
     positions = np.full((FRAMES, 12, 3), np.nan)
     positions[:, :11] = captured(speech(), motion()).positions[:, :11]
     with pytest.warns(UserWarning, match=r"bad: needs 2 complete frames; 0 of 400 are \(m11 alone"):
-        table = alignment(of(bad=recording(positions), good=captured(speech(), motion())), motion())
+        table = alignment(
+            of(bad=make_recording(positions), good=captured(speech(), motion())), motion()
+        )
     assert set(table["align"]) == {"good"}
 
 
@@ -172,7 +170,7 @@ def test_a_recording_that_cannot_be_judged_does_not_stop_the_others() -> None:
 )
 def test_what_has_no_components_is_refused(positions: NDArray[np.float64], message: str) -> None:
     with pytest.raises(Refusal, match=message):
-        alignment(single(recording(positions)), motion(len(positions)))
+        alignment(single(make_recording(positions)), motion(len(positions)))
 
 
 def test_too_few_frames_say_nothing_of_correlation() -> None:

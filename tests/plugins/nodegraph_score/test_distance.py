@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import tracemalloc
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -19,6 +18,7 @@ from nodegraph_mocap import Trajectories
 from nodegraph_score.distance import distance
 from nodegraph_score.roughness import roughness
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 NUMBERS = ["sum of squares", "rms", "mean", "max"]
 
@@ -46,9 +46,7 @@ def test_every_number_is_the_documented_formula(
     reference = without(recording(5, seed=seed + 100), missing[1])
     if one_frame:
         reference = without(recording(1, seed=seed + 100), missing[1, :1])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        table = distance(estimate, reference)
+    table = quietly(distance, estimate, reference)
     assert table["frame"].tolist() == list(range(5))
     for frame, row in enumerate(table.to_dict("records")):
         apart = {}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 from pandas import DataFrame
 
@@ -13,6 +11,7 @@ from nodegraph_score.alignment_answer import answer_of
 from nodegraph_score.steps import steps
 from nodegraph_tables import Answer, info_of
 from nodegraph_tables.answer import answer_html, plain
+from tests.plugins.recordings import quietly
 
 
 def recording(error: float, missing: int = 0) -> Trajectories:
@@ -25,9 +24,7 @@ def recording(error: float, missing: int = 0) -> Trajectories:
 
 def of_steps(**errors: float) -> Answer:
     stages = {name: recording(error, name == "captured") for name, error in errors.items()}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        answer = info_of(steps(Across.of(stages, axis="stage"), recording(0.0))).answer
+    answer = info_of(quietly(steps, Across.of(stages, axis="stage"), recording(0.0))).answer
     assert answer_html(answer)
     return answer
 

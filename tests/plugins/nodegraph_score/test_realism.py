@@ -8,18 +8,17 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph import Across, Refusal
-from nodegraph_mocap import Table, Trajectories
+from nodegraph_mocap import Table
 from nodegraph_score.realism import MEASURES, realism
 from nodegraph_synthesize.smooth_noise import red_noise, smooth_noise
+from tests.plugins.recordings import make_recording
 
 RATE, FRAMES, MARKERS = 60.0, 3600, 18
 SHAPE = np.random.default_rng(1).uniform(-60.0, 60.0, (MARKERS, 3))
 
 
 def _measured(movement: NDArray[np.float64]) -> dict[str, float]:
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    take = Trajectories(positions=SHAPE + movement, markers=names, rate=RATE)
-    table = realism(Across.of({"a": take}, axis="take")).table
+    table = realism(Across.of({"a": make_recording(SHAPE + movement)}, axis="take")).table
     return dict(table.iloc[0].drop("recording"))
 
 
@@ -83,8 +82,7 @@ def test_missing_samples_are_bridged_and_counted() -> None:
 
 
 def test_people_stand_beside_the_recordings() -> None:
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    take = Trajectories(positions=SHAPE + _noise(), markers=names, rate=RATE)
+    take = make_recording(SHAPE + _noise())
     table: Table = realism(Across.of({"a": take, "b": take}, axis="take")).table
     assert table["recording"].tolist() == ["a", "b", "people, lowest", "people, highest"]
     lowest, highest = table.iloc[2].drop("recording"), table.iloc[3].drop("recording")
@@ -102,11 +100,10 @@ def test_people_stand_beside_the_recordings() -> None:
 def test_too_little_is_refused(frames: int, rate: float, markers: int, message: str) -> None:
     positions = np.full((frames, MARKERS, 3), np.nan)
     positions[:, :markers] = SHAPE[:markers]
-    names = tuple(f"m{index}" for index in range(MARKERS))
-    take = Trajectories(positions=positions, markers=names, rate=rate)
+    take = make_recording(positions, rate=rate)
     with pytest.raises(Refusal, match=message):
         realism(Across.of({"a": take}, axis="take"))
-    whole = Trajectories(positions=SHAPE + _noise(), markers=names, rate=RATE)
+    whole = make_recording(SHAPE + _noise())
     with pytest.warns(match=f"not measured: .*{message}"):
         table = realism(Across.of({"a": take, "b": whole}, axis="take")).table
     assert table["recording"].tolist()[0] == "b"

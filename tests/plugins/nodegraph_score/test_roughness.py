@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -10,14 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodegraph_mocap import Origin, Trajectories
+from nodegraph_mocap import Origin
 from nodegraph_score.roughness import roughness
 from nodegraph_tables import info_of
-
-
-def recording(positions: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> Trajectories:
-    names = tuple(f"m{index}" for index in range(positions.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+from tests.plugins.recordings import make_recording, quietly
 
 
 @given(seed=st.integers(0, 2**32 - 1))
@@ -25,9 +20,7 @@ def test_equals_its_definition(seed: int) -> None:
     random = np.random.default_rng(seed)
     positions = 500.0 + np.cumsum(random.normal(0.3, 1, (random.integers(1, 25), 4, 3)), axis=0)
     positions[random.random(positions.shape[:2]) < 0.3] = np.nan
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        table = roughness(recording(positions))
+    table = quietly(roughness, make_recording(positions))
     for marker, row in enumerate(table.to_dict("records")):
         steps = [
             after - before
@@ -45,7 +38,7 @@ def test_equals_its_definition(seed: int) -> None:
 
 def test_filled_samples_count() -> None:
     positions = np.random.default_rng(1).normal(0, 1, (9, 1, 3))
-    plain = recording(positions)
+    plain = make_recording(positions)
     changed = np.zeros((9, 1), dtype=bool)
     changed[3:5] = True
     filled = plain.with_samples(positions, changed=changed, origin=Origin.FILLED)
@@ -57,7 +50,7 @@ def test_under_two_steps_are_counted() -> None:
     positions[2:, 0] = positions[1::2, 1] = np.nan
     message = "2 of 3 markers have fewer than two steps and no roughness"
     with pytest.warns(UserWarning, match=message):
-        table = roughness(recording(positions))
+        table = roughness(make_recording(positions))
     assert table["vectors"].tolist() == [1, 0, 3]
     assert table["roughness"].isna().tolist() == [True, True, False]
     assert list(info_of(table).notes) == [f"{message}."]
@@ -65,4 +58,4 @@ def test_under_two_steps_are_counted() -> None:
 
 def test_a_step_beyond_all_numbers_is_refused() -> None:
     with pytest.raises(ValueError, match="too large"):
-        roughness(recording(np.random.default_rng(0).normal(0, 1e200, (5, 2, 3))))
+        roughness(make_recording(np.random.default_rng(0).normal(0, 1e200, (5, 2, 3))))

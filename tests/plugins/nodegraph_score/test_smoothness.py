@@ -9,16 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_mocap import Trajectories
 from nodegraph_score.smoothness import smoothness
 from nodegraph_tables import info_of
+from tests.plugins.recordings import make_recording
 
 Positions = NDArray[np.float64]
-
-
-def recording(positions: Positions, rate: float = 60.0) -> Trajectories:
-    names = tuple(f"m{index}" for index in range(positions.shape[1]))
-    return Trajectories(positions=positions, markers=names, rate=rate)
 
 
 def moving(late: float = 0.0, frames: int = 600) -> Positions:
@@ -31,7 +26,9 @@ def moving(late: float = 0.0, frames: int = 600) -> Positions:
 
 
 def rows(estimate: Positions, truth: Positions, rate: float = 60.0) -> list[dict[object, Any]]:
-    return smoothness(recording(estimate, rate), recording(truth, rate)).to_dict("records")
+    return smoothness(
+        make_recording(estimate, rate=rate), make_recording(truth, rate=rate)
+    ).to_dict("records")
 
 
 @pytest.mark.parametrize("late", [0.0, 0.25, 0.5, 1.0, 2.3, -1.7, -12.0])
@@ -104,9 +101,9 @@ def absent(truth: Positions) -> Positions:
 def test_what_has_no_value_is_nan_and_reported(
     make: Callable[[Positions], Positions], kept: float, message: str
 ) -> None:
-    truth = recording(moving())
+    truth = make_recording(moving())
     with pytest.warns(UserWarning, match="2 of 2 markers have no |1200 samples of ") as caught:
-        table = smoothness(recording(make(truth.positions)), truth)
+        table = smoothness(make_recording(make(truth.positions)), truth)
     assert message in [str(warning.message) for warning in caught]
     assert list(info_of(table).notes) == [f"{warning.message}." for warning in caught]
     assert table["lag"].isna().all()
@@ -126,6 +123,6 @@ def test_truth_that_stands_still_has_no_movement_to_keep() -> None:
 @pytest.mark.parametrize("frames", [0, 1, 2, 3, 4, 5])
 @pytest.mark.filterwarnings("ignore:.* markers have no")
 def test_short_takes(frames: int) -> None:
-    table = smoothness(recording(moving(frames=frames)), recording(moving(frames=frames)))
+    table = smoothness(make_recording(moving(frames=frames)), make_recording(moving(frames=frames)))
     assert table["samples"].tolist() == [frames, frames]
     assert table["rmse"].isna().all() if frames == 0 else (table["rmse"] == 0).all()

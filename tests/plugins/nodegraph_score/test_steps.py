@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +14,7 @@ from nodegraph import Absent, Across
 from nodegraph_mocap import Trajectories
 from nodegraph_score.steps import COLUMNS, steps
 from nodegraph_tables import info_of
+from tests.plugins.recordings import quietly
 
 FRAMES, NAMES = 30, ("a", "b", "c", "d")
 
@@ -45,9 +45,7 @@ def chain(**stages: Trajectories) -> Across[Trajectories]:
 
 
 def rows(stages: Across[Trajectories], against: Trajectories | None = None) -> list[dict[Any, Any]]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return steps(stages, against or truth()).to_dict("records")
+    return quietly(steps, stages, against or truth()).to_dict("records")
 
 
 def test_a_repair_counts_over_the_samples_that_it_changed() -> None:

@@ -17,7 +17,7 @@ from nodegraph.equality import difference
 from nodegraph_mocap import Origin, Selection, Trajectories
 from nodegraph_select.pfa import COLUMNS, pfa
 from tests.plugins.nodegraph_select.faces import columns_of, make_face, make_rigid
-from tests.plugins.recordings import quietly
+from tests.plugins.recordings import make_recording, quietly
 
 
 def plain_runs(
@@ -249,8 +249,7 @@ def large_face() -> Trajectories:
     reach = random.gamma(0.4, 1.0, (12, 41, 1)) * random.normal(0, 1, (12, 41, 3))
     positions = random.normal(0, 40, (41, 3)) + np.einsum("tk,kmc->tmc", time, reach)
     positions += random.normal(0, 0.05, positions.shape)
-    names = tuple(f"m{index}" for index in range(41))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(positions)
 
 
 def without_inertia(selection: Selection) -> Selection:

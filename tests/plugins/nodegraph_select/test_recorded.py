@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -11,13 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nodegraph_files import read_c3d, read_live_link, read_marker_set_yaml, read_model_npz
+from nodegraph_files import read_live_link, read_marker_set_yaml, read_model_npz
 from nodegraph_mocap import Selection, Trajectories
 from nodegraph_select.greedy import greedy
 from nodegraph_select.pfa import pfa
 from nodegraph_select.qr import qr
 from nodegraph_select.random import random
 from nodegraph_select.variance import variance
+from tests.plugins.recordings import quietly, real_take
 from tests.studies import DATA, needs_recordings
 
 TAKES = ("jaw", "cheeks", "take001", "actor_a", "actor_b")
@@ -30,8 +30,9 @@ def take(name: str) -> Trajectories:
     """Optical takes as they are, the others as their weights pose the head that holds still."""
     if name in ("jaw", "cheeks"):
         marker_set = read_marker_set_yaml(DATA / "animface" / "markers.yaml")
-        recording = read_c3d(DATA / "animface" / f"{name}.c3d")
-        return replace(recording.keep(marker_set.markers), marker_set=marker_set)
+        return replace(
+            real_take(f"animface/{name}").keep(marker_set.markers), marker_set=marker_set
+        )
     values, names, rate = weights(name)
     model = read_model_npz(DATA / "facecap" / "model_60_markers.npz")
     shapes = {shape.lower(): offsets for shape, offsets in zip(model.names, model.shapes)}  # noqa: B905
@@ -57,9 +58,7 @@ def weights(name: str) -> tuple[Any, tuple[str, ...], float]:
 
 @cache
 def recorded_selection(name: str, k: int) -> tuple[Selection, dict[str, Any]]:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        selection = pfa(take(name), k=k)
+    selection = quietly(pfa, quietly(take, name), k=k)
     assert selection.history is not None
     return selection, dict(zip(selection.columns, selection.history.T, strict=True))
 

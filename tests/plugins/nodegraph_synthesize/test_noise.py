@@ -13,14 +13,14 @@ from scipy.signal import welch
 from nodegraph_mocap import Trajectories
 from nodegraph_synthesize.face import synthesize_face
 from nodegraph_synthesize.noise import add
+from tests.plugins.recordings import make_recording
 
 
 def recording(frames: int = 400, markers: int = 15, *, missing: float = 0.1) -> Trajectories:
     random = np.random.default_rng(2)
     positions = random.normal(0, 60, (frames, markers, 3))
     positions[random.random((frames, markers)) < missing] = np.nan
-    names = tuple(f"m{index}" for index in range(markers))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(positions)
 
 
 def test_each_coordinate_is_off_by_sigma_and_independent_of_the_others() -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.points_scatter import GHOST_MARGIN, scatter
+from tests.plugins.recordings import make_recording
 
 
 def recording(frames: int = 50, markers: int = 20) -> Trajectories:
@@ -14,8 +15,7 @@ def recording(frames: int = 50, markers: int = 20) -> Trajectories:
     positions = random.normal(size=(frames, markers, 3)) * [60, 80, 20]
     positions[random.random((frames, markers)) < 0.1] = np.nan
     positions[7] = np.nan
-    names = tuple(f"m{index}" for index in range(markers))
-    return Trajectories(positions=positions, markers=names, rate=60.0)
+    return make_recording(positions)
 
 
 def rows(detections: Detections) -> set[tuple[float, ...]]:

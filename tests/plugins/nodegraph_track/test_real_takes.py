@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from nodegraph_files import read_c3d
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.tracking import tracking
 from nodegraph_track.assignment import assignment
 from nodegraph_track.nearest import nearest
 from nodegraph_track.neighbours import neighbours
 from nodegraph_track.points_scatter import scatter
-from tests.studies import DATA, needs_recordings
+from tests.plugins.recordings import quietly, real_take
+from tests.studies import needs_recordings
 
 Tracker = Callable[..., Trajectories]
 
@@ -23,10 +22,8 @@ pytestmark = needs_recordings
 
 
 def score(tracker: Tracker, name: str, dropout: float, ghosts: float) -> Table:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        detections, truth = scatter(read_c3d(DATA / name), dropout=dropout, ghosts=ghosts)
-        return tracking(tracker(detections), truth)
+    detections, truth = scatter(real_take(name), dropout=dropout, ghosts=ghosts)
+    return quietly(tracking, quietly(tracker, detections), truth)
 
 
 def wrong(tracker: Tracker, name: str, dropout: float, ghosts: float) -> float:
@@ -35,7 +32,7 @@ def wrong(tracker: Tracker, name: str, dropout: float, ghosts: float) -> float:
 
 
 @pytest.mark.parametrize("tracker", [assignment, neighbours])
-@pytest.mark.parametrize("name", ["animface/jaw.c3d", "animface/cheeks.c3d"])
+@pytest.mark.parametrize("name", ["animface/jaw", "animface/cheeks"])
 @pytest.mark.parametrize(("dropout", "ghosts"), [(0.02, 0.01), (0.1, 0.05)])
 def test_every_link_is_right(tracker: Tracker, name: str, dropout: float, ghosts: float) -> None:
     actual = score(tracker, name, dropout, ghosts)
@@ -46,7 +43,7 @@ def test_every_link_is_right(tracker: Tracker, name: str, dropout: float, ghosts
 
 def test_a_head_that_moves_fast_is_for_the_neighbours() -> None:
     actual = [
-        wrong(value, "facecap/take001.c3d", dropout=0.05, ghosts=0.02)
+        wrong(value, "facecap/take001", dropout=0.05, ghosts=0.02)
         for value in (neighbours, assignment, nearest)
     ]
     assert actual[0] < 300.0
@@ -55,6 +52,6 @@ def test_a_head_that_moves_fast_is_for_the_neighbours() -> None:
 
 @pytest.mark.parametrize("tracker", [assignment, neighbours])
 def test_a_body_whose_parts_move_by_themselves_needs_prediction(tracker: Tracker) -> None:
-    body = "vicon/shoulder.c3d"
+    body = "vicon/shoulder"
     assert wrong(tracker, body, dropout=0.2, ghosts=0.05) < 100.0
     assert wrong(nearest, body, dropout=0.2, ghosts=0.05) > 500.0
