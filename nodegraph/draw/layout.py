@@ -475,7 +475,7 @@ def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> l
 class Connector(NamedTuple):
     """The middle of a circle at an end of an arrow between two bands.
 
-    Equal numbers belong to one output.
+    Equal numbers belong to one output. What the report lists has none: it names what it reads.
     """
 
     number: int
@@ -525,11 +525,13 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     links_of = _links_of(picture)
     links = tuple([link for each in links_of for link in each])
     frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
+    lists = {box.name for box in picture.boxes if any(each.items for each in box.inputs)}
     cut: set[Arrow] = set()
+    numbered: set[Arrow] = set()
     led: frozenset[_Link] = frozenset()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
-        first = _outlines(shapes, cut, led)
+        first = _outlines(shapes, numbered, led)
         bands, before = _bands(first, links), cut
         led = _led(picture, links_of, frames, bands)
         cut = {
@@ -537,21 +539,22 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
             for arrow, (link, *_) in zip(picture.arrows, links_of, strict=True)
             if _steps(link, frames, bands) and link not in led
         }
+        numbered = {arrow for arrow in cut if arrow.target not in lists}
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes, cut, led), links, led)
+    placed = _placed(first, _outlines(shapes, numbered, led), links, led)
     ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines), cut)
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes, cut, led), links, led)
+        placed = _placed(first, _outlines(shapes, numbered, led), links, led)
     routes = _routes(links_of, placed.lines)
     boxes = tuple(zip(shapes, placed.corners, strict=True))
     return Layout(
         boxes,
         placed.frames,
         routes,
-        tuple(_connectors(boxes, [*zip(picture.arrows, routes, strict=True)], cut)),
+        tuple(_connectors(boxes, [*zip(picture.arrows, routes, strict=True)], numbered)),
         placed.width,
         placed.height,
     )
@@ -589,10 +592,10 @@ def _routes(
 def _connectors(
     boxes: Iterable[tuple[Shape, Point]],
     routes: Sequence[tuple[Arrow, Sequence[Sequence[Point]]]],
-    cut: Collection[Arrow],
+    numbered: Collection[Arrow],
 ) -> Iterator[Connector]:
     """Yield the circles at the ends of arrows: those of a port in a row."""
-    truth = {(arrow.source, arrow.source_port): arrow.truth for arrow in cut}
+    truth = {(arrow.source, arrow.source_port): arrow.truth for arrow in numbered}
     numbers: dict[tuple[str, str], int] = {}
     for shape_, corner in boxes:
         for port, height in shape_.outputs.items():
@@ -602,22 +605,22 @@ def _connectors(
                 yield Connector(numbers[output], middle, truth[output])
     beside = Counter[Point]()
     for arrow, lines in reversed(routes):
-        for begin, _ in lines if arrow in cut else ():
+        for begin, _ in lines if arrow in numbered else ():
             middle = _moved(begin, (-CONNECTOR * (1 + 2 * beside[begin]), 0.0))
             beside[begin] += 1
             yield Connector(numbers[arrow.source, arrow.source_port], middle, arrow.truth)
 
 
 def _outlines(
-    shapes: Iterable[Shape], cut: Collection[Arrow], led: Collection[_Link]
+    shapes: Iterable[Shape], numbered: Collection[Arrow], led: Collection[_Link]
 ) -> tuple[_Outline, ...]:
     circle = 2.0 * CONNECTOR
     lanes = _LANE * min(len({link[:2] for link in led}), _MOST_BETWEEN_BANDS)
-    circles = Counter((arrow.target, arrow.target_port) for arrow in cut)
+    circles = Counter((arrow.target, arrow.target_port) for arrow in numbered)
     before = dict.fromkeys((link.target for link in led), lanes + circle + _END)
     for (target, _), count in circles.items():
         before[target] = max(before.get(target, 0.0), circle * count + _END)
-    after = {arrow.source: circle for arrow in cut}
+    after = {arrow.source: circle for arrow in numbered}
     after |= {link.source: circle + lanes for link in led}
     return tuple(
         [
@@ -834,12 +837,19 @@ def _lanes_between(led: Iterable[_Link], bands: _Bands) -> dict[int, list[tuple[
 
 
 def _free(area: Area, bands: _Bands, source: Cell) -> float:
-    """Return where nothing is right of a cell and below it, up to the next band."""
-    x, y = area.corners[source]
-    reach = x + area.sizes[source].width
-    for cell, (left, top) in sorted(area.corners.items(), key=lambda item: item[1]):
-        is_below = bands.get(cell) == bands[source] and top > y
-        if is_below and left < reach + _BETWEEN_COLUMNS:
+    """Return where nothing is right of a cell and below it, up to the next band.
+
+    What a wire leads to is passed with it, so that it is not crossed, if no box stands in the way.
+    """
+    (x, y), size = area.corners[source], area.sizes[source]
+    reach = x + size.width
+    beside = {
+        cell: corner for cell, corner in area.corners.items() if bands.get(cell) == bands[source]
+    }
+    is_alone = all(left <= x or top > y + size.height for left, top in beside.values())
+    begins = {target: area.corners[begin][0] for (begin, _), (target, _) in area.wires if is_alone}
+    for cell, (left, top) in sorted(beside.items(), key=lambda item: item[1]):
+        if top > y and min(left, begins.get(cell, left)) < reach + _BETWEEN_COLUMNS:
             reach = max(reach, left + area.sizes[cell].width)
     return reach
 

@@ -11,7 +11,7 @@ from math import ceil
 from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
 from nodegraph.draw.layout import CONNECTOR, LABEL_HEIGHT, PADDING, Connector, Layout, Point, layout
-from nodegraph.draw.picture import Arrow, Picture
+from nodegraph.draw.picture import Arrow, Box, Picture
 from nodegraph.gc_pause import gc_paused
 
 HEAD_LENGTH = 8.0
@@ -25,6 +25,7 @@ _LOOK = {
     "frame": 'fill="#ffffff" stroke="#aeb8c5" stroke-width="1.2"',
     "frame input": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="1.2"',
     "frame report": 'fill="#ffffff" stroke="#0b63c4" stroke-width="2.2"',
+    "frame compares": 'fill="#ffffff" stroke="#00756b" stroke-width="2.2"',
     "rule": 'stroke="#e4e8ee"',
     "around": 'fill="#7f8fa4" fill-opacity="0.08" stroke="#aeb8c5" stroke-dasharray="2 3"',
     "wire": 'fill="none" stroke="#6c7889" stroke-width="1.6" stroke-linecap="round"',
@@ -149,19 +150,15 @@ def _styles(picture: Picture, drawing: Layout) -> _Samples:
     is_cut = any(each.truth for each in drawing.connectors)
     if is_cut and not any(arrow.truth for arrow in whole):
         samples.append((_connector(Connector(2, (15.0, 0.0), truth=True)), "truth"))
-    for style, shown, bars in (
-        ("alternative", "alternatives", ((-7.5, 6.5, 2.5), (1, 6.5, 2.5))),
-        ("axis", "axes", ((-7, 14, 7),)),
+    if any(box.axes for box in picture.boxes):
+        rect = f'<rect {_LOOK["chip axis"]} x="2" y="-7" width="26" height="14" rx="7"/>'
+        samples.append((f'<g class="chip axis">{rect}</g>', "axes"))
+    for kind, text, radius in (
+        ("input", "reads data", 7),
+        ("compares", "compares alternatives", 3),
+        ("report", "in the report", 3),
     ):
-        if any(getattr(box, shown) for box in picture.boxes):
-            look = _LOOK[f"chip {style}"]
-            rects = [
-                f'<rect {look} x="2" y="{y}" width="26" height="{high}" rx="{radius}"/>'
-                for y, high, radius in bars
-            ]
-            samples.append((f'<g class="chip {style}">{"".join(rects)}</g>', shown))
-    for kind, text, radius in (("input", "reads data", 7), ("report", "in the report", 3)):
-        if any(box.kind == kind for box in picture.boxes):
+        if any(_look(box) == kind for box in picture.boxes):
             place = f'x="2" y="-7" width="26" height="14" rx="{radius}"'
             rect = f'<rect class="frame" {_LOOK[f"frame {kind}"]} {place}/>'
             samples.append((f'<g class="box-{kind}">{rect}</g>', text))
@@ -310,13 +307,18 @@ def _ends(arrow: Arrow) -> str:
     return f"{arrow.source}.{arrow.source_port} {arrow.target}.{arrow.target_port}"
 
 
+def _look(box: Box) -> str:
+    """Return what the frame of a box tells."""
+    return "compares" if box.kind == "node" and box.alternatives else box.kind
+
+
 def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
-    kind = shape.box.kind
+    kind = _look(shape.box)
     radius = 18 if kind == "input" else 9
     look = _LOOK["frame" if kind == "node" else f"frame {kind}"]
     size = f'width="{number(shape.width)}" height="{number(shape.height)}" rx="{radius}"'
     parts = [
-        f'<g class="box box-{shape.box.kind}" data-box="{escaped(shape.box.name)}"'
+        f'<g class="box box-{kind}" data-box="{escaped(shape.box.name)}"'
         f' transform="translate({number(x)} {number(y)})">',
         tag("title", " ".join((shape.box.name, *shape.box.texts))),
         f'<rect class="shade" {_LOOK["shade"]} y="2" {size}/><rect class="frame" {look} {size}/>',

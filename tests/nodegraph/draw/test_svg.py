@@ -3,6 +3,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Iterator
+from itertools import chain as joined
 from itertools import pairwise
 from xml.etree import ElementTree
 
@@ -393,11 +394,29 @@ def test_what_the_report_shows_names_the_sources_that_no_line_leads_to() -> None
     (report,) = (each for each in root.iter(f"{SVG}g") if each.get("data-box") == "report")
     told = [text.text for text in report.iter(f"{SVG}text") if text.get("class") != "name"]
     assert told == ["faces", "from step1, step2", "table", "from step0"]
-    assert connectors(root, rectangles(root)) == {
-        "1": (["report"], ["step0"]),
-        "2": (["report"], ["step1"]),
-        "3": (["report"], ["step2"]),
-    }
+    assert not connectors(root, rectangles(root))
+    assert [notes_of(root, f"step{number}") for number in range(3)] == [["to report"]] * 3
+
+
+def test_an_arrow_to_the_next_row_crosses_nothing_on_its_way_out() -> None:
+    ways = [
+        *(("take", name) for name in ("tested", "overlap", "middle", "end")),
+        *(("middle", "others"), ("end", "others"), ("others", "learnt"), ("overlap", "learnt")),
+        *(("tested", "gaps"), ("gaps", "joined"), ("learnt", "joined"), ("joined", "fill")),
+        *(("fill", "filled"), ("filled", "error")),
+    ]
+    port = (Socket("x"),)
+    boxes = [Box(name, ("x" * 29,), port, port) for name in dict.fromkeys(joined(*ways))]
+    arrows = tuple(Arrow(source, "x", target, "x") for source, target in ways)
+    root = check(Picture("", tuple(boxes), arrows))
+    drawn = {group.attrib["data-arrow"]: lines(group)[0] for group in arrows_of(root)}
+    out = drawn["tested.x gaps.x"]
+    placed = rectangles(root)
+    assert placed["tested"][2] < placed["others"][0]
+    assert placed["others"][3] < placed["gaps"][1]
+    assert not is_cut([out])
+    down = max(x for x, _ in out)
+    assert all(x < down for name in ("middle", "end") for x, _ in drawn[f"{name}.x others.x"])
 
 
 def test_a_graph_that_is_used_as_a_node_is_one_box_among_the_folded() -> None:
