@@ -1,15 +1,24 @@
-"""The errors of pydantic as text."""
+"""Documents checked by pydantic, and its errors as text."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pydantic import ValidationError
+    from pydantic import TypeAdapter, ValidationError
 
 _OTHER_TYPES = re.compile(" or (an )?instance of .*")
+
+
+@cache
+def adapter_of(kind: type) -> TypeAdapter[Any]:
+    """Return what reads and writes documents of a type."""
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(kind)
 
 
 def first_error(error: ValidationError, data: object, at: tuple[int | str, ...] = ()) -> str:

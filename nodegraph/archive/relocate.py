@@ -166,17 +166,14 @@ def relocate_graph(text: str, folder: Path, name: str, names: Mapping[str, str])
             continue
         new = posixpath.relpath(target, here)
         if new != posixpath.normpath(event.value):
-            parts += [text[end : _index(event.start_mark)], _scalar(new)]
+            scalar = new if _PLAIN.fullmatch(new) else json.dumps(new, ensure_ascii=False)
+            parts += [text[end : _index(event.start_mark)], scalar]
             end = _index(event.end_mark)
     return "".join([*parts, text[end:]])
 
 
 def _index(mark: Any) -> int:
     return int(mark.index)
-
-
-def _scalar(text: str) -> str:
-    return text if _PLAIN.fullmatch(text) else json.dumps(text, ensure_ascii=False)
 
 
 def relocate_settings(settings: RunSettings, graph: str, names: Mapping[str, str]) -> RunSettings:

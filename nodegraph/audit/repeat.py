@@ -66,9 +66,6 @@ class Repeats:
         self._worker: Worker | None = None
         self._open = ExitStack()
 
-    def _folder(self) -> str:
-        return self._open.enter_context(TemporaryDirectory(prefix="nodegraph-"))
-
     def __enter__(self) -> Repeats:
         self._open.enter_context(collecting_warnings())
         self._open.enter_context(one_thread_each())
@@ -138,7 +135,8 @@ class Repeats:
         if request is None:
             return "the node or its inputs cannot be sent there"
         if self._worker is None or not self._worker.is_alive:
-            self._worker = Worker(folder=self._folder(), environment=_other_environment())
+            folder = self._open.enter_context(TemporaryDirectory(prefix="nodegraph-"))
+            self._worker = Worker(folder=folder, environment=_other_environment())
         try:
             response = self._worker.send(request)
         except WorkerEndedError:

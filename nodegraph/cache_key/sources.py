@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple
 
 from nodegraph.gc_pause import gc_paused
 
@@ -120,7 +120,7 @@ def _fields(kind: type) -> tuple[str, ...] | None:
 def _run(statements: Iterable[ast.AST]) -> Iterator[ast.AST]:
     """Yield the statements that do something when they run."""
     for statement in statements:
-        if _is_for_types(statement):
+        if isinstance(statement, ast.If) and _last_name(statement.test) == "TYPE_CHECKING":
             yield from _run(statement.orelse)
         elif not _is_idle(statement):
             yield statement
@@ -132,10 +132,6 @@ def _is_idle(statement: ast.AST) -> bool:
         value = statement.value
         return isinstance(value, ast.Constant) and isinstance(value.value, str)
     return isinstance(statement, ast.Pass)
-
-
-def _is_for_types(node: ast.AST) -> TypeGuard[ast.If]:
-    return type(node) is ast.If and _last_name(node.test) == "TYPE_CHECKING"
 
 
 def _last_name(expression: ast.expr) -> str:

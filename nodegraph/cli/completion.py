@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import shlex
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 
 HELP = "Print a script with which a shell completes commands and options."
-_MORE = """\
+MORE = """\
 Nodes of `show` and `nodes` are those that were installed when the script was printed.
 
 example, in ~/.bashrc or ~/.zshrc:
@@ -31,8 +31,6 @@ _STARTS = {"bash": "", "zsh": "autoload -U +X bashcompinit && bashcompinit\n"}
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.description = f"{HELP}\n\n{_MORE}"
-    parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument("shell", choices=_STARTS, help="The shell.")
 
 

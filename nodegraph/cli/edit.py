@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from nodegraph.editor.file import EditedFile
 
 HELP = "Edit a graph file in a browser, as text and as picture."
-_MORE = """\
+MORE = """\
 The page shows the file beside the picture of its graph, with the mistakes that `nodegraph check`
 finds, where they are. Ctrl-S there saves; Ctrl-Enter runs the graph into runs/GRAPH, as `nodegraph
 run` does, and shows how far it is. Until it is saved, what is edited is kept beside the file, in
@@ -33,8 +33,6 @@ example:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.description = f"{HELP}\n\n{_MORE}"
-    parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(
         "graph", type=Path, metavar="GRAPH", help="Graph file; one that is not there begins empty."
     )

@@ -11,7 +11,7 @@ import os
 import shlex
 import sys
 import warnings
-from argparse import SUPPRESS, Action, ArgumentParser, Namespace
+from argparse import SUPPRESS, Action, ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from io import TextIOWrapper
@@ -30,7 +30,10 @@ COMMANDS = (
     "verify", "export", "open", "report", "runs", "site", "cite", "archive", "cache", "schema",
     "completion",
 )  # fmt: skip
-"""Modules of this package, each with a function of its name, `HELP` and `add_arguments`."""
+"""Modules of this package, each with a function of its name, `HELP` and `add_arguments`.
+
+`MORE` follows `HELP` in the help of the command, in lines as they are.
+"""
 
 _EXCERPT = 60  # characters of a line that are shown on either side of an error
 
@@ -39,6 +42,7 @@ class _Command(NamedTuple):
     help: str
     add_arguments: Callable[[ArgumentParser], None]
     call: Callable[[Namespace], int]
+    more: str = ""
 
 
 def program() -> NoReturn:
@@ -211,7 +215,8 @@ def _all_commands(registry: Registry) -> Mapping[str, _Command]:
 
 def _built_in(name: str) -> _Command:
     module = import_module(f"nodegraph.cli.{name}")
-    return _Command(module.HELP, module.add_arguments, getattr(module, name))
+    more = getattr(module, "MORE", "")
+    return _Command(module.HELP, module.add_arguments, getattr(module, name), more)
 
 
 def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentParser:
@@ -250,6 +255,9 @@ def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentP
 def _declared(parser: ArgumentParser, name: str, command: _Command) -> ArgumentParser:
     """Return a parser with the arguments of a command."""
     _add_help(parser)
+    if command.more:
+        parser.description = f"{command.help}\n\n{command.more}"
+        parser.formatter_class = RawDescriptionHelpFormatter
     if name not in COMMANDS:
         add_plugin(parser)
     command.add_arguments(parser)

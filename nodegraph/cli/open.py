@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
 HELP = "Show the report of runs in a browser, with every result behind it."
-_MORE = """\
+MORE = """\
 The page is that of report.html, with all that does not fit into a file: every result of the run,
 from the store or computed when it is asked for, and other runs side by side. A run, also one in
 progress, is shown as its graph with the states of its steps; each card leads to the results of
@@ -28,8 +28,6 @@ example:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.description = f"{HELP}\n\n{_MORE}"
-    parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(
         "runs",
         nargs="+",

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 
 from nodegraph.cli.arguments import add_page, add_plugin, add_reading, values_of
 from nodegraph.cli.browser import needing_pages, ready
 
 HELP = "Show what files hold in a browser, several of them together."
-_MORE = """\
+MORE = """\
 Each file is read by the node that reads its format, and the page says what `nodegraph show FILE`
 prints: rate, length, gaps, and what reading it had to guess. Samples of a recording are marked
 there by hand; the marks are kept beside it, in FILE.marks.csv, and FILE stays as it is. Only this
@@ -21,8 +21,6 @@ example:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.description = f"{HELP}\n\n{_MORE}"
-    parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(
         "files",
         nargs="+",

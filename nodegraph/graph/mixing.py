@@ -26,7 +26,8 @@ def mixing_notices(graph: Graph) -> Iterator[Problem]:
     any of their settings. Methods that declare none are not judged.
     """
     for node in graph.nodes.values():
-        ports = [port for port in map(_hidden_from, _nodes_of(node)) if port is not None]
+        methods = (_hidden_from(method.node) for method in node.methods.values())
+        ports = [port for port in methods if port is not None]
         if not ports:
             continue
         feeds = {
@@ -39,10 +40,6 @@ def mixing_notices(graph: Graph) -> Iterator[Problem]:
             for method in graph.nodes[name].methods.values():
                 if frames := _lookahead(method, ports[0].type):
                     yield _notice(graph.nodes[name], method, frames, node)
-
-
-def _nodes_of(node: GraphNode) -> Iterator[Node]:
-    return (method.node for method in node.methods.values())
 
 
 def _hidden_from(node: Node) -> Port | None:

@@ -109,7 +109,11 @@ class SettingsReader:
     def _fill(self, pending: _Pending, *, in_full: bool) -> None:
         written, axes = pending.written, pending.axes
         if self._namespace.invalid:
-            written = {name: value for name, value in written.items() if self._is_valid(value)}
+            written = {
+                name: value
+                for name, value in written.items()
+                if self._namespace.invalid.isdisjoint(value.variables())
+            }
             axes = self._axes(written.values())
         combinations = itertools.product(*(self._namespace.axes[axis].labels for axis in axes))
         plain = {name: value.value for name, value in written.items()}
@@ -131,9 +135,6 @@ class SettingsReader:
             if len(messages) > _MOST_VALUES:
                 more = f"{len(messages) - _MOST_VALUES} more values of {quoted(name)} are not valid"
                 self._problems.add(place, f"{pending.where}: {more}")
-
-    def _is_valid(self, written: Written) -> bool:
-        return self._namespace.invalid.isdisjoint(written.variables())
 
     def _is_setting(self, where: str, name: str, written: Written, node: Node) -> bool:
         if name in node.settings:

@@ -355,11 +355,11 @@ class _Planner:
         return [
             port
             for port, feed in step.inputs.items()
-            if any(self._is_streamed(each) or each.step in self._cut for each in outputs_in([feed]))
+            if any(
+                each == self._source or each.step in self._live or each.step in self._cut
+                for each in outputs_in([feed])
+            )
         ]
-
-    def _is_streamed(self, output: Output) -> bool:
-        return output == self._source or output.step in self._live
 
     def _add(self, step: Step, ports: Collection[str]) -> str:
         """Add a step that depends on the stream, or return why it cannot run there."""

@@ -15,7 +15,6 @@ import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 from zipfile import is_zipfile
@@ -30,10 +29,10 @@ from nodegraph.lock.portable import FileNames, portable, refuse_paths, relative
 from nodegraph.lock.results import Results
 from nodegraph.lock.sketch import TOLERANCE
 from nodegraph.runs.record import Cell, Record, RecordedStep
-from nodegraph.validation_errors import first_error
+from nodegraph.validation_errors import adapter_of, first_error
 
 if TYPE_CHECKING:
-    from pydantic import TypeAdapter
+    pass
 
 FORMAT = 2
 SUFFIX = ".lock"
@@ -131,7 +130,7 @@ def lock_text(run: Run, path: Path) -> str:
         If it would contain an absolute path of this machine.
     """
     lock = lock_of(run, path)
-    record = _adapter(Record).dump_python(lock.record, mode="json", exclude_defaults=True)
+    record = adapter_of(Record).dump_python(lock.record, mode="json", exclude_defaults=True)
     settings = record.pop("settings")
     head = {
         "title": record.pop("title"),
@@ -180,7 +179,7 @@ def read_lock(path: Path) -> Lock:
         lock = {name: data.get(name, {}) for name in ("conclusions", "tables")}
         lock |= {name: data[name] for name in ("tolerance", "text")}
         lock |= {"sizes": packed.pop("sizes"), "record": packed}
-        read: Lock = _adapter(Lock).validate_python(lock)
+        read: Lock = adapter_of(Lock).validate_python(lock)
     except ValidationError as error:
         raise NodegraphError(f"{path}: not a valid lock: {first_error(error, lock)}") from error
     except KeyError as error:
@@ -281,13 +280,6 @@ def _unpacked(text: str) -> bytes:
     if len(content) > _MOST_BYTES:
         raise ValueError("its record is too large")
     return content
-
-
-@cache
-def _adapter(kind: type) -> TypeAdapter[Any]:
-    from pydantic import TypeAdapter
-
-    return TypeAdapter(kind)
 
 
 def _text(path: Path) -> str:

@@ -64,7 +64,7 @@ def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     total = np.zeros(COUNT)
     if not values.size:
         return total
-    key = _key(name)
+    key = int.from_bytes(hashlib.sha256(name.encode()).digest()[:16], "little")
     for block, start in enumerate(range(0, values.size, _BLOCK)):
         part = values[start : start + _BLOCK]
         total += part @ _weights(key, block, part.size)
@@ -79,10 +79,6 @@ def distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
         return np.inf
     # divided by the largest, so that no square overflows
     return largest * float(np.sqrt(np.mean((differences / largest) ** 2))) if largest else 0.0
-
-
-def _key(name: str) -> int:
-    return int.from_bytes(hashlib.sha256(name.encode()).digest()[:16], "little")
 
 
 def _weights(key: int, block: int, size: int) -> NDArray[np.float64]:

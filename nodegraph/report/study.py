@@ -10,20 +10,14 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING
 
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import number_of
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.foreign import passive, without_foreign_code
 from nodegraph.runs.folder import RECORD, STUDY, content_of
-from nodegraph.validation_errors import first_error
-
-if TYPE_CHECKING:
-    from pydantic import TypeAdapter
-
+from nodegraph.validation_errors import adapter_of, first_error
 
 _MOST_BYTES = 256_000_000
 """Largest study file that is read, in bytes; the file may be another person's."""
@@ -365,7 +359,7 @@ class Study:
 def study_bytes(study: Study) -> bytes:
     """Return a study as compressed JSON."""
     # an error may name a file whose name is not valid text: only JSON's escapes can carry that
-    content = json.dumps(_adapter().dump_python(study))
+    content = json.dumps(adapter_of(Study).dump_python(study))
     return gzip.compress(content.encode(), compresslevel=6, mtime=0)
 
 
@@ -382,7 +376,7 @@ def read_study(folder: Path) -> Study:
     path = folder / STUDY
     try:
         data = json.loads(content_of(path, _MOST_BYTES))
-        return _without_foreign_code(path, _adapter().validate_python(data))
+        return _without_foreign_code(path, adapter_of(Study).validate_python(data))
     except (FileNotFoundError, NotADirectoryError):
         if (folder / RECORD).is_file():
             raise NodegraphError(
@@ -415,10 +409,3 @@ def _without_foreign_code(path: Path, study: Study) -> Study:
             stacklevel=3,
         )
     return replace(study, sections=tuple(sections), graph_svg=folded, graph_unfolded_svg=unfolded)
-
-
-@cache
-def _adapter() -> TypeAdapter[Study]:
-    from pydantic import TypeAdapter
-
-    return TypeAdapter(Study)

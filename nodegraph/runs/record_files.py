@@ -11,7 +11,6 @@ import json
 import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,22 +18,22 @@ from typing import TYPE_CHECKING, Any
 from nodegraph.errors import NodegraphError
 from nodegraph.runs.folder import RECORD, STEPS, content_of, lines_of
 from nodegraph.runs.record import FORMAT, Cell, NotShown, Record, RecordedStep
-from nodegraph.validation_errors import first_error
+from nodegraph.validation_errors import adapter_of, first_error
 
 if TYPE_CHECKING:
-    from pydantic import TypeAdapter
+    pass
 
 
 def record_bytes(record: Record) -> bytes:
     """Return the content of ``run.json``: the record without its steps."""
     # pydantic cannot write names of files that are not valid text; the escapes of JSON can
-    data = _adapter(Record).dump_python(record, exclude={"steps"}, exclude_defaults=True)
+    data = adapter_of(Record).dump_python(record, exclude={"steps"}, exclude_defaults=True)
     return f"{json.dumps(data, indent=1)}\n".encode()
 
 
 def steps_bytes(steps: Iterable[RecordedStep]) -> bytes:
     """Return the content of ``steps.jsonl.gz``: a line of JSON per step, compressed."""
-    dump = _adapter(RecordedStep).dump_python
+    dump = adapter_of(RecordedStep).dump_python
     content = BytesIO()
     # level 6 takes ten times as long for a tenth less
     with gzip.GzipFile(fileobj=content, mode="wb", compresslevel=3, mtime=0) as file:
@@ -92,20 +91,13 @@ def _validated(kind: type, data: object, path: Path, *at: str) -> Any:
     from pydantic import ValidationError
 
     try:
-        return _adapter(kind).validate_python(data)
+        return adapter_of(kind).validate_python(data)
     except ValidationError as error:
         raise _unreadable(path, first_error(error, data, at)) from error
 
 
 def _unreadable(path: Path, reason: object) -> NodegraphError:
     return NodegraphError(f"{path} cannot be read ({reason}); run the graph again")
-
-
-@cache
-def _adapter(kind: type) -> TypeAdapter[object]:
-    from pydantic import TypeAdapter
-
-    return TypeAdapter(kind)
 
 
 def _faults(record: Record) -> Iterator[str]:

@@ -37,6 +37,7 @@ from nodegraph.serve.progress import (
     states_of,
 )
 from nodegraph.state import State
+from nodegraph.validation_errors import adapter_of
 
 _LONGEST = 1 << 20
 _WITHOUT_VALUE = frozenset(state.value for state in State if not state.has_value)
@@ -271,13 +272,13 @@ class OpenRun:
 
     def _begun(self) -> tuple[RunSettings, Path]:
         """Return the settings of an unfinished run and its working directory."""
-        from pydantic import TypeAdapter, ValidationError
+        from pydantic import ValidationError
 
         with self._lock:
             self._read_events()
         planned = self._events.progress.planned
         try:
-            settings = TypeAdapter(RunSettings).validate_python(planned.get("settings"))
+            settings: RunSettings = adapter_of(RunSettings).validate_python(planned.get("settings"))
         except ValidationError as error:
             raise NodegraphError(
                 f"{self.folder / EVENTS} does not begin with the settings of a run"

@@ -71,9 +71,10 @@ def contents(value: object, names: tuple[str, ...]) -> list[object]:
         raise Unstorable(type(value).__name__, "a field of it has no value")
     more = set(getattr(value, "__dict__", ())).difference(names)
     # what it has computed from its fields, it can compute again
-    extra = {name for name in more if not isinstance(_attribute(value, name), cached_property)}
+    kind = type(value)
+    extra = {name for name in more if not isinstance(getattr(kind, name, None), cached_property)}
     if extra:
-        raise Unstorable(type(value).__name__, f"{', '.join(sorted(extra))}: not among its fields")
+        raise Unstorable(kind.__name__, f"{', '.join(sorted(extra))}: not among its fields")
     return values
 
 
@@ -122,10 +123,6 @@ def _check_type(where: str, value: Any, expected: Any) -> None:
         raise Unreadable(f"{where} is {kind.__name__}, not {type(expected).__name__}")
     if is_numpy(kind) and value.dtype != expected.dtype:
         raise Unreadable(f"{where} is of {value.dtype}, not of {expected.dtype}")
-
-
-def _attribute(value: object, name: str) -> object:
-    return getattr(type(value), name, None)
 
 
 def _held_by(module: object, qualified: str) -> object:

@@ -93,8 +93,8 @@ class _Stream:
         self._headers = {name: header_of(value) for name, value in self._streams.items()}
         self._rows = list(rows_of(map(self._streams.get, self._trial.node.streams)))
         self._missing = tuple(
-            None if name not in self._headers else _missing_of(self._headers[name])
-            for name in self._trial.node.streams
+            streamable_of(type(header)).missing(header) if header is not None else None
+            for header in map(self._headers.get, self._trial.node.streams)
         )
 
     def check(self, outputs: Mapping[str, object]) -> None:
@@ -231,10 +231,6 @@ class _Stream:
 
     def _state(self) -> LiveState:
         return live_state(self._trial.node, self._headers, self._rest, self._settings)
-
-
-def _missing_of(header: object) -> Any:
-    return streamable_of(type(header)).missing(header)
 
 
 def _without(payload: Any, missing: Any, where: NDArray[np.bool_]) -> Any:
