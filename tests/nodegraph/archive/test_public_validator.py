@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tests.environments import run
 from tests.studies import ROOT, Studies, command
+from tests.texts import edit
 
 PROFILES = [
     *("process-run-crate-0.5", "ro-crate-1.1", "workflow-ro-crate-1.0"),
@@ -28,7 +29,7 @@ def test_an_archive_is_a_crate_of_its_profiles_and_is_none_without_its_workflow(
         file.extractall(tmp_path / "whole")
     shutil.copytree(tmp_path / "whole", tmp_path / "without")
     metadata = tmp_path / "without" / "ro-crate-metadata.json"
-    metadata.write_text(metadata.read_text().replace('"mainEntity"', '"mentions"'))
+    edit(metadata, '"mainEntity"', '"mentions"')
     program = (sys.executable, "-m", "tests.nodegraph.archive.validator", "whole", "without")
     paths = {"PYTHONPATH": str(ROOT)}
     lines = run(*program, cwd=tmp_path, variables=paths).stdout.splitlines()

@@ -10,6 +10,7 @@ import pytest
 
 from nodegraph.cache_key import Reached, code_of
 from nodegraph.plugin.registry import Registry
+from tests.texts import edit
 
 from .conftest import Folder
 
@@ -108,7 +109,7 @@ def test_an_edit_far_away_counts_and_one_of_a_sibling_does_not(
     path: Path = request.getfixturevalue(layout)
     before = reached(folder, path)
     sibling = path / ("acme_near.py" if layout == "single_file" else "acme/near.py")
-    sibling.write_text(sibling.read_text().replace("return x", "return -x"))
+    edit(sibling, "return x", "return -x")
     assert reached(folder, path) == before
     helper = path / "acme_core.py"
     helper.write_text("def inner(x):\n    '''Documented.'''\n    return x  # as it is\n")

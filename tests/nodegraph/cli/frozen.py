@@ -85,11 +85,6 @@ def write(order: Order) -> Files:
 
 
 @hookimpl
-def nodegraph_nodes():
-    return (read, cut, mean, shift, rank, draw, write)
-
-
-@hookimpl
 def nodegraph_kinds():
     order = lambda one: [" < ".join(sorted(one.means, key=one.means.get))]
     numbers = lambda one: "fill,mean\\n" + "".join(
@@ -144,11 +139,3 @@ def write_numbers(path: str = "numbers.txt", first: float = 0.5) -> None:
     """Write the sheet that the study reads."""
     cells = [[first, 1.5, 2.5]] + [[row + 0.25, -row, row / 3] for row in range(1, ROWS)]
     Path(path).write_text("\n".join(" ".join(map(repr, row)) for row in cells))
-
-
-def edit(file: str, old: str, new: str) -> None:
-    """Change a file in one place."""
-    path = Path(file)
-    text = path.read_text()
-    assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in {file}"
-    path.write_text(text.replace(old, new))

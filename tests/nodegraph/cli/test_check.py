@@ -10,6 +10,7 @@ import pytest
 
 from nodegraph.plugin import loading
 from tests.nodegraph.cli.conftest import NODES, Command
+from tests.texts import edit
 
 FIVE_LINES = """\
 from nodegraph import node
@@ -232,8 +233,8 @@ def test_check_takes_choices(command: Command) -> None:
 
 
 def test_all_errors_are_reported(command: Command) -> None:
-    text = Path("toy.yaml").read_text()
-    Path("toy.yaml").write_text(text.replace("toy.cut", "toy.cutt").replace("toy.sum", "toy.sun"))
+    edit("toy.yaml", "toy.cut", "toy.cutt")
+    edit("toy.yaml", "toy.sum", "toy.sun")
     status, out, err = command("check", "toy.yaml")
     assert (status, out) == (2, "")
     assert "toy.yaml:7:15: no node 'toy.cutt'" in err
@@ -259,7 +260,7 @@ def test_a_name_claimed_by_two_plugins_names_both(command: Command) -> None:
 
 
 def test_the_option_for_plugin_files_is_mentioned(command: Command) -> None:
-    Path("toy.yaml").write_text(Path("toy.yaml").read_text().replace("toy.sum", "toy.more"))
+    edit("toy.yaml", "toy.sum", "toy.more")
     status, _, err = command("check", "toy.yaml")
     assert status == 2
     assert "toy.yaml:9:16" in err

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.nodegraph.cli.conftest import Command
+from tests.texts import edit
 
 
 @pytest.fixture
@@ -117,7 +118,7 @@ def test_values_at_which_there_is_no_result_are_not_named(command: Command) -> N
 
 def test_a_run_without_results_cites_nothing(command: Command) -> None:
     with_methods_that_never_end()
-    Path("toys.py").write_text(Path("toys.py").read_text().replace("return start", "return 1 / 0"))
+    edit("toys.py", "return start", "return 1 / 0")
     assert command("run", "toy.yaml")[0] == 1
     assert command("cite", "runs/toy", nodes=False)[1].startswith("No step gave a result.\n")
 

@@ -19,6 +19,7 @@ from nodegraph.runs import folder
 from nodegraph.runs.record_files import read_record as record_in
 from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record, write_steps
+from tests.texts import edit
 
 Place = tuple[str | int, ...]
 OTHERS: tuple[object, ...] = (None, 7, "odd", [], {}, [7], {"odd": 7})
@@ -36,7 +37,7 @@ def ran(command: Command) -> Path:
     """A run with a step of every kind, whole and to be damaged."""
     more = "  never: {use: fill.strict, in: a}\nskip: [{fill: strict, length: 1}]\n"
     Path("toy.yaml").write_text(Path("toy.yaml").read_text() + more)
-    Path("toys.py").write_text(Path("toys.py").read_text().replace("x < -9:", "x > 4:"))
+    edit("toys.py", "x < -9:", "x > 4:")
     assert command("run", "toy.yaml", "--store", "kept", "--out", "whole")[0] == 0
     shutil.copytree("whole", "ran")
     return Path("ran")

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from tests.nodegraph.cli.conftest import Command
-
-
-def edit(file: str, old: str, new: str) -> None:
-    path = Path(file)
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new))
+from tests.texts import edit
 
 
 def ran(command: Command) -> None:

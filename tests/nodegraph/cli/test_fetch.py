@@ -15,6 +15,7 @@ import pytest
 import yaml
 
 from nodegraph import remote
+from tests.texts import edit
 
 from . import frozen
 from .conftest import Command
@@ -88,7 +89,7 @@ def study(command: Command) -> Command:
 
 
 def use(address: str) -> None:
-    frozen.edit("study.yaml", "{file: numbers.txt}", f'{{file: "{address}"}}')
+    edit("study.yaml", "{file: numbers.txt}", f'{{file: "{address}"}}')
 
 
 def test_nothing_is_fetched_but_by_the_command_for_it(host: Host, study: Command) -> None:

@@ -18,7 +18,6 @@ from tests.records import read_record
 
 NODES = """
 from nodegraph import Files, Rendered, Kind, hookimpl
-from nodegraph.node.decorator import node_of
 
 class Word(str):
     '''A text that has a file beside the report.'''
@@ -38,10 +37,6 @@ def both(*, x: str = "") -> Both:
 @node("write.files")
 def files(*, names: list[str]) -> Files:
     return Files({name: name.encode() for name in names})
-
-@hookimpl
-def nodegraph_nodes():
-    return [value for value in globals().values() if node_of(value) is not None]
 
 @hookimpl
 def nodegraph_kinds():

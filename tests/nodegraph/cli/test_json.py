@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 from nodegraph.cli.answers import ANSWERS
 from nodegraph.cli.main import main
 from tests.nodegraph.cli.conftest import READER, Command
+from tests.texts import edit
 
 STORE = ("--store", "kept")
 
@@ -32,12 +33,6 @@ def answer(command: Command, capsys: pytest.CaptureFixture[str]) -> Any:
     return call
 
 
-def edit(old: str, new: str) -> None:
-    path = Path("toy.yaml")
-    assert old in path.read_text()
-    path.write_text(path.read_text().replace(old, new))
-
-
 def test_a_schema_names_each_field_and_says_what_it_is(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ANSWERS:
         assert main(["schema", name]) == 0
@@ -53,7 +48,7 @@ def test_a_study_is_checked_run_listed_compared_and_cited(answer: Any) -> None:
     status, data = answer("run", "toy.yaml", *STORE, "--out", "runs/was")
     assert (status, data["ok"], data["steps"]) == (0, True, {"done": 8})
     assert answer("check", "toy.yaml", *STORE)[1]["stored"] == 8
-    edit("start: 5", "start: -90")
+    edit("toy.yaml", "start: 5", "start: -90")
     status, data = answer("run", "toy.yaml", *STORE, "--out", "runs/now")
     assert (status, data["ok"]) == (1, False)
     assert data["failed"][0]["reason"].startswith("too far")
@@ -83,8 +78,7 @@ def test_a_lock_is_verified_and_a_study_repeated(answer: Any, command: Command) 
     assert command("lock", "toy.yaml", *STORE)[0] == 0
     status, data = answer("verify", "toy.lock", *STORE)
     assert (status, data["grade"], data["holds"], data["identical"]) == (0, "identical", True, 9)
-    path = Path("toys.py")
-    path.write_text(path.read_text().replace("return Cut(x - length", "return Cut(x - 2 * length"))
+    edit("toys.py", "return Cut(x - length", "return Cut(x - 2 * length")
     status, data = answer("verify", "toy.lock", *STORE)
     assert (status, data["grade"]) == (1, "diverged")
     (first,) = data["origins"]

@@ -24,7 +24,6 @@ import os
 from collections.abc import Iterator
 from threading import Lock
 from nodegraph import Files, Rendered, Kind, hookimpl
-from nodegraph.node.decorator import node_of
 
 @node("once.list")
 def once_list() -> list:
@@ -72,10 +71,6 @@ def text(x: float) -> Files:
 @node("write.much")
 def much(*, size: int) -> Files:
     return Files({"little.txt": b"little", "much.txt": b"m" * size})
-
-@hookimpl
-def nodegraph_nodes():
-    return [value for value in globals().values() if node_of(value) is not None]
 
 @hookimpl
 def nodegraph_kinds():

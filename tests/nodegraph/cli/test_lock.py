@@ -13,6 +13,7 @@ import yaml
 
 from nodegraph.cli.main import main
 from nodegraph.lock.lockfile import read_lock
+from tests.texts import edit
 
 from . import frozen
 
@@ -105,7 +106,7 @@ def test_the_same_study_gives_the_same_lock_wherever_it_lies(
 def test_an_edit_of_the_graph_shows_in_few_lines(locked: Locked) -> None:
     locked()
     before = Path("study.lock").read_text().splitlines()
-    frozen.edit("study.yaml", "use: toy.cut, in: sheet", "in: sheet, use: toy.cut")
+    edit("study.yaml", "use: toy.cut, in: sheet", "in: sheet, use: toy.cut")
     locked()
     after = Path("study.lock").read_text().splitlines()
     changed = [line for line in difflib.ndiff(before, after) if line[:2] in ("- ", "+ ")]
@@ -128,11 +129,11 @@ def test_the_texts_of_graphs_that_it_uses_are_part_of_a_lock(locked: Locked) -> 
 
 
 def test_what_fails_or_is_refused_is_part_of_a_lock(locked: Locked) -> None:
-    frozen.edit("study.yaml", "[2, 5]", "[2, 12, 99]")
+    edit("study.yaml", "[2, 5]", "[2, 12, 99]")
     fails = (
         "if len(sheet.cells) == np.isnan(sheet.cells).sum(): raise ValueError('empty')\n    if np."
     )
-    frozen.edit("study.py", "if np.", fails)
+    edit("study.py", "if np.", fails)
     status, out, err = locked()
     assert status == 1
     assert "1 refused, 1 failed" in out
@@ -157,7 +158,7 @@ def test_an_unwritable_place_is_refused_before_anything_runs(locked: Locked) -> 
 
 
 def test_results_that_vary_in_an_audit_are_named(locked: Locked) -> None:
-    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
+    edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
     words = ("--plugin", "study.py", "--store", "kept", "--executor", "serial")
     assert main(["verify", "study.yaml", "--repeat", *words]) == 1
     _, out, _ = locked()
@@ -177,7 +178,7 @@ def test_a_graph_that_names_a_place_of_one_machine_is_refused(
     locked: Locked, tmp_path: Path
 ) -> None:
     path = tmp_path / "numbers.txt"
-    frozen.edit("study.yaml", "file: numbers.txt", f"file: {path}")
+    edit("study.yaml", "file: numbers.txt", f"file: {path}")
     status, _, err = locked()
     assert status == 2
     assert f"sheet: path: {path} " in err
@@ -188,7 +189,7 @@ def test_a_graph_that_names_a_place_of_one_machine_is_refused(
 def test_a_graph_without_a_title_may_be_named_by_its_whole_path(
     locked: Locked, tmp_path: Path
 ) -> None:
-    frozen.edit("study.yaml", "title: A frozen toy\n", "")
+    edit("study.yaml", "title: A frozen toy\n", "")
     assert locked(graph=str(tmp_path / "study.yaml"))[0] == 0
     text = Path("study.lock").read_text()
     assert "title: study.yaml\n" in text
@@ -196,7 +197,7 @@ def test_a_graph_without_a_title_may_be_named_by_its_whole_path(
 
 
 def test_a_text_with_a_place_of_this_machine_is_refused(locked: Locked, tmp_path: Path) -> None:
-    frozen.edit("study.yaml", "A frozen toy", f"As in {tmp_path / 'notes.txt'}")
+    edit("study.yaml", "A frozen toy", f"As in {tmp_path / 'notes.txt'}")
     status, _, err = locked()
     assert status == 2
     assert f"{tmp_path}/" in err
@@ -205,9 +206,9 @@ def test_a_text_with_a_place_of_this_machine_is_refused(locked: Locked, tmp_path
 
 
 def test_a_label_that_is_a_place_of_one_machine_is_refused(locked: Locked, tmp_path: Path) -> None:
-    frozen.edit("study.yaml", "path: $file", "path: $source")
-    frozen.edit("study.yaml", "inputs: {file: numbers.txt}\n", "")
-    frozen.edit("study.yaml", "[2, 5]}", "[2, 5], source: [numbers.txt]}")
+    edit("study.yaml", "path: $file", "path: $source")
+    edit("study.yaml", "inputs: {file: numbers.txt}\n", "")
+    edit("study.yaml", "[2, 5]}", "[2, 5], source: [numbers.txt]}")
     path = tmp_path / "numbers.txt"
     status, _, err = locked("--axis", f"source={path}")
     assert status == 2

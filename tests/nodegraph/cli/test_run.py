@@ -16,6 +16,7 @@ from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Upkeep
 from tests.nodegraph.cli.conftest import Command
 from tests.records import read_record
+from tests.texts import edit
 
 FAILED = r"failed: fill\(length=[15], fill=strict\): too far"
 """Whichever of both ends first."""
@@ -126,10 +127,9 @@ def test_a_refusal_is_no_failure(command: Command) -> None:
 
 
 def test_warnings_of_steps_are_printed_once_for_all_combinations(command: Command) -> None:
-    text = Path("toys.py").read_text()
     warning = "    import warnings; warnings.warn(f'gap of {length} is long')\n"
     cut = "    return Cut(x - length, x)"
-    Path("toys.py").write_text(text.replace(cut, warning + cut))
+    edit("toys.py", cut, warning + cut)
     _, out, _ = command("run", "toy.yaml")
     first, second = (f"warning: gaps (toy.cut) at length={n}: gap of {n} is long" for n in (1, 5))
     assert "\nwarning: gaps (toy.cut): gap of … is long (2 times)\n" in out

@@ -10,6 +10,7 @@ import pytest
 from nodegraph.plugin import loading
 from nodegraph.plugin.loading import Plugin
 from tests.nodegraph.cli.conftest import READER, Command
+from tests.texts import edit
 
 
 def test_nodes_are_listed(command: Command) -> None:
@@ -51,8 +52,7 @@ def test_an_example_is_shown_that_may_stand_in_a_graph(command: Command) -> None
     text = (
         "Examples\n    --------\n    Of five:\n\n        gaps: {use: toy.cut, with: {length: 5}}\n"
     )
-    toys = Path("toys.py")
-    toys.write_text(toys.read_text().replace("Of the gap.\n", f"Of the gap.\n\n    {text}"))
+    edit("toys.py", "Of the gap.\n", f"Of the gap.\n\n    {text}")
     _, out, _ = command("show", "toy.cut")
     assert "gaps: {use: toy.cut, with: {length: 5}}" in out
     assert "\nexample, among the nodes of a graph:\n" not in out

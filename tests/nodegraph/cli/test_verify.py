@@ -12,6 +12,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import pytest
 
 from nodegraph.cli.main import main
+from tests.texts import edit
 
 from . import frozen
 
@@ -98,7 +99,7 @@ def test_a_file_of_drifted_numbers_has_drifted(
     drifting: Callable[[str], list[str]],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    frozen.edit("study.py", "(sorted(order.means))", "(f'{one!r}' for one in order.means.values())")
+    edit("study.py", "(sorted(order.means))", "(f'{one!r}' for one in order.means.values())")
     assert verified()[1].startswith("diverged")
     assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 0
     capsys.readouterr()
@@ -109,7 +110,7 @@ def test_a_file_of_drifted_numbers_has_drifted(
 def test_a_conclusion_that_rounding_changes_is_in_the_verdict(
     verified: Verified, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    frozen.edit("study.py", '[" < ".join(sorted(one.means, key=one.means.get))]',
+    edit("study.py", '[" < ".join(sorted(one.means, key=one.means.get))]',
                 "[f'{one.means[\"mean\"] * 1e12 % 10:.0f}']")  # fmt: skip
     lock_again()
     monkeypatch.setenv("DRIFT", "4e-12")
@@ -124,7 +125,7 @@ def test_a_conclusion_that_rounding_changes_is_in_the_verdict(
 
 
 def test_a_node_that_varies_in_an_audit_is_named(verified: Verified) -> None:
-    frozen.edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
+    edit("study.py", "np.loadtxt(path) +", f"np.loadtxt(path) + {VARYING} +")
     assert main(["verify", "study.yaml", "--repeat", "--plugin", "study.py", *STORE]) == 1
     verified()
     lock_again()
@@ -159,7 +160,7 @@ def test_what_turns_a_conclusion_has_diverged(drifting: Callable[[str], list[str
 def test_an_edited_constant_is_named_with_its_node_and_how_far_results_differ(
     verified: Verified,
 ) -> None:
-    frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
+    edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
     shutil.rmtree("kept")
     status, out, _ = verified()
     lines = out.splitlines()
@@ -177,20 +178,20 @@ def test_an_edited_constant_is_named_with_its_node_and_how_far_results_differ(
 
 
 def test_how_far_it_is_off_is_about_as_far_as_it_is(verified: Verified) -> None:
-    frozen.edit("study.py", "1000.0 + SHIFT", "1000.0 + SHIFT + 100.0")
+    edit("study.py", "1000.0 + SHIFT", "1000.0 + SHIFT + 100.0")
     line = next(line for line in verified()[1].splitlines() if line.startswith("    by "))
     assert 0.03 < float(line.split()[1]) < 0.3  # of numbers that are 1001 each, and some smaller
 
 
 def test_locked_values_that_are_stored_are_compared_exactly(verified: Verified) -> None:
-    frozen.edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
+    edit("study.py", "SHIFT = 1.0", "SHIFT = 1.5")
     lines = verified()[1].splitlines()
     assert lines[3] == f"first: {SHIFTED}"
     assert lines[6] == "    output.cells[0, 0] was 1001.0, now 1001.5 (2 such places)"
 
 
 def test_an_edit_without_effect_is_none(verified: Verified) -> None:
-    frozen.edit("study.py", "1000.0 + SHIFT", "SHIFT + 1000.0")
+    edit("study.py", "1000.0 + SHIFT", "SHIFT + 1000.0")
     assert verified()[1].startswith("identical: ")
 
 
@@ -235,10 +236,10 @@ def test_a_file_that_the_command_names_lies_where_the_command_is_given(
 
 
 def test_a_word_is_none_of_a_file_of_that_name(verified: Verified) -> None:
-    frozen.edit("study.yaml", "file: numbers.txt", "file: numbers.txt, word: a")
-    frozen.edit("study.yaml", "length: $length", "length: $length, word: $word")
-    frozen.edit("study.py", "length: int = 3", "length: int = 3, word: str")
-    frozen.edit("study.py", "cells[:length, 0]", "cells[:len(word), 0]")
+    edit("study.yaml", "file: numbers.txt", "file: numbers.txt, word: a")
+    edit("study.yaml", "length: $length", "length: $length, word: $word")
+    edit("study.py", "length: int = 3", "length: int = 3, word: str")
+    edit("study.py", "cells[:length, 0]", "cells[:len(word), 0]")
     lock_again("--set", "word=data")
     Path("data").mkdir()
     status, out, _ = verified("--set", "word=data")
@@ -247,7 +248,7 @@ def test_a_word_is_none_of_a_file_of_that_name(verified: Verified) -> None:
 
 
 def test_the_locked_text_is_verified_whatever_the_graph_file_says(verified: Verified) -> None:
-    frozen.edit("study.yaml", "[2, 5]", "[3]")
+    edit("study.yaml", "[2, 5]", "[3]")
     status, out, err = verified()
     assert (status, out) == (0, "identical: study.lock: 10 of 10 results identical\n")
     assert "study.yaml was edited" in err
@@ -261,7 +262,7 @@ def test_the_locked_texts_of_graphs_that_it_uses_are_verified(verified: Verified
     Path("inner.yaml").write_text(frozen.INNER)
     Path("outer.yaml").write_text(frozen.OUTER)
     assert main(["lock", "outer.yaml", "--plugin", "study.py", *STORE]) == 0
-    frozen.edit("inner.yaml", "fill.mean", "fill.shift")
+    edit("inner.yaml", "fill.mean", "fill.shift")
     status, out, err = verified(lock="outer.lock")
     assert status == 0
     assert "identical: outer.lock: 5 of 5 results identical\n" in out
@@ -269,11 +270,8 @@ def test_the_locked_texts_of_graphs_that_it_uses_are_verified(verified: Verified
 
 
 def test_a_family_that_has_grown_is_taken_as_it_was(verified: Verified) -> None:
-    more = "\n".join(
-        ['@node("fill.other")', "def other(x: float) -> float:", "    return x", "@hookimpl", ""]
-    )
-    text = Path("study.py").read_text().replace("@hookimpl\n", more, 1)
-    Path("study.py").write_text(text.replace("mean, shift, rank", "mean, other, shift, rank"))
+    more = '@node("fill.other")\ndef other(x: float) -> float:\n    return x\n'
+    edit("study.py", "@hookimpl\n", f"{more}@hookimpl\n")
     assert verified()[1].splitlines() == [
         "identical: study.lock: 10 of 10 results identical",
         "    the code of 7 of 7 methods differs",
@@ -285,7 +283,7 @@ def test_a_family_that_has_grown_is_taken_as_it_was(verified: Verified) -> None:
 def test_a_plugin_that_claims_a_name_of_the_study_changes_nothing(
     verified: Verified, words: tuple[str, ...], alternatives: str
 ) -> None:
-    frozen.edit("study.yaml", "fill.*", alternatives)
+    edit("study.yaml", "fill.*", alternatives)
     lock_again(*words)
     Path("taken.py").write_text(TAKEN)
     status, out, err = verified("--plugin", "taken.py")
@@ -309,7 +307,7 @@ def test_a_plugin_that_is_absent_is_named(verified: Verified) -> None:
 
 
 def test_a_node_that_its_plugin_lacks_is_named(verified: Verified) -> None:
-    frozen.edit("study.py", '"fill.shift"', '"fill.renamed"')
+    edit("study.py", '"fill.shift"', '"fill.renamed"')
     status, _, err = verified()
     assert status == 2
     assert "plugin study " in err
@@ -317,7 +315,7 @@ def test_a_node_that_its_plugin_lacks_is_named(verified: Verified) -> None:
 
 
 def test_a_refusal_is_a_result(verified: Verified) -> None:
-    frozen.edit("study.py", "sum() > 8", "sum() > 4")
+    edit("study.py", "sum() > 8", "sum() > 4")
     status, out, _ = verified()
     lines = out.splitlines()
     assert status == 1
@@ -326,8 +324,8 @@ def test_a_refusal_is_a_result(verified: Verified) -> None:
 
 
 def test_what_failed_then_and_now_is_counted_as_such(verified: Verified) -> None:
-    frozen.edit("study.py", "if np.", "if SHIFT: raise ValueError('never')\n    if np.")
-    frozen.edit("study.yaml", "in: fill}", "in: {from: fill, at: {fill: shift, length: 2}}}")
+    edit("study.py", "if np.", "if SHIFT: raise ValueError('never')\n    if np.")
+    edit("study.yaml", "in: fill}", "in: {from: fill, at: {fill: shift, length: 2}}}")
     assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 1
     status, out, _ = verified()
     assert status == 0
@@ -336,7 +334,7 @@ def test_what_failed_then_and_now_is_counted_as_such(verified: Verified) -> None
 
 
 def test_a_picture_drawn_otherwise_is_no_other_result(verified: Verified) -> None:
-    frozen.edit("study.py", '"grey"', '"blue"')
+    edit("study.py", '"grey"', '"blue"')
     status, out, _ = verified()
     assert status == 0
     assert out.splitlines() == [
@@ -347,7 +345,7 @@ def test_a_picture_drawn_otherwise_is_no_other_result(verified: Verified) -> Non
 
 
 def test_a_file_with_other_bytes_is_another_result(verified: Verified) -> None:
-    frozen.edit("study.py", 'ENDING = "!"', 'ENDING = "?"')
+    edit("study.py", 'ENDING = "!"', 'ENDING = "?"')
     status, out, _ = verified()
     lines = out.splitlines()
     assert status == 1
@@ -361,15 +359,15 @@ def test_a_file_with_other_bytes_is_another_result(verified: Verified) -> None:
 def test_a_writer_that_was_edited_is_found_though_what_it_writes_has_drifted(
     verified: Verified, drifting: Callable[[str], list[str]]
 ) -> None:
-    frozen.edit("study.py", 'ENDING = "!"', 'ENDING = "?"')
+    edit("study.py", 'ENDING = "!"', 'ENDING = "?"')
     assert "first: written" in drifting("1e-12")
 
 
 def test_values_that_cannot_be_stored_are_not_compared(verified: Verified) -> None:
-    frozen.edit("study.py", "return Drawing(f", "return Other(f")
-    frozen.edit("study.py", "class Drawing:", "class Other:\n    def __init__(self, text):\n"
+    edit("study.py", "return Drawing(f", "return Other(f")
+    edit("study.py", "class Drawing:", "class Other:\n    def __init__(self, text):\n"
                 "        self.text = text\n\n\nclass Drawing:")  # fmt: skip
-    frozen.edit("study.py", "-> Drawing", "-> object")
+    edit("study.py", "-> Drawing", "-> object")
     assert main(["lock", "study.yaml", "--plugin", "study.py", *STORE]) == 0
     status, out, _ = verified()
     assert status == 0
@@ -397,7 +395,7 @@ def test_a_lock_may_be_verified_from_any_folder(
 def test_a_lock_that_is_not_as_it_was_written_is_refused(
     verified: Verified, old: str, new: str, reason: str
 ) -> None:
-    frozen.edit("study.lock", old, new)
+    edit("study.lock", old, new)
     status, out, err = verified()
     assert (status, out) == (2, "")
     assert re.search(reason, err)
@@ -414,7 +412,7 @@ def test_a_lock_that_is_not_as_it_was_written_is_refused(
 def test_a_whole_lock_that_was_edited_is_not_cut_off(
     verified: Verified, old: str, new: str
 ) -> None:
-    frozen.edit("study.lock", old, new)
+    edit("study.lock", old, new)
     status, out, err = verified()
     assert (status, out) == (2, "")
     assert "study.lock: " in err
@@ -447,10 +445,7 @@ def test_a_mark_that_an_editor_sets_before_the_text_changes_nothing(verified: Ve
 def test_a_lock_of_another_form_is_refused_by_its_key_though_its_checksum_is_right(
     verified: Verified, old: str, new: str, reason: str
 ) -> None:
-    path = Path("study.lock")
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
+    edit("study.lock", old, new)
     sign_again()
     status, out, err = verified()
     assert (status, out) == (2, "")

@@ -25,6 +25,7 @@ from nodegraph.live.session import session_of
 from nodegraph.testing import difference
 from nodegraph_files import read_npz
 from nodegraph_mocap import MarkerFrame, Trajectories
+from tests.texts import edit
 
 NODES = '''
 import struct
@@ -616,7 +617,7 @@ def test_what_cannot_be_a_stream_is_answered_with_what_can(folder: Path, tmp_pat
     )
     with pytest.raises(NodegraphError, match=r"needs the whole take: noise \(noise\.add\)$"):
         session_of(ng.load(file), ("", "replay:take.npz"))
-    file.write_text(file.read_text().replace("noise.add", "gaps.cut"))
+    edit(file, "noise.add", "gaps.cut")
     for source in ("", "face.captured"):
         with pytest.raises(NodegraphError, match=r"gaps\.cut, .* on a stream: gaps\.dropout"):
             session_of(ng.load(file), (source, "replay:take.npz"), [("noise", "file:a.npz")])

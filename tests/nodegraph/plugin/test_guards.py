@@ -11,6 +11,7 @@ import pytest
 from nodegraph.cli.main import main
 from nodegraph.plugin import loading
 from tests.records import read_record
+from tests.texts import edit
 
 NODES = """
 from nodegraph import InputFile, Kind, hookimpl, node
@@ -30,11 +31,6 @@ def number(*, start: float = 1.0) -> float:
 def file(*, path: InputFile) -> float:
     '''Read a number.'''
     return 1.0
-
-
-@hookimpl
-def nodegraph_nodes():
-    return [number, file]
 
 
 @hookimpl
@@ -98,7 +94,7 @@ def test_a_study_is_locked_verified_and_compared_though_a_comparison_fails(
     assert command("verify", "graph.lock", **bad)[0] == 0
     assert command("run", "graph.yaml", "--out", "one", **bad)[0] == 0
     graph = Path("graph.yaml")
-    graph.write_text(graph.read_text().replace("bad.number}", "bad.number, with: {start: 2}}"))
+    edit(graph, "bad.number}", "bad.number, with: {start: 2}}")
     assert command("run", "graph.yaml", "--out", "other", **bad)[0] == 0
     status, errors = command("diff", "one", "other", **bad)
     assert (status, "plugin 'bad_hook': the comparison of float" in errors) == (1, True)

@@ -18,6 +18,7 @@ import nodegraph as ng
 from nodegraph.runs.folder import RunFolder
 from tests.nodegraph.serve.conftest import Pages
 from tests.nodegraph.serve.requests import Answer
+from tests.texts import edit
 
 Opened = Callable[..., Pages]
 RUN = Path("runs/toy")
@@ -213,7 +214,7 @@ def test_a_block_is_computed_when_it_is_looked_at(opened: Opened) -> None:
 
 
 def test_changed_code_is_named_and_used_only_when_asked_for(opened: Opened) -> None:
-    Path("toys.py").write_text(Path("toys.py").read_text().replace("x + 1", "x + 10"))
+    edit("toys.py", "x + 1", "x + 10")
     assert "2.0" in shown(opened().get(f"/value?{VALUE}"))  # as it was in the run
     shutil.rmtree("store")
     pages = opened()
@@ -250,7 +251,7 @@ def test_nothing_is_computed_for_a_reader_who_has_left(opened: Opened) -> None:
     while not pathlib.Path("go").exists():
         time.sleep(0.01)
     return start"""
-    Path("toys.py").write_text(Path("toys.py").read_text().replace("return start", waiting))
+    edit("toys.py", "return start", waiting)
     pages = opened()
     query = {"run": "toy", "node": "fill", "at.start": "1", "at.fill": "hold", "now": "1"}
     first = pages.post(json.dumps({"for": "value", "query": query}).encode(), leave=True)
@@ -319,8 +320,7 @@ def test_a_run_that_goes_on_is_drawn_with_its_states(opened: Opened, folder: Pat
 
 @pytest.mark.parametrize("stored", [False, True])
 def test_what_an_unfinished_run_has_gathered_is_shown(opened: Opened, stored: bool) -> None:
-    text = Path("toys.py").read_text()
-    Path("toys.py").write_text(text.replace("    return x\n", "    raise ValueError('no')\n"))
+    edit("toys.py", "    return x\n", "    raise ValueError('no')\n")
     if stored:
         ng.run(ng.load("toy.yaml", plugins=["toys.py"]), store="store")
     graph = ng.load("toy.yaml", plugins=["toys.py"])

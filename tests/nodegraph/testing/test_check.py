@@ -67,6 +67,15 @@ def fault(*words: str) -> Callable[[Callable[[], Pair]], None]:
     return register
 
 
+def broken_fill(*words: str) -> Callable[[Function], None]:
+    """Register a fill that is broken, with words of the message about it."""
+
+    def register(function: Function) -> None:
+        PAIRS[function.__name__] = lambda: (node("fill.broken")(function), sound), words
+
+    return register
+
+
 def check(function: Function, **more: Any) -> None:
     check_node(function, registry=REGISTRY, **more)
 
@@ -120,15 +129,11 @@ def untouched(recording: Trajectories) -> Trajectories:
     return recording
 
 
-@fault("modifies its inputs", "copy before you write")
-def mutates() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill in place."""
-        recording.positions[~recording.present] = 0.0
-        return recording
-
-    return broken, sound
+@broken_fill("modifies its inputs", "copy before you write")
+def mutates(recording: Trajectories) -> Trajectories:
+    """Fill in place."""
+    recording.positions[~recording.present] = 0.0
+    return recording
 
 
 @fault("draws from the global random state", "numpy.random.default_rng(seed)")
@@ -156,26 +161,18 @@ def draws_from_a_global_state() -> Pair:
     return broken, mended
 
 
-@fault("returns another result when it is called again", "`seed: int = 0`")
-def draws_without_a_seed() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill with noise."""
-        noise = np.random.default_rng().normal(size=recording.positions.shape)
-        gaps = ~recording.present[..., None]
-        return filled(recording, means(recording) + noise * gaps)
-
-    return broken, sound
+@broken_fill("returns another result when it is called again", "`seed: int = 0`")
+def draws_without_a_seed(recording: Trajectories) -> Trajectories:
+    """Fill with noise."""
+    noise = np.random.default_rng().normal(size=recording.positions.shape)
+    gaps = ~recording.present[..., None]
+    return filled(recording, means(recording) + noise * gaps)
 
 
-@fault("returned ndarray where its signature promises Trajectories", "change the annotation")
-def returns_another_type() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill."""
-        return means(recording)  # type: ignore[return-value]
-
-    return broken, sound
+@broken_fill("returned ndarray where its signature promises Trajectories", "change the annotation")
+def returns_another_type(recording: Trajectories) -> Trajectories:
+    """Fill."""
+    return means(recording)  # type: ignore[return-value]
 
 
 @fault("output 'output' has columns that it does not declare", "Columns(...)", "samples")
@@ -200,15 +197,11 @@ def declares_other_columns() -> Pair:
     return broken, mended
 
 
-@fault("Give positions in millimetres", "0.001 times as far from the origin", "in metres?")
-def fills_in_metres() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill, in metres."""
-        metres = np.where(recording.present[..., None], 1.0, 1e-3) * means(recording)
-        return filled(recording, metres)
-
-    return broken, sound
+@broken_fill("Give positions in millimetres", "0.001 times as far from the origin", "in metres?")
+def fills_in_metres(recording: Trajectories) -> Trajectories:
+    """Fill, in metres."""
+    metres = np.where(recording.present[..., None], 1.0, 1e-3) * means(recording)
+    return filled(recording, metres)
 
 
 @fault("setting 'limit' is in m: let it be in mm", "a face twice as large")
@@ -307,14 +300,10 @@ def scores_in_metres() -> Pair:
     return broken, mended
 
 
-@fault("Leave present samples bit for bit as they are", "write where ~recording.present only")
-def touches_measured_samples() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill, and smooth on the way."""
-        return filled(recording, means(recording) * (1.0 + 1e-15))
-
-    return broken, sound
+@broken_fill("Leave present samples bit for bit as they are", "write where ~recording.present only")
+def touches_measured_samples(recording: Trajectories) -> Trajectories:
+    """Fill, and smooth on the way."""
+    return filled(recording, means(recording) * (1.0 + 1e-15))
 
 
 @fault("frame 0, marker 'brow_left'", "lost: smooth each run of present samples by itself")
@@ -443,51 +432,39 @@ def test_figures_and_settings_of_matplotlib() -> None:
     assert not pyplot.get_fignums()
 
 
-@fault("lets warnings of numpy out", "Mean of empty slice", "on 'a marker never seen'")
-def lets_warnings_out() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill with means, of nothing where there is nothing."""
-        mean = np.nanmean(recording.positions, axis=0)
-        return filled(recording, np.where(recording.present[..., None], recording.positions, mean))
-
-    return broken, sound
+@broken_fill("lets warnings of numpy out", "Mean of empty slice", "on 'a marker never seen'")
+def lets_warnings_out(recording: Trajectories) -> Trajectories:
+    """Fill with means, of nothing where there is nothing."""
+    mean = np.nanmean(recording.positions, axis=0)
+    return filled(recording, np.where(recording.present[..., None], recording.positions, mean))
 
 
-@fault("setting 'share' is not documented", "say under 'Parameters'")
-def keeps_a_setting_to_itself() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories, *, share: float = 1.0) -> Trajectories:
-        """Fill."""
-        return filled(recording, means(recording))
-
-    return broken, sound
+@broken_fill("setting 'share' is not documented", "say under 'Parameters'")
+def keeps_a_setting_to_itself(recording: Trajectories, *, share: float = 1.0) -> Trajectories:
+    """Fill."""
+    return filled(recording, means(recording))
 
 
-@fault("cannot be read as a node", "share has no annotation")
-def has_a_setting_without_type() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories, *, share=1.0) -> Trajectories:  # type: ignore  # noqa: ANN001
-        """Fill."""
-        return filled(recording, means(recording))
-
-    return broken, sound
+@broken_fill("cannot be read as a node", "share has no annotation")
+def has_a_setting_without_type(recording: Trajectories, *, share=1.0) -> Trajectories:  # type: ignore  # noqa: ANN001
+    """Fill."""
+    return filled(recording, means(recording))
 
 
-@fault("setting 'most': the default 0 is not whole number >= 1", "change the value or the type")
-def has_a_default_out_of_bounds() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories, *, most: Annotated[int, Field(ge=1)] = 0) -> Trajectories:
-        """Fill.
+@broken_fill(
+    "setting 'most': the default 0 is not whole number >= 1", "change the value or the type"
+)
+def has_a_default_out_of_bounds(
+    recording: Trajectories, *, most: Annotated[int, Field(ge=1)] = 0
+) -> Trajectories:
+    """Fill.
 
-        Parameters
-        ----------
-        most
-            Frames.
-        """
-        return filled(recording, means(recording))
-
-    return broken, sound
+    Parameters
+    ----------
+    most
+        Frames.
+    """
+    return filled(recording, means(recording))
 
 
 @fault("cites 'nobody1999', which its plugin does not ship", "nodegraph_bibtex")
@@ -505,16 +482,12 @@ def cites_what_is_not_shipped() -> Pair:
     return broken, mended
 
 
-@fault("Fill markers in another order alike", "differ, by up to")
-def depends_on_the_order_of_markers() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill with the first marker that is there, moved to the gap's mean."""
-        first = np.nan_to_num(recording.positions[:, :1] - means(recording)[:, :1].mean(axis=0))
-        gaps = ~recording.present[..., None]
-        return filled(recording, means(recording) + gaps * first)
-
-    return broken, sound
+@broken_fill("Fill markers in another order alike", "differ, by up to")
+def depends_on_the_order_of_markers(recording: Trajectories) -> Trajectories:
+    """Fill with the first marker that is there, moved to the gap's mean."""
+    first = np.nan_to_num(recording.positions[:, :1] - means(recording)[:, :1].mean(axis=0))
+    gaps = ~recording.present[..., None]
+    return filled(recording, means(recording) + gaps * first)
 
 
 @fault("writes files itself", "nodegraph.Files", "filled.csv")
@@ -573,16 +546,12 @@ def tells_infinity() -> Pair:
     return broken, mended
 
 
-@fault("written but not marked", "origin=Origin.FILLED")
-def does_not_mark_what_it_fills() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill and say nothing."""
-        return recording.with_samples(
-            means(recording), changed=~recording.present, origin=Origin.MEASURED
-        )
-
-    return broken, sound
+@broken_fill("written but not marked", "origin=Origin.FILLED")
+def does_not_mark_what_it_fills(recording: Trajectories) -> Trajectories:
+    """Fill and say nothing."""
+    return recording.with_samples(
+        means(recording), changed=~recording.present, origin=Origin.MEASURED
+    )
 
 
 @fault("raises IndexError on odd data", "nodegraph.Refusal", "on 'one frame'")
@@ -647,14 +616,10 @@ def fails_without_a_gap() -> Pair:
     return broken, mended
 
 
-@fault("raises SystemExit on odd data", "enough")
-def exits() -> Pair:
-    @node("fill.broken")
-    def broken(recording: Trajectories) -> Trajectories:
-        """Fill, then leave."""
-        sys.exit("enough")
-
-    return broken, sound
+@broken_fill("raises SystemExit on odd data", "enough")
+def exits(recording: Trajectories) -> Trajectories:
+    """Fill, then leave."""
+    sys.exit("enough")
 
 
 def test_a_citation_is_looked_for_in_the_plugin_of_the_node() -> None:
