@@ -9,7 +9,14 @@ import pytest
 from tests.records import read_record
 from tests.studies import Studies, table
 
-CONDITIONS = {"clean", "published", "low_passed", "white", "impulses", "repaired"}
+CONDITIONS = {
+    "no noise",
+    "0.03 mm below 8 Hz",
+    "0.1 mm below 6 Hz",
+    "0.1 mm white",
+    "impulses",
+    "impulses repaired",
+}
 
 
 @pytest.fixture(scope="module")
@@ -37,16 +44,18 @@ def test_nothing_fails_or_is_refused(built_in: Path) -> None:
 def test_white_noise_makes_the_cubic_the_last_and_a_filter_does_not(
     errors: dict[str, dict[str, float]],
 ) -> None:
-    for condition in CONDITIONS - {"white", "impulses"}:
+    for condition in CONDITIONS - {"0.1 mm white", "impulses"}:
         assert errors[condition]["cubic"] < 1.2 * errors[condition]["linear"]
-    assert errors["white"]["cubic"] == max(errors["white"].values())
-    assert errors["white"]["cubic"] > 2.0 * errors["white"]["linear"]
+    assert errors["0.1 mm white"]["cubic"] == max(errors["0.1 mm white"].values())
+    assert errors["0.1 mm white"]["cubic"] > 2.0 * errors["0.1 mm white"]["linear"]
 
 
 def test_repair_after_the_cut_takes_back_most_of_what_impulses_do(
     errors: dict[str, dict[str, float]],
 ) -> None:
-    without, hit, repaired = (errors[name] for name in ("published", "impulses", "repaired"))
+    without, hit, repaired = (
+        errors[name] for name in ("0.03 mm below 8 Hz", "impulses", "impulses repaired")
+    )
     for fill in ("ridge", "soft_impute", "cubic", "muscle"):
         assert repaired[fill] - without[fill] < 0.5 * (hit[fill] - without[fill])
 
@@ -55,7 +64,8 @@ def test_one_method_does_for_who_does_not_know_the_condition(
     errors: dict[str, dict[str, float]],
 ) -> None:
     worst = {
-        fill: max(of[fill] / min(of.values()) for of in errors.values()) for fill in errors["clean"]
+        fill: max(of[fill] / min(of.values()) for of in errors.values())
+        for fill in errors["no noise"]
     }
     assert min(worst, key=worst.__getitem__) == "kriging"
     assert worst["kriging"] < 1.25

@@ -15,8 +15,8 @@ from nodegraph_mocap import Trajectories
 from tests.studies import ROOT, Studies
 
 GRAPH = ROOT / "graphs" / "live.yaml"
-FILLS = ("muscle", "guenter", "lin_ouhyoung", "linear")
-WAIT = {"linear": 15}
+FILLS = ("muscle", "guenter", "lin_ouhyoung", "linear_15_frames_late")
+WAIT = {"linear_15_frames_late": 15}
 """Frames until the end of a gap."""
 
 

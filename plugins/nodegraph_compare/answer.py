@@ -91,11 +91,12 @@ def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
         return Answer(answer.sentence, scope, answer.cards, findings=findings)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
     sentence, scope = _sentence(named), scope_words(named)
+    take = "" if verdicts.for_all is None else str(verdicts.methods[verdicts.for_all])
     overall = verdicts.overall
     if overall is None:
-        return Answer(sentence, scope, cards, findings=findings)
+        return Answer(sentence, scope, cards, findings=findings, take=take)
     more = (line_on_all(named, overall),)
-    return Answer(sentence, scope, cards, more, findings, _finding(verdicts, overall))
+    return Answer(sentence, scope, cards, more, findings, _finding(verdicts, overall), take)
 
 
 def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -> Finding:

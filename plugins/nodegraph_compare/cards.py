@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 _MOST_NAMES = 3
 _FEW_ROWS = 4
-"""On cards below each other."""
+"""On cards below each other, of which one may have a note."""
 
 _BEYOND = 0.25
 """Share of the line of all means that the ends of intervals may be beyond it."""
@@ -157,7 +157,8 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
     """Return a row for each method, from the best to the worst."""
     described = verdicts.is_sequence or verdicts.metric.better == "none"
     ranked = [place for place in group.ranked if place in group.known]
-    kinds, notes = _kinds(verdicts, group), _notes(verdicts, group)
+    is_below = len(verdicts.groups) > ONE_ROW
+    kinds, notes = _kinds(verdicts, group), _notes(verdicts, group, 1 if is_below else _MOST_NAMES)
     means = without_rounding(group.mean.tolist())
     rows = [
         Row(
@@ -171,8 +172,7 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
         )
         for place in (group.known if described else ranked)
     ]
-    most = _FEW_ROWS if len(verdicts.groups) > ONE_ROW else MOST_ROWS
-    return Rows.of(rows, line, verdicts.metric.unit, most)
+    return Rows.of(rows, line, verdicts.metric.unit, _FEW_ROWS if is_below else MOST_ROWS)
 
 
 def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
@@ -192,19 +192,18 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
     return kinds
 
 
-def _notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
-    """Return how far those methods are from the best that are not certain to be worse."""
+def _notes(verdicts: Verdicts, group: Verdict, most: int) -> dict[int, Text]:
+    """Return how far the nearest methods are from the best that are not certain to be worse."""
     if verdicts.is_sequence:
         return _step_notes(verdicts, group)
     if not group.stands or verdicts.metric.better == "none":
         return {}
     bare = _bare(verdicts)
-    tied = nearest_first(group, group.tied)
+    tied = nearest_first(group, group.tied)[:most]
     if not group.told:
         start = f"from the {EXTREME[verdicts.metric.better]}: {HERE}"
-        near = tied[:_MOST_NAMES]
-        return {place: say(start, within_text(bare, group, place)) for place in near}
-    return {place: uncertain_text(bare, group, place) for place in tied[:_MOST_NAMES]}
+        return {place: say(start, within_text(bare, group, place)) for place in tied}
+    return {place: uncertain_text(bare, group, place) for place in tied}
 
 
 def _bare(verdicts: Verdicts) -> Verdicts:

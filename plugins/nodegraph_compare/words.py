@@ -279,7 +279,7 @@ def _time_text(seconds: float) -> str:
 
 
 def with_units(verdicts: Verdicts, *, times: bool = True) -> Verdicts:
-    """Return verdicts whose labels are texts with their units: ``5 frames``, ``2 %``.
+    """Return verdicts as a reader sees them: labels with their units, fields without their axis.
 
     Parameters
     ----------
@@ -298,7 +298,13 @@ def with_units(verdicts: Verdicts, *, times: bool = True) -> Verdicts:
         )
         for group in verdicts.groups
     )
-    return replace(verdicts, groups=tuple(groups))
+    varied = (replace(each, axis=_field(each.axis)) for each in verdicts.variations)
+    return replace(
+        verdicts,
+        within=tuple(map(_field, verdicts.within)),
+        variations=tuple(varied),
+        groups=tuple(groups),
+    )
 
 
 def times_text(verdicts: Verdicts, axis: int) -> str:
@@ -410,8 +416,12 @@ def change_text(verdicts: Verdicts, group: Verdict, before: int, step: int) -> s
 def group_title(verdicts: Verdicts, group: Verdict, axes: Sequence[int] | None = None) -> str:
     """Return the labels of a group along some axes, by default those in which groups differ."""
     axes = varying(verdicts) if axes is None else axes
-    names = [name.rpartition(".")[2] for name in verdicts.within]  # of a field without its axis
-    return ", ".join(f"{names[axis]} {group.labels[axis]}" for axis in axes)
+    return ", ".join(f"{_field(verdicts.within[axis])} {group.labels[axis]}" for axis in axes)
+
+
+def _field(name: str) -> str:
+    """Return the name of a field without that of its axis: ``missing`` for ``mask.missing``."""
+    return name.rpartition(".")[2]
 
 
 def varying(verdicts: Verdicts) -> list[int]:

@@ -451,6 +451,8 @@ class Answer(Value):
         What it says, as data, where methods are compared.
     overall : Finding, optional
         The same over all groups taken together.
+    take : str
+        The method to take whichever the group is; empty without one.
     """
 
     sentence: Text = ()
@@ -459,6 +461,7 @@ class Answer(Value):
     more: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = ()
     overall: Finding | None = None
+    take: str = ""
 
     @property
     def held(self) -> str:
@@ -489,8 +492,8 @@ def in_authors_words(answer: Answer, parts: Sequence[str | Placeholder]) -> Answ
     Raises
     ------
     NodegraphError
-        If the author's answer says what was not found, or calls a method by name that is best
-        nowhere.
+        If the author's answer says what was not found, calls a method by name that is best
+        nowhere, or has as its first ``{best}`` another method than the one to take.
     """
     if not parts:
         return answer
@@ -504,6 +507,16 @@ def in_authors_words(answer: Answer, parts: Sequence[str | Placeholder]) -> Answ
             filled.append((part,))
         else:
             filled.append(_filled(answer, part))
+    pairs = zip(parts, filled, strict=True)
+    best = next(
+        (text for part, text in pairs if not isinstance(part, str) and part.name == "best"), ()
+    )
+    named = [word.method for word in best if isinstance(word, Word)]
+    if answer.take and named and answer.take not in named:
+        raise NodegraphError(
+            f"the first that it calls best is {listed(named)}, and {answer.take} is the one to "
+            "take: begin with that"
+        )
     return replace(answer, sentence=joined("", filled))
 
 

@@ -248,7 +248,7 @@ def _fact(points: Points, curves: Curves) -> Text:
     # what all are marked for stands above them
     what = "" if len({*marked.kinds.values()}) == 1 and kind else f", {what}"
     text = f"{at}{what}, {_numbers(curves, [float(points.value[place])])}"
-    if not math.isfinite(floor):
+    if not math.isfinite(floor) or curves.enough is not None:
         return (text,)
     reached = _reached(points, floor)
     where = "not reached" if reached is None else f"reached at {reached:g}"

@@ -14,6 +14,7 @@ from nodegraph_compare.words import (
     best_words,
     group_title,
     method_words,
+    nearest_first,
     others_text,
     varying,
 )
@@ -170,7 +171,7 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
 
 
 def _more(verdicts: Verdicts, group: Verdict) -> Iterator[Text]:
-    """Yield how the method to take stands where it is not the best, or the others beside it."""
+    """Yield how the method to take stands where it is not the best, or the nearest others."""
     take = verdicts.for_all
     if take is not None and take not in group.best and group.stands:
         claim = "clearly behind" if take in group.behind else MAY_BE
@@ -178,6 +179,10 @@ def _more(verdicts: Verdicts, group: Verdict) -> Iterator[Text]:
         yield say(f"{HERE} {HERE}, {claim}", name, behind_text(verdicts, group, take))
     elif group.told and group.tied:
         yield others_text(verdicts, group)
+    elif group.behind:
+        nearest = nearest_first(group, group.behind)[0]
+        (name,) = method_words(verdicts, [nearest])
+        yield say(f"{HERE} {HERE}, clearly behind", name, behind_text(verdicts, group, nearest))
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:

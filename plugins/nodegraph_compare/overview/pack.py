@@ -87,7 +87,7 @@ def packed(
     overview
         The comparison.
     named
-        Its verdicts with labels as a reader sees them; see `with_units`.
+        Its verdicts as a reader sees them; see `with_units`.
     excerpt
         What of it the page holds.
     node
@@ -106,12 +106,13 @@ def packed(
         "blocks_name": verdicts.blocks,
         "within": [
             {
+                "axis": axis,
                 "name": name,
-                "labels": list(dict.fromkeys(group.labels[axis] for group in verdicts.groups)),
-                "texts": list(dict.fromkeys(group.labels[axis] for group in named.groups)),
-                "times": times_text(verdicts, axis),
+                "labels": list(dict.fromkeys(group.labels[at] for group in verdicts.groups)),
+                "texts": list(dict.fromkeys(group.labels[at] for group in named.groups)),
+                "times": times_text(verdicts, at),
             }
-            for axis, name in enumerate(verdicts.within)
+            for at, (axis, name) in enumerate(zip(verdicts.within, named.within, strict=True))
         ],
         "methods": [
             {"label": str(method), "seconds": seconds.get(method)} for method in verdicts.methods

@@ -65,7 +65,7 @@ def render_overview_in_run(overview: Overview, title: str, origin: Provenance) -
     layout = data["layout"]
     charts = {"controls": ""}
     if any(group.best for group in verdicts.groups) and len(verdicts.methods) > 1:
-        charts["ranking"] = _ranking_heading(verdicts)
+        charts["ranking"] = _ranking_heading(named)
         if seconds:
             charts["cost"] = "What does accuracy cost?"
     if layout is not None:

@@ -183,6 +183,14 @@ def test_an_answer_in_the_authors_words(
     assert (told.scope, told.findings) == (answer.scope, answer.findings)
 
 
+def test_an_answer_that_recommends_another_method_than_its_cards_is_refused() -> None:
+    answer = Answer(("computed",), findings=OTHER, take="ridge")
+    with pytest.raises(NodegraphError, match="first that it calls best is pca, and ridge is the"):
+        in_authors_words(answer, holes("Take {best pca at length=15}, not {best at length=5}."))
+    told = in_authors_words(answer, holes("{best at length=5}, for long gaps {best at length=15}."))
+    assert plain(told.sentence) == "ridge, for long gaps pca."
+
+
 @pytest.mark.parametrize(
     ("findings", "text", "why"),
     [

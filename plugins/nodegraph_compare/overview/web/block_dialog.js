@@ -11,7 +11,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
   const labelsOf = (view, block, member) => {
     const { start, frames } = view.group.json;
     return {
-      ...member, ...Object.fromEntries(view.overview.within.map(({ name }, at) => [name, view.group.labels[at]])),
+      ...member, ...Object.fromEntries(view.overview.within.map(({ axis }, at) => [axis, view.group.labels[at]])),
       ...Object.fromEntries(view.group.labelsOf(block)),
       ...(Number.isFinite(start?.[block]) ? { start: start[block] } : {}),
       ...(Number.isFinite(frames?.[block]) ? { frames: frames[block] } : {}),
@@ -241,8 +241,8 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
 
   // Each row of the tables beside a comparison opens the block in which its method errs most.
   const joinRows = (tables, view) => {
-    const groupOf = (heads, cells) => view.overview.groups.find(({ labels }) => labels.every((label, axis) => {
-      const column = heads.indexOf(view.overview.within[axis].name);
+    const groupOf = (heads, cells) => view.overview.groups.find(({ labels }) => labels.every((label, at) => {
+      const column = heads.indexOf(view.overview.within[at].axis);
       return column < 0 || cells[column] === String(label);
     }));
     const textOf = (cell) => cell.textContent.trim();
