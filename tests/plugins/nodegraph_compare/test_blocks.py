@@ -7,12 +7,9 @@ import pytest
 from nodegraph import Absent, Across
 from nodegraph_compare.blocks import groups
 from nodegraph_compare.question import Asked, ask
+from tests.plugins.nodegraph_compare.scores import scored
 
 NAN = np.nan
-
-
-def scored(*values: float) -> pd.DataFrame:
-    return pd.DataFrame({"gap": range(len(values)), "rmse": np.array(values, dtype=float)})
 
 
 def across(

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,35 +10,15 @@ from nodegraph import Absent, Across
 from nodegraph_compare.blocks import Group
 from nodegraph_compare.left_out import absences, dropped, end_text, left_out
 from nodegraph_compare.question import Question
+from tests.plugins.nodegraph_compare.scores import group_of
 
 QUESTION = Question("rmse", "fill", ("length",), ("gap",), (), ("gap",), (), ())
-
-
-def group(length: int, methods: tuple[str, ...], values: Any) -> Group:
-    nothing, blocks = np.zeros(len(methods)), np.zeros(len(values), dtype=int)
-    times = np.full(len(values), np.nan)
-    return Group(
-        (length,),
-        methods,
-        values,
-        nothing,
-        nothing,
-        blocks,
-        blocks,
-        1,
-        times,
-        times,
-        times,
-        times,
-        blocks,
-        blocks,
-    )
 
 
 def lacking(length: int, blocks: int = 2) -> Group:
     values = np.tile([2.0, 3.0, np.nan], (blocks, 1))
     values[0, 1] = np.nan
-    return group(length, ("a", "b", "c"), values)
+    return group_of((length,), ("a", "b", "c"), values)
 
 
 def test_what_is_dropped_is_counted_by_method() -> None:
@@ -76,7 +55,7 @@ def test_what_several_groups_and_methods_lack_stands_once() -> None:
 def test_skipped_combinations_are_noted_without_a_warning() -> None:
     absent = (Absent({"fill": "b"}, "skipped", ""),)
     scores = Across(("fill",), (({"fill": "a"}, pd.DataFrame()),), absent)
-    whole = group(5, ("a",), np.ones((3, 1)))
+    whole = group_of((5,), ("a",), np.ones((3, 1)))
     assert left_out(scores, QUESTION, [whole]) == ["b: 1 combination skipped"]
 
 

@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
 from nodegraph_select.greedy import greedy
 from nodegraph_select.random import random
 from nodegraph_select.variance import variance
-from tests.plugins.nodegraph_select.faces import make_face, make_rigid
+from tests.plugins.nodegraph_select.faces import make_face
 
 
 def unexplained(face: Trajectories, chosen: set[str]) -> float:
@@ -63,22 +62,3 @@ def test_a_marker_that_stands_still_does_no_harm() -> None:
     positions[:, face.markers.index("nose")] = 17.3
     still = replace(face, positions=positions)
     assert "nose" not in greedy(still, k=4).chosen
-
-
-def test_bad_input(face: Trajectories) -> None:
-    with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
-        greedy(face, k=12)
-    with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
-        greedy(face, k=0)
-    with pytest.raises(Refusal, match="no marker moves in 90 frames"):
-        greedy(make_rigid(face), k=2)
-
-
-def test_rounding_chooses_no_marker(face: Trajectories) -> None:
-    """Of what does not move, none is ahead of the others but by its name."""
-    positions = make_rigid(face).positions.copy()
-    positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
-    positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
-    with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
-        selection = greedy(replace(face, positions=positions), k=5)
-    assert selection.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nodegraph import Refusal
 from nodegraph_mocap import Trajectories
 from nodegraph_select.qr import qr
-from tests.plugins.nodegraph_select.faces import make_face, make_rigid
+from tests.plugins.nodegraph_select.faces import make_face
 from tests.plugins.recordings import quietly
 
 
@@ -59,22 +58,3 @@ def test_what_is_determined_by_others_comes_last_by_variance() -> None:
 def test_fewer_frames_than_features(face: Trajectories) -> None:
     short = replace(face, positions=face.positions[:3], origin=face.origin[:3])
     assert quietly(qr, short, k=11).chosen == face.markers
-
-
-def test_bad_input(face: Trajectories) -> None:
-    with pytest.raises(Refusal, match="k = 12 markers cannot be chosen of 11"):
-        qr(face, k=12)
-    with pytest.raises(ValueError, match="k must be a whole number from 1 on, got 0"):
-        qr(face, k=0)
-    with pytest.raises(Refusal, match="no marker moves in 90 frames"):
-        qr(make_rigid(face), k=2)
-
-
-def test_rounding_chooses_no_marker(face: Trajectories) -> None:
-    """Of what does not move, none is ahead of the others but by its name."""
-    positions = make_rigid(face).positions.copy()
-    positions[:, face.markers.index("nose")] += 1e-4 * face.positions[:, 3]
-    positions[:, face.markers.index("lip_left")] += 1e-4 * face.positions[:, 5]
-    with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
-        selection = qr(replace(face, positions=positions), k=5)
-    assert selection.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")

@@ -11,6 +11,7 @@ from scipy.stats import binom, friedmanchisquare, rankdata, studentized_range, w
 from nodegraph_compare.blocks import Group
 from nodegraph_compare.ranks.ranking import PairTest, critical_difference, rank, runs
 from nodegraph_compare.ranks.signed_rank import holm
+from tests.plugins.nodegraph_compare.scores import group_of
 
 scikit_posthocs: Any = import_module("scikit_posthocs")
 STUDIES = 1000
@@ -19,25 +20,7 @@ NAN = np.nan
 
 def group(values: object) -> Group:
     array = np.asarray(values, dtype=float)
-    methods = tuple(f"m{place}" for place in range(array.shape[1]))
-    nothing, blocks = np.zeros(len(methods)), np.arange(len(array))
-    times = np.full(len(array), NAN)
-    return Group(
-        (),
-        methods,
-        array,
-        nothing,
-        nothing,
-        blocks,
-        blocks,
-        1,
-        times,
-        times,
-        times,
-        times,
-        blocks,
-        blocks,
-    )
+    return group_of((), tuple(f"m{place}" for place in range(array.shape[1])), array)
 
 
 def scores(blocks: int = 12, methods: int = 5, *, tied: bool = False) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ from nodegraph_compare.table.node import table
 from nodegraph_mocap import Table
 from nodegraph_tables import TableInfo, info_of, with_info
 from nodegraph_tables.style import BEST, BLACK, REST
+from tests.plugins.nodegraph_compare.scores import scored
 
 NAN = np.nan
 NAMES = ("lin", "cubic", "akima", "muscle")
@@ -36,10 +37,6 @@ def study(
                 labels = {"trial": trial, "length": length, "fill": fill}
                 entries.append((labels, pd.DataFrame({"gap": range(5), "rmse": rmse})))
     return Across(("trial", "length", "fill"), tuple(entries))
-
-
-def scored(*values: float) -> pd.DataFrame:
-    return pd.DataFrame({"gap": range(len(values)), "rmse": np.array(values, dtype=float)})
 
 
 def ranks(scores: Across[Table], **settings: Any) -> Ranked:
