@@ -17,8 +17,8 @@ def scored(*values: float) -> pd.DataFrame:
 
 def group_of(labels: tuple[Label, ...], methods: tuple[Label, ...], values: Any) -> Group:
     """A group of which each block is a cluster of its own, at a time that nobody knows."""
-    nothing, blocks = np.zeros(len(methods)), np.arange(len(values))
-    times = [np.full(len(values), np.nan)] * 4
+    none, each = np.zeros(len(methods)), np.arange(len(values))
+    time = np.full(len(values), np.nan)
     return Group(
-        labels, methods, values, nothing, nothing, blocks, blocks, 1, *times, blocks, blocks
+        labels, methods, values, none, none, each, each, 1, time, time, time, time, each, each
     )
