@@ -95,7 +95,7 @@ def test_every_place_marks_what_the_verdict_tells_and_nothing_else(
     (group,) = data["groups"]
     assert {f"m{place}" for place in group["best"]} == best
     assert {f"m{place}" for place in group["tied"]} == tied
-    lead = answer_html(result.overview.answer, verdicts, "table", {}, {})
+    lead = answer_html(result.overview.answer, verdicts, {})
     for kind, names in (("best", best), ("tied", tied)):
         assert set(re.findall(rf'<circle class="{kind}"[^>]*><title>(m\d) ', lead)) == names
     blue = {
