@@ -12,6 +12,8 @@ from nodegraph_mocap import Table, Trajectories
 from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
 UNITS = {
@@ -91,7 +93,7 @@ def distance(
             table = _table(apart, shared)
         except FloatingPointError:
             raise ValueError("distances are too large to be squared") from None
-    notes = [*_left_out(estimate, reference), *_lacking(table)]
+    notes = [*left_out(estimate, reference), *lacking(table, "markers", "frames")]
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
@@ -145,23 +147,27 @@ def _table(apart: NDArray[np.float64], markers: tuple[str, ...]) -> Table:
     )
 
 
-def _left_out(estimate: Trajectories, reference: Trajectories) -> list[str]:
-    """Return notes on markers that only one of the two has."""
+def left_out(
+    estimate: Trajectories, reference: Trajectories, chosen: Iterable[str] = ()
+) -> list[str]:
+    """Return notes on markers that only one of the two has, but for some that were chosen."""
     notes = []
     for what, recording, other in (
         ("estimate", estimate, reference),
         ("reference", reference, estimate),
     ):
-        alone = [name for name in recording.markers if name not in set(other.markers)]
+        absent = {*other.markers, *chosen}
+        alone = [name for name in recording.markers if name not in absent]
         if alone:
             notes.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
     return notes
 
 
-def _lacking(table: Table) -> list[str]:
-    missing, compared = int(table["missing"].sum()), int(table["markers"].sum())
+def lacking(table: Table, compared: str, rows: str) -> list[str]:
+    """Return a note on missing samples, if any; a column counts those that are compared."""
+    missing, there = int(table["missing"].sum()), int(table[compared].sum())
     if not missing:
         return []
-    empty = int((table["markers"] == 0).sum())
-    frames = f"; {empty} of {len(table)} frames have none at all" if empty else ""
-    return [f"{missing} of {missing + compared} samples are missing and not compared{frames}"]
+    empty = int((table[compared] == 0).sum())
+    without = f"; {empty} of {len(table)} {rows} have none at all" if empty else ""
+    return [f"{missing} of {missing + there} samples are missing and not compared{without}"]

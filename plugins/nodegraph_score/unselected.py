@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Trajectories
+from nodegraph_score.distance import lacking, left_out
 from nodegraph_tables import TableInfo, poses_of, with_info
 
 if TYPE_CHECKING:
@@ -81,7 +82,10 @@ def unselected(
         estimate.keep(shared).positions - reference.keep(shared).positions, axis=2
     )
     table = _table(apart, shared, len(selection.chosen))
-    notes = [*_left_out(estimate, reference, selection), *_lacking(table)]
+    notes = left_out(estimate, reference, selection.chosen)
+    if not set(reference.markers) - set(selection.chosen):
+        notes.append(f"all {len(reference.markers)} markers are selected, none is left to score")
+    notes += lacking(table, "frames", "markers")
     for note in notes:
         warnings.warn(note, stacklevel=2)
     sentences = tuple(f"{note}." for note in notes)
@@ -135,28 +139,3 @@ def _table(apart: NDArray[np.float64], markers: list[str], selected: int) -> Tab
             "farthest": np.where(some, farthest, -1),
         }
     )
-
-
-def _left_out(estimate: Trajectories, reference: Trajectories, selection: Selection) -> list[str]:
-    """Return notes on unselected markers that only one of the two has, or on having none."""
-    notes = []
-    for what, recording, other in (
-        ("estimate", estimate, reference),
-        ("reference", reference, estimate),
-    ):
-        absent = {*other.markers, *selection.chosen}
-        alone = [name for name in recording.markers if name not in absent]
-        if alone:
-            notes.append(f"{len(alone)} markers only the {what} has are left out: {listed(alone)}")
-    if not set(reference.markers) - set(selection.chosen):
-        notes.append(f"all {len(reference.markers)} markers are selected, none is left to score")
-    return notes
-
-
-def _lacking(table: Table) -> list[str]:
-    missing, compared = int(table["missing"].sum()), int(table["frames"].sum())
-    if not missing:
-        return []
-    empty = int((table["frames"] == 0).sum())
-    markers = f"; {empty} of {len(table)} markers have none at all" if empty else ""
-    return [f"{missing} of {missing + compared} samples are missing and not compared{markers}"]

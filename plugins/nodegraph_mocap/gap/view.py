@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
-
 from nodegraph import Detail
 from nodegraph_mocap.face_layout import layout
 from nodegraph_mocap.gap.data import pack
@@ -21,12 +19,7 @@ def detail() -> Detail:
         module="mocap/gap",
         scripts=(
             *(script_or_style(f"{name}.js") for name in _OF_PLAYER),
-            *(_source(f"{name}.js") for name in _SCRIPTS),
+            *(script_or_style(f"{name}.js", __package__) for name in _SCRIPTS),
         ),
-        styles=(_source("gap.css"),),
+        styles=(script_or_style("gap.css", __package__),),
     )
-
-
-def _source(name: str) -> str:
-    place = files("nodegraph_mocap.gap").joinpath("web", name)
-    return place.read_text(encoding="utf-8")

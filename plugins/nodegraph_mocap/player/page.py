@@ -124,7 +124,6 @@ def _scripts() -> tuple[str, ...]:
     return tuple(script_or_style(f"{name}.js") for name in _SCRIPTS)
 
 
-def script_or_style(name: str) -> str:
-    """Return a file of the player's folder ``web``."""
-    place = files("nodegraph_mocap.player").joinpath("web", name)
-    return place.read_text(encoding="utf-8")
+def script_or_style(name: str, package: str = "nodegraph_mocap.player") -> str:
+    """Return a file of the folder ``web`` of the player, or of another package."""
+    return files(package).joinpath("web", name).read_text(encoding="utf-8")
