@@ -236,7 +236,8 @@ def _box(
     lines += filter(None, [_text(common)])
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
-        lines += filter(None, [described.doc, _text(_from_fields(graph, node))])
+        told = described.doc or described.name
+        lines = [*filter(None, [told, _text(_from_fields(graph, node))])]
     return Box(
         node.name,
         lines=tuple(lines),

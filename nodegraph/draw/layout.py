@@ -496,7 +496,7 @@ class Layout:
     routes : tuple of (sequence of (sequence of point))
         For each arrow its lines, and for each of these the points between which it runs: straight
         between points of one height, else in a curve that begins and ends level. Of an arrow
-        between two bands it is the end.
+        between two bands it is the end; of one to what the report lists, nothing.
     connectors : tuple of Connector
     """
 
@@ -548,7 +548,12 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
         placed = _placed(first, _outlines(shapes, numbered, led), links, led)
-    routes = _routes(links_of, placed.lines)
+    routes = tuple(
+        [
+            [] if arrow in cut and arrow not in numbered else lines
+            for arrow, lines in zip(picture.arrows, _routes(links_of, placed.lines), strict=True)
+        ]
+    )
     boxes = tuple(zip(shapes, placed.corners, strict=True))
     return Layout(
         boxes,
@@ -614,12 +619,12 @@ def _connectors(
 def _outlines(
     shapes: Iterable[Shape], numbered: Collection[Arrow], led: Collection[_Link]
 ) -> tuple[_Outline, ...]:
-    circle = 2.0 * CONNECTOR
-    lanes = _LANE * min(len({link[:2] for link in led}), _MOST_BETWEEN_BANDS)
+    circle, lanes = 2.0 * CONNECTOR, _room(led)
     circles = Counter((arrow.target, arrow.target_port) for arrow in numbered)
-    before = dict.fromkeys((link.target for link in led), lanes + circle + _END)
+    before = dict.fromkeys((link.target for link in led), circle + _END)
     for (target, _), count in circles.items():
         before[target] = max(before.get(target, 0.0), circle * count + _END)
+    before |= {link.target: before[link.target] + lanes for link in led}
     after = {arrow.source: circle for arrow in numbered}
     after |= {link.source: circle + lanes for link in led}
     return tuple(
@@ -636,6 +641,11 @@ def _outlines(
             for each in shapes
         ]
     )
+
+
+def _room(led: Collection[_Link]) -> float:
+    """Return how wide the lanes of one band can be."""
+    return _LANE * min(len({link[:2] for link in led}), _MOST_BETWEEN_BANDS)
 
 
 class _Link(NamedTuple):
@@ -740,6 +750,7 @@ def _placed(
     inputs = {each.name: dict(each.inputs) for each in outlines}
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
+    before = {each.name: each.before for each in outlines}
     highest: dict[tuple[str, str], float] = {}
     for link in led:
         highest[link[:2]] = min(highest.get(link[:2], inf), corners[link.target][1])
@@ -763,7 +774,7 @@ def _placed(
         number = lanes[band].index(link[:2])
         lane, outer = _LANE * (1 + number), _LANE * (len(lanes[band]) - number)
         right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + outer
-        left, between = x - _END - 2.0 * CONNECTOR - lane, gaps[band] - lane
+        left, between = x - before[link.target] + _room(led) - lane, gaps[band] - lane
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
         )
@@ -771,7 +782,8 @@ def _placed(
         return [begin, *turns, (x, y)]
 
     lines = tuple([line(link) for link in links])
-    wide, high = areas[()].width, areas[()].height
+    wide = max([areas[()].width, *(x for points in lines for x, _ in points)])
+    high = areas[()].height
     return _Placed(tuple(corners.values()), tuple(drawn), lines, wide, high)
 
 
@@ -870,21 +882,32 @@ def _led(
     frames: Mapping[str, Frame],
     bands: _Bands,
 ) -> frozenset[_Link]:
-    """Return the links that run from one band to the next: those of few outputs to first inputs."""
-    first = {box.name: box.inputs[0].name for box in picture.boxes if box.inputs}
+    """Return the links that run from one band to the next.
+
+    At each box that is the first of its rows and ports which something in the band above leads to,
+    and of all together those of few outputs.
+    """
+    ports = {
+        (box.name, port): at
+        for box in picture.boxes
+        for at, port in enumerate(
+            [*map(row_port, box.alternatives), *(each.name for each in box.inputs)]
+        )
+    }
     reports = {box.name for box in picture.boxes if box.kind == "report"}
     outputs: dict[int, set[tuple[str, str]]] = {}
-    led = []
-    for link, *_ in links_of:
-        if link.target_port != first[link.target] or link.target in reports:
+    led: dict[str, _Link] = {}
+    onward = [link for link, *others in links_of if not others]
+    for link in sorted(onward, key=lambda link: ports[link[2:]]):
+        if link.target in reports or link.target in led:
             continue
         if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
             continue
         lanes = outputs.setdefault(bands["box", link.target], set())
         if len(lanes | {link[:2]}) <= _MOST_BETWEEN_BANDS:
             lanes.add(link[:2])
-            led.append(link)
-    return frozenset(led)
+            led[link.target] = link
+    return frozenset(led.values())
 
 
 def _shapes(

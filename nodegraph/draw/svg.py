@@ -138,7 +138,7 @@ def _styles(picture: Picture, drawing: Layout) -> _Samples:
     samples = []
     drawn = zip(picture.arrows, drawing.routes, strict=True)
     # of an arrow that is cut, a line too short to show what it is like
-    whole = [arrow for arrow, lines in drawn if len(lines[0]) > 2]
+    whole = [arrow for arrow, lines in drawn if lines and len(lines[0]) > 2]
     if drawing.connectors:
         ends = _connector(Connector(1, (15.0, 0.0), truth=False))
         samples.append((ends, "goes on at the same number"))
@@ -149,7 +149,10 @@ def _styles(picture: Picture, drawing: Layout) -> _Samples:
             samples.append((f'<g class="{kind}">{path}</g>', text))
     is_cut = any(each.truth for each in drawing.connectors)
     if is_cut and not any(arrow.truth for arrow in whole):
-        samples.append((_connector(Connector(2, (15.0, 0.0), truth=True)), "truth"))
+        rect = (
+            f'<rect {_LOOK["connector truth"]} x="6.5" y="-8.5" width="17" height="17" rx="8.5"/>'
+        )
+        samples.append((f'<g class="connector truth">{rect}</g>', "truth"))
     if any(box.axes for box in picture.boxes):
         rect = f'<rect {_LOOK["chip axis"]} x="2" y="-7" width="26" height="14" rx="7"/>'
         samples.append((f'<g class="chip axis">{rect}</g>', "axes"))

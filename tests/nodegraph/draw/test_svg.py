@@ -124,6 +124,8 @@ def check(picture: Picture) -> ElementTree.Element:
     check_texts(root)
     width, height = float(root.attrib["width"]), float(root.attrib["height"])
     assert set(boxes) == {box.name for box in picture.boxes}
+    for group in arrows_of(root):
+        assert all(0 <= x <= width for points in lines(group) for x, _ in points)
     for name, (left, top, right, bottom) in boxes.items():
         assert 0 <= left < right <= width
         assert 0 <= top < bottom <= height
@@ -133,7 +135,7 @@ def check(picture: Picture) -> ElementTree.Element:
     drawn = arrows_of(root)
     assert len(drawn) == len(picture.arrows)
     for arrow, group in zip(picture.arrows, drawn, strict=True):
-        check_arrow(arrow, group, boxes)
+        check_arrow(picture, arrow, group, boxes)
     check_circles(root, boxes)
     return root
 
@@ -171,12 +173,16 @@ def reach(text: ElementTree.Element) -> tuple[float, float]:
 
 
 def check_arrow(
+    picture: Picture,
     arrow: Arrow,
     group: ElementTree.Element,
     boxes: dict[str, tuple[float, float, float, float]],
 ) -> None:
     source, target = boxes[arrow.source], boxes[arrow.target]
     drawn = lines(group)
+    if not drawn:  # the report names what it reads
+        assert any(box.name == arrow.target and box.inputs[0].items for box in picture.boxes)
+        return
     (begin, *_), (*_, end) = drawn[0], drawn[-1]
     assert end[0] == pytest.approx(target[0] - 7, abs=0.11)
     assert target[1] < end[1] < target[3]
@@ -389,7 +395,7 @@ def test_what_the_report_shows_names_the_sources_that_no_line_leads_to() -> None
     picture = folded(Picture("", (*steps.boxes, *shows), (*steps.arrows, *arrows)))
     root = check(picture)
     drawn = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
-    assert is_cut(drawn["step0.x report.table"])
+    assert not drawn["step0.x report.table"]
     assert not is_cut(drawn["step19.x report.faces"])
     (report,) = (each for each in root.iter(f"{SVG}g") if each.get("data-box") == "report")
     told = [text.text for text in report.iter(f"{SVG}text") if text.get("class") != "name"]
