@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -47,16 +47,6 @@ class Placed:
     node: int
     matrices: NDArray[np.float64]
     skinned: bool = False
-
-
-@dataclass(frozen=True)
-class Part:
-    """Vertices that belong together, in the unit of the file."""
-
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    morphs: Mapping[str, NDArray[np.float64]]
-    marker_vertices: Mapping[str, int] = field(default_factory=dict)
 
 
 def read_glb(path: Path) -> RawHead:
@@ -101,14 +91,8 @@ def head_of(document: Document, placed: list[Placed], accessors: Accessors) -> R
     if sum(len(part.marker_vertices) for part in parts) > len(head.marker_vertices):
         raise ValueError("two meshes name the same marker")
     extras = document.asset.extras
-    return RawHead(
-        vertices=head.vertices,
-        faces=head.faces,
-        morphs=head.morphs,
-        unit=UNIT,
-        unit_stated=isinstance(extras, dict) and extras.get("unit") == UNIT,
-        marker_vertices=head.marker_vertices,
-    )
+    is_stated = isinstance(extras, dict) and extras.get("unit") == UNIT
+    return replace(head, unit_stated=is_stated)
 
 
 def meshes_of_head(document: Document, accessors: Accessors) -> list[Placed]:
@@ -273,7 +257,7 @@ def _placed(
     return Placed(mesh, index, joints, skinned=True)
 
 
-def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
+def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> RawHead:
     """Return a mesh as it stands in the scene.
 
     Primitives that name the same vertices share them; others follow one another. Points and lines
@@ -287,7 +271,7 @@ def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
     where = f"mesh {placed.mesh}" + (f" ({mesh.name})" if mesh.name else "")
     accessors.charge(0, len(mesh.primitives[0].targets))
     names = target_names(mesh, where)
-    parts: dict[object, tuple[Part, list[NDArray[np.int64]]]] = {}
+    parts: dict[object, tuple[RawHead, list[NDArray[np.int64]]]] = {}
     for number, primitive in enumerate(mesh.primitives):
         at = f"{where}, primitive {number}"
         accessors.charge(0)
@@ -308,7 +292,7 @@ def read_mesh(mesh: Mesh, placed: Placed, accessors: Accessors) -> Part:
     return replace(joined, faces=turned, marker_vertices=markers)
 
 
-def joined_parts(parts: list[Part]) -> Part:
+def joined_parts(parts: list[RawHead]) -> RawHead:
     """Return parts as one; a morph target that a part lacks leaves its vertices where they are."""
     vertices = np.concatenate([np.zeros((0, 3)), *(part.vertices for part in parts)])
     firsts = np.cumsum([0, *(len(part.vertices) for part in parts)])
@@ -321,12 +305,13 @@ def joined_parts(parts: list[Part]) -> Part:
         for marker, vertex in part.marker_vertices.items():
             markers[marker] = int(vertex + first)
     faces = [part.faces + first for part, first in zip(parts, firsts, strict=False)]
-    return Part(vertices, np.concatenate([np.zeros((0, 3), np.int64), *faces]), morphs, markers)
+    together = np.concatenate([np.zeros((0, 3), np.int64), *faces])
+    return RawHead(vertices, together, morphs, UNIT, marker_vertices=markers)
 
 
 def _vertices(
     primitive: Primitive, names: tuple[str, ...], placed: Placed, accessors: Accessors, where: str
-) -> Part:
+) -> RawHead:
     if "POSITION" not in primitive.attributes:
         raise ValueError(f"{where}: its vertices have no POSITION")
     if len(primitive.targets) != len(names):
@@ -346,7 +331,7 @@ def _vertices(
             accessors.charge(rest.size)
             offsets = np.zeros_like(rest)
         morphs[name] = _turned(linear, offsets)
-    return Part(_turned(linear, rest) + shift, np.zeros((0, 3), np.int64), morphs)
+    return RawHead(_turned(linear, rest) + shift, np.zeros((0, 3), np.int64), morphs, UNIT)
 
 
 def _turned(linear: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,7 +5,8 @@ import pytest
 
 from nodegraph_files.glb.buffers import Accessors, GlbBuffer
 from nodegraph_files.glb.document import Document
-from nodegraph_files.glb.reading import Part, Placed, joined_parts, read_mesh
+from nodegraph_files.glb.reading import Placed, joined_parts, read_mesh
+from nodegraph_files.head import RawHead
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
@@ -40,7 +41,9 @@ class MeshFile:
         document = Document.model_validate(parts)
         return document, Accessors(document, self.buffer.content)
 
-    def read(self, *primitives: dict[str, object], placed: Placed = HERE, **mesh: object) -> Part:
+    def read(
+        self, *primitives: dict[str, object], placed: Placed = HERE, **mesh: object
+    ) -> RawHead:
         document, accessors = self.document(*primitives, **mesh)
         return read_mesh(document.meshes[0], placed, accessors)
 
@@ -132,8 +135,9 @@ def test_a_mesh_stands_where_its_node_is(mesh_file: MeshFile) -> None:
 
 
 def test_a_part_without_a_morph_target_stays_where_it_is() -> None:
-    part = Part(SQUARE, FACES, {"smile": SQUARE}, {"nose": 3})
-    other = Part(SQUARE + 1, FACES, {"frown": SQUARE * 2, "smile": SQUARE * 3}, {"chin": 0})
+    part = RawHead(SQUARE, FACES, {"smile": SQUARE}, "m", marker_vertices={"nose": 3})
+    morphs = {"frown": SQUARE * 2, "smile": SQUARE * 3}
+    other = RawHead(SQUARE + 1, FACES, morphs, "m", marker_vertices={"chin": 0})
     joined = joined_parts([part, other])
     assert list(joined.morphs) == ["smile", "frown"]
     np.testing.assert_array_equal(joined.morphs["smile"], [*SQUARE, *(SQUARE * 3)])
