@@ -19,6 +19,7 @@ from typing import Any
 import markupsafe
 
 from nodegraph.execute.settings import RunSettings
+from nodegraph.lock.portable import texts_in
 from nodegraph.runs.record import Record
 
 _BEFORE = r"(?:(?<=file://)|(?<![\w+/.\-]))"
@@ -122,22 +123,16 @@ def local_folders(record: Record, texts: Iterable[str], folders: Iterable[Path])
 
 def _recorded_folders(record: Record) -> Iterator[str]:
     """Yield the folders of absolute paths in the inputs, settings and messages of a run."""
-    pending: list[object] = [record.command, record.inputs]
-    pending += [left_out.reason for left_out in record.left_out]
+    said: list[object] = [record.command, record.inputs]
+    said += [left_out.reason for left_out in record.left_out]
     for step in record.steps:
-        pending += [step.settings, step.reason, step.trace, step.warnings, step.labels]
+        said += [step.settings, step.reason, step.trace, step.warnings, step.labels]
     for result in record.not_shown:
-        pending += [result.labels, result.reason, result.trace]
+        said += [result.labels, result.reason, result.trace]
     for file in record.not_written:
-        pending += [file.reason, file.trace]
-    while pending:
-        item = pending.pop()
-        if isinstance(item, Mapping):
-            pending.extend(item.values())
-        elif isinstance(item, list):
-            pending.extend(item)
-        elif isinstance(item, str):
-            yield from _FOLDERS.findall(item)
+        said += [file.reason, file.trace]
+    for text in texts_in(said):
+        yield from _FOLDERS.findall(text)
 
 
 def relocate_graph(text: str, folder: Path, name: str, names: Mapping[str, str]) -> str:

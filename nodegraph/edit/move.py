@@ -8,6 +8,8 @@ import re
 from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
+import networkx as nx
+
 from nodegraph.edit.actions import check_new_name
 from nodegraph.edit.document import Change, Document, Path, value_at
 from nodegraph.edit.uses import Role, Use, mapping, nodes_of, pattern_of, uses
@@ -233,17 +235,13 @@ class _Move:
 
     def _refuse_circle(self) -> None:
         """Refuse if a node that stays reads one that goes, and feeds another."""
-        readers: dict[str, set[str]] = {}
-        for use in (*self._inside, *self._outside):
-            if use.role is Role.SOURCE and use.path[0] == "nodes":
-                readers.setdefault(use.name, set()).add(str(use.path[1]))
-        pending = [each for node in self._nodes for each in readers.get(node, ())]
-        after: set[str] = set()
-        while pending:
-            node = pending.pop()
-            if node not in after and node not in self._nodes:
-                after.add(node)
-                pending += readers.get(node, ())
+        readers = nx.DiGraph(
+            (use.name, str(use.path[1]))
+            for use in (*self._inside, *self._outside)
+            if use.role is Role.SOURCE and use.path[0] == "nodes"
+            if use.path[1] not in self._nodes
+        )
+        after = set().union(*(nx.descendants(readers, n) for n in self._nodes if n in readers))
         for use, _, _ in self._entering:
             if use.name in after:
                 message = f"{quoted(use.name)} reads nodes that go, and feeds {use.path[1]}"

@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import networkx as nx
+
 from nodegraph.edit.document import Document
 from nodegraph.edit.uses import Role, mapping, nodes_of, uses
 from nodegraph.errors import GraphError, Problems, nearest, quoted
@@ -194,18 +196,14 @@ class Links:
 
     def _linked(self, name: str, *, forward: bool) -> set[str]:
         """Return the nodes that read a node, directly or not; or those that it reads."""
-        links: dict[str, set[str]] = {}
-        for use in uses(self.document.data, self._registry):
-            if use.role is Role.SOURCE and use.path[0] == "nodes":
-                ends = use.name, str(use.path[1])
-                source, target = ends if forward else ends[::-1]
-                links.setdefault(source, set()).add(target)
-        pending, linked = [name], set[str]()
-        while pending:
-            new = links.get(pending.pop(), set()) - linked
-            linked |= new
-            pending += new
-        return linked
+        links = nx.DiGraph(
+            (use.name, str(use.path[1]))
+            for use in uses(self.document.data, self._registry)
+            if use.role is Role.SOURCE and use.path[0] == "nodes"
+        )
+        if name not in links:
+            return set()
+        return nx.descendants(links, name) if forward else nx.ancestors(links, name)
 
 
 def _as_fed(port: Port, node: Node) -> Port:

@@ -131,7 +131,7 @@ class FileNames:
         self._registry: Registry = graph.registry
         self._folder = graph.spec.folder
         self._names: dict[str, str] = {}
-        from_command = set(_texts([graph.choices.inputs, graph.choices.axes]))
+        from_command = set(texts_in([graph.choices.inputs, graph.choices.axes]))
         for node in graph.nodes.values():
             for method in node.methods.values():
                 for setting, written, path in _files_of(node.name, method):
@@ -177,7 +177,8 @@ def _files_of(node: str, method: Method) -> Iterator[tuple[str, str, Path]]:
                 yield f"{node}: {name}", str(shown[name]), Path(path)
 
 
-def _texts(value: object) -> Iterator[str]:
+def texts_in(value: object) -> Iterator[str]:
+    """Yield the texts inside plain data."""
     pending = [value]
     while pending:
         item = pending.pop()
