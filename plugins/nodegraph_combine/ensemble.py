@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Across, node
-from nodegraph_combine.recording_stack import RecordingStack, stack_recordings
+from nodegraph import node
+from nodegraph_combine.recording_stack import RecordingStack, Several, stack_recordings
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 
@@ -24,10 +24,9 @@ _LEAST_SPREAD = 1e-3
     cite="tits2018",
     adapted="from Tits et al. 2018: plausibility comes from distances to neighbours alone",
     lookahead=None,
+    shares=Several,
 )
-def ensemble(
-    recordings: Across[Trajectories], *, neighbours: Annotated[int, Field(ge=1)] = 5
-) -> Trajectories:
+def ensemble(several: Several, *, neighbours: Annotated[int, Field(ge=1)] = 5) -> Trajectories:
     """Average several fills, each weighted by how plausible its distances are (after Tits et al.).
 
     Where the recordings differ in a marker m, from frame a to frame b, its neighbours are the
@@ -47,23 +46,10 @@ def ensemble(
 
     Parameters
     ----------
-    recordings
-        Recordings of the same frames, markers and rate: what several fills made of one.
     neighbours
         How many markers tell how plausible a fill is, fewer where there are fewer.
-
-    Returns
-    -------
-    Trajectories
-        The origin of each sample is the highest that it has in any of them (filled, then
-        repaired); without `sigma`.
-
-    Raises
-    ------
-    ValueError
-        If they differ in frames, markers or rate.
     """
-    all_of_them = stack_recordings(recordings)
+    all_of_them = stack_recordings(several)
     known = all_of_them.shared & ~np.isnan(all_of_them.positions[0, ..., 0])
     positions = np.full_like(all_of_them.first.positions, np.nan)
     for marker in np.flatnonzero(~all_of_them.shared.all(axis=0)):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph import Across, node
-from nodegraph_combine.recording_stack import stack_recordings
+from nodegraph import node
+from nodegraph_combine.recording_stack import Several, stack_recordings
 from nodegraph_mocap import Trajectories
 
 
-@node("combine.mean", lookahead=0)
-def mean(recordings: Across[Trajectories]) -> Trajectories:
+@node("combine.mean", lookahead=0, shares=Several)
+def mean(several: Several) -> Trajectories:
     """Take the mean of several recordings of one take, sample by sample.
 
     ``P[t, m] = sum(P_c[t, m]) / n`` over the n recordings that have the sample. What all of them
@@ -18,24 +18,8 @@ def mean(recordings: Across[Trajectories]) -> Trajectories:
     name. Recordings that were refused or failed are named in a warning.
 
     Looks ahead 0 frames.
-
-    Parameters
-    ----------
-    recordings
-        Recordings of the same frames, markers and rate: what several methods made of one.
-
-    Returns
-    -------
-    Trajectories
-        The origin of each sample is the highest that it has in any of them (filled, then
-        repaired); without `sigma`.
-
-    Raises
-    ------
-    ValueError
-        If they differ in frames, markers or rate.
     """
-    all_of_them = stack_recordings(recordings)
+    all_of_them = stack_recordings(several)
     there = ~np.isnan(all_of_them.positions)
     count = there.sum(axis=0)
     total = np.where(there, all_of_them.positions, 0.0).sum(axis=0)

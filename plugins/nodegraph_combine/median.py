@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph import Across, node
-from nodegraph_combine.recording_stack import stack_recordings
+from nodegraph import node
+from nodegraph_combine.recording_stack import Several, stack_recordings
 from nodegraph_mocap import Trajectories
 
 
-@node("combine.median", lookahead=0)
-def median(recordings: Across[Trajectories]) -> Trajectories:
+@node("combine.median", lookahead=0, shares=Several)
+def median(several: Several) -> Trajectories:
     """Take the median of several recordings of one take, coordinate by coordinate.
 
     The middle value of each coordinate over the recordings that have the sample, the mean of
@@ -21,24 +21,8 @@ def median(recordings: Across[Trajectories]) -> Trajectories:
     refused or failed.
 
     Looks ahead 0 frames.
-
-    Parameters
-    ----------
-    recordings
-        Recordings of the same frames, markers and rate: what several methods made of one.
-
-    Returns
-    -------
-    Trajectories
-        The origin of each sample is the highest that it has in any of them (filled, then
-        repaired); without `sigma`.
-
-    Raises
-    ------
-    ValueError
-        If they differ in frames, markers or rate.
     """
-    all_of_them = stack_recordings(recordings)
+    all_of_them = stack_recordings(several)
     # NaN sorts last, so that the middle of what is there can be picked by its count
     ordered = np.sort(all_of_them.positions, axis=0)
     count = (~np.isnan(ordered)).sum(axis=0)

@@ -53,7 +53,31 @@ class RecordingStack:
         return replace(self.first, positions=combined, origin=origin, sigma=None, tuning=None)
 
 
-def stack_recordings(recordings: Across[Trajectories]) -> RecordingStack:
+@dataclass(frozen=True)
+class Several:
+    """Recordings of one take that are combined.
+
+    Attributes
+    ----------
+    recordings
+        Recordings of the same frames, markers and rate: what several methods made of one.
+
+    Returns
+    -------
+    Trajectories
+        The origin of each sample is the highest that it has in any of them (filled, then
+        repaired); without `sigma`.
+
+    Raises
+    ------
+    ValueError
+        If they differ in frames, markers or rate.
+    """
+
+    recordings: Across[Trajectories]
+
+
+def stack_recordings(several: Several) -> RecordingStack:
     """Return the recordings as one array; warn of those that are absent.
 
     Raises
@@ -61,6 +85,7 @@ def stack_recordings(recordings: Across[Trajectories]) -> RecordingStack:
     ValueError
         If they have not the same markers, frames and rate; the message says which differs.
     """
+    recordings = several.recordings
     (labels, first), *others = recordings.entries
     same = [first]
     for other_labels, other in others:
@@ -71,7 +96,7 @@ def stack_recordings(recordings: Across[Trajectories]) -> RecordingStack:
             f"{_label_text(absence.labels)} was {absence.kind}" for absence in recordings.absent
         )
         total = len(same) + len(recordings.absent)
-        warnings.warn(f"{len(same)} of {total} recordings are combined: {absent}", stacklevel=3)
+        warnings.warn(f"{len(same)} of {total} recordings are combined: {absent}", stacklevel=4)
     return RecordingStack(
         first,
         np.stack([recording.positions for recording in same]),
