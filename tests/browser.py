@@ -9,6 +9,7 @@ import os
 import shutil
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Literal
 from urllib.parse import urlsplit
 
 import pytest
@@ -140,6 +141,18 @@ def drag(tab: Page, selector: str, right: float, down: float) -> None:
     tab.mouse.up()
 
 
+def assert_all_can_read_it(tab: Page, place: str = "html") -> None:
+    """Check with axe-core a part of a page on a desk, and what a phone and dark colours change."""
+    on_phones = ("color-contrast", "scrollable-region-focusable", "target-size")
+    screens: tuple[tuple[Literal["light", "dark"], int, tuple[str, ...]], ...]
+    screens = (("light", 1280, ()), ("dark", 390, on_phones))
+    for colours, width, rules in screens:
+        tab.emulate_media(color_scheme=colours)
+        resize(tab, width)
+        assert tab.evaluate("document.documentElement.scrollWidth") <= width
+        assert violations(tab, place, rules) == []
+
+
 def violations(tab: Page, place: str = "html", rules: Sequence[str] = ()) -> list[str]:
     """Return what axe-core finds in a part of the page, with the elements.
 
@@ -153,7 +166,7 @@ def violations(tab: Page, place: str = "html", rules: Sequence[str] = ()) -> lis
     if not tab.evaluate("'axe' in window"):
         tab.evaluate(Path(AXE, "axe.min.js").read_text(encoding="utf-8") + ";0")
     result = tab.evaluate(
-        "([place, only]) => axe.run(place, only).then(({ violations }) => violations)",
-        [place, {"runOnly": list(rules)} if rules else {}],
+        "([place, options]) => axe.run(place, options).then(({ violations }) => violations)",
+        [place, {"resultTypes": ["violations"], **({"runOnly": list(rules)} if rules else {})}],
     )
     return [f"{each['id']}: {node['html']}" for each in result for node in each["nodes"]]

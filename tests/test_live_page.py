@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import Page
 
-from tests.browser import drag, needs_axe, resize, until, violations
+from tests.browser import assert_all_can_read_it, drag, needs_axe, until
 from tests.studies import ROOT
 
 SOURCE = '''
@@ -244,11 +244,7 @@ def test_axe_finds_nothing_and_all_can_be_done_by_keys(tab: Page, tmp_path: Path
         assert all(before != after for before, after in zip(front, turned, strict=True))
         drag(tab, ".stage canvas", 40, 0)
         assert tab.evaluate(PICTURES) != turned
-        for scheme, width in (("light", 1280), ("dark", 390)):
-            tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-            resize(tab, width)
-            assert violations(tab) == []
-            assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        assert_all_can_read_it(tab)
         stream.feed("?")
         until(tab, f"/failed: .*out of order/.test({STATE})")
         _, errors = stream.process.communicate()

@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import Page
 
 from nodegraph.graphfile.yaml_text import read_yaml
-from tests.browser import drag, load, needs_axe, resize, until, violations
+from tests.browser import assert_all_can_read_it, drag, load, needs_axe, resize, until
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 from tests.studies import GRAPHS, STUDIES, Studies
 
@@ -361,9 +361,4 @@ def varied() -> list[str]:
 def test_axe_finds_nothing(studies: Studies, tab: Page, name: str) -> None:
     load(tab, studies.few(name) / "report.html")
     tab.evaluate(FEW_ELEMENTS)
-    resize(tab, DESKTOP[0])
-    assert violations(tab) == []
-    # what the other colours and a phone can change
-    tab.emulate_media(color_scheme="dark")
-    resize(tab, PHONE)
-    assert violations(tab, rules=("color-contrast", "target-size")) == []
+    assert_all_can_read_it(tab)

@@ -24,7 +24,7 @@ from nodegraph_mocap.player.strip import MOST_STRETCHES, strip_of
 from nodegraph_mocap.player.viewer import view
 from nodegraph_mocap.specimens import animations, heads, marks, models, recordings, weights
 from nodegraph_mocap.suspect import impulses
-from tests.browser import needs_axe, resize, until, violations
+from tests.browser import assert_all_can_read_it, needs_axe, until
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
 
 PLAYER = "document.querySelector('figure.playback').playback"
@@ -262,11 +262,7 @@ def test_files_are_seen_in_a_browser(tab: Page, tmp_path: Path) -> None:
         before = tab.evaluate(f"{PLAYER}.state.tick")
         rows.press("ArrowRight")
         assert tab.evaluate(f"{PLAYER}.state.tick") == before + 1
-        for scheme, width in (("light", 1280), ("dark", 390)):
-            tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-            resize(tab, width)
-            assert tab.evaluate("document.documentElement.scrollWidth") <= width
-            assert violations(tab) == []
+        assert_all_can_read_it(tab)
 
 
 def seen(tab: Page, markers: Sequence[str]) -> Trajectories:
@@ -328,11 +324,7 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         assert not marks.get_by_text("Click a marker").is_visible()
         expect(status).to_have_text(re.compile(rf"in 5 spans.*; kept in {file}\.marks\.csv$"))
         assert tab.locator(".rows .labels").first.inner_text().split("\n")[-1] == "corner"
-        for scheme, width in (("light", 1280), ("dark", 390)):
-            tab.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
-            resize(tab, width)
-            assert tab.evaluate("document.documentElement.scrollWidth") <= width
-            assert violations(tab, ".below") == []
+        assert_all_can_read_it(tab, ".below")
         shown = status.inner_text()
         samples = re.fullmatch(r"(\d+) samples in 5 spans: (.*); kept in .*", shown)
         assert samples is not None
