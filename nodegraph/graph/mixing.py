@@ -26,8 +26,8 @@ def mixing_notices(graph: Graph) -> Iterator[Problem]:
     any of their settings. Methods that declare none are not judged.
     """
     for node in graph.nodes.values():
-        methods = (_hidden_from(method.node) for method in node.methods.values())
-        ports = [port for port in methods if port is not None]
+        hiding = (_hidden_from(method.node) for method in node.methods.values())
+        ports = [port for port in hiding if port is not None]
         if not ports:
             continue
         feeds = {

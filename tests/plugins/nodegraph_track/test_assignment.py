@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.assignment import assignment
 from nodegraph_track.nearest import nearest
-
-
-def detections(positions: NDArray[np.float64]) -> Detections:
-    present = ~np.isnan(positions[..., 0])
-    offsets = np.concatenate([[0], np.cumsum(present.sum(axis=1))])
-    return Detections(points=positions[present], offsets=offsets, rate=60.0)
+from tests.plugins.nodegraph_track.points import detections, same
 
 
 def crossing(frames: int = 20) -> NDArray[np.float64]:
@@ -24,10 +18,6 @@ def crossing(frames: int = 20) -> NDArray[np.float64]:
     positions[:, 1, 0] = 38.5 - np.arange(frames) * 2.0
     positions[:, 1, 1] = 0.4
     return positions
-
-
-def same(tracks: Trajectories, positions: NDArray[np.float64]) -> bool:
-    return np.array_equal(tracks.positions, positions, equal_nan=True)
 
 
 def test_two_that_pass_each_other_keep_their_names() -> None:

@@ -6,20 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nodegraph_mocap import Detections, Trajectories
 from nodegraph_track.assignment import assignment
 from nodegraph_track.linking_kernel import carried_by_neighbours
 from nodegraph_track.neighbours import neighbours
-
-
-def detections(positions: NDArray[np.float64]) -> Detections:
-    present = ~np.isnan(positions[..., 0])
-    offsets = np.concatenate([[0], np.cumsum(present.sum(axis=1))])
-    return Detections(points=positions[present], offsets=offsets, rate=60.0)
-
-
-def same(tracks: Trajectories, positions: NDArray[np.float64]) -> bool:
-    return np.array_equal(tracks.positions, positions, equal_nan=True)
+from tests.plugins.nodegraph_track.points import detections, same
 
 
 def face() -> NDArray[np.float64]:
