@@ -528,7 +528,7 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     lists = {box.name for box in picture.boxes if any(each.items for each in box.inputs)}
     cut: set[Arrow] = set()
     numbered: set[Arrow] = set()
-    led: frozenset[_Link] = frozenset()
+    led: dict[_Link, int] = {}
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
         first = _outlines(shapes, numbered, led)
@@ -543,11 +543,11 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes, numbered, led), links, led)
+    placed = _placed(first, _outlines(shapes, numbered, led), links, frozenset(led))
     ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines), cut)
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes, numbered, led), links, led)
+        placed = _placed(first, _outlines(shapes, numbered, led), links, frozenset(led))
     routes = tuple(
         [
             [] if arrow in cut and arrow not in numbered else lines
@@ -617,16 +617,16 @@ def _connectors(
 
 
 def _outlines(
-    shapes: Iterable[Shape], numbered: Collection[Arrow], led: Collection[_Link]
+    shapes: Iterable[Shape], numbered: Collection[Arrow], led: Mapping[_Link, int]
 ) -> tuple[_Outline, ...]:
-    circle, lanes = 2.0 * CONNECTOR, _room(led)
+    circle = 2.0 * CONNECTOR
     circles = Counter((arrow.target, arrow.target_port) for arrow in numbered)
     before = dict.fromkeys((link.target for link in led), circle + _END)
     for (target, _), count in circles.items():
         before[target] = max(before.get(target, 0.0), circle * count + _END)
-    before |= {link.target: before[link.target] + lanes for link in led}
+    before |= {link.target: before[link.target] + _LANE * lanes for link, lanes in led.items()}
     after = {arrow.source: circle for arrow in numbered}
-    after |= {link.source: circle + lanes for link in led}
+    after |= {link.source: circle + _LANE * lanes for link, lanes in led.items()}
     return tuple(
         [
             _Outline(
@@ -641,11 +641,6 @@ def _outlines(
             for each in shapes
         ]
     )
-
-
-def _room(led: Collection[_Link]) -> float:
-    """Return how wide the lanes of one band can be."""
-    return _LANE * min(len({link[:2] for link in led}), _MOST_BETWEEN_BANDS)
 
 
 class _Link(NamedTuple):
@@ -774,7 +769,7 @@ def _placed(
         number = lanes[band].index(link[:2])
         lane, outer = _LANE * (1 + number), _LANE * (len(lanes[band]) - number)
         right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + outer
-        left, between = x - before[link.target] + _room(led) - lane, gaps[band] - lane
+        left, between = x - before[link.target] + outer - _LANE, gaps[band] - lane
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
         )
@@ -881,11 +876,12 @@ def _led(
     links_of: Iterable[Sequence[_Link]],
     frames: Mapping[str, Frame],
     bands: _Bands,
-) -> frozenset[_Link]:
-    """Return the links that run from one band to the next.
+) -> dict[_Link, int]:
+    """Return the links that run from one band to the next, with the number of lanes there.
 
-    At each box that is the first of its rows and ports which something in the band above leads to,
-    and of all together those of few outputs.
+    Each box has at most one, and all together are of few outputs: what its first input reads, or
+    where nothing in its own band leads to the box, another of its rows and inputs; in the report,
+    what reads nothing else. The truth stays aside.
     """
     ports = {
         (box.name, port): at
@@ -894,12 +890,26 @@ def _led(
             [*map(row_port, box.alternatives), *(each.name for each in box.inputs)]
         )
     }
+    first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
     reports = {box.name for box in picture.boxes if box.kind == "report"}
+    links = [link for each in links_of for link in each]
+    into = Counter(link[2:] for link in links)
+    reached = {link.target for link in links if not _steps(link, frames, bands)}
+
+    def is_main(link: _Link) -> bool:
+        if link.target in reports:
+            return into[link[2:]] == 1
+        return link[2:] in first or link.target not in reached
+
     outputs: dict[int, set[tuple[str, str]]] = {}
     led: dict[str, _Link] = {}
-    onward = [link for link, *others in links_of if not others]
+    onward = [
+        link
+        for arrow, (link, *others) in zip(picture.arrows, links_of, strict=True)
+        if not others and not arrow.truth
+    ]
     for link in sorted(onward, key=lambda link: ports[link[2:]]):
-        if link.target in reports or link.target in led:
+        if link.target in led or not is_main(link):
             continue
         if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
             continue
@@ -907,7 +917,7 @@ def _led(
         if len(lanes | {link[:2]}) <= _MOST_BETWEEN_BANDS:
             lanes.add(link[:2])
             led[link.target] = link
-    return frozenset(led.values())
+    return {link: len(outputs[bands["box", link.target]]) for link in led.values()}
 
 
 def _shapes(
