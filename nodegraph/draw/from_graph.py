@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from operator import contains
+from operator import contains, eq
 from pathlib import Path
 
 from nodegraph.draw.boxes import shortened
@@ -261,7 +261,8 @@ def _settings(method: Method) -> dict[str, str]:
     """Return the settings of a method that differ from the default.
 
     A number that depends on a single axis may be another at one of its labels. What differs at
-    more labels is a list, unless each value has its label in it, which the box of the axis shows.
+    more labels is a list, of a value for each label of its axis where that is short, unless each
+    value has its label in it, which the box of the axis shows.
     """
     found = {}
     for name in method.places:
@@ -281,9 +282,17 @@ def _settings(method: Method) -> dict[str, str]:
             (label,) = next(labels for labels, text in shown.items() if text != usual)
             found[name] = f"{shown[label,]} at {label}, else {usual}"
         elif others and isinstance(value, (int, float, str, Path)):
-            along = zip(*shown, strict=True)  # for each axis, its label at each value
-            if not any(all(map(contains, shown.values(), map(str, each))) for each in along):
-                found[name] = labels_text(tuple(dict.fromkeys(shown.values())), _LONGEST, " / ")
+            along = [*zip(*shown, strict=True)]  # for each axis, its label at each value
+            if any(all(map(contains, shown.values(), map(str, each))) for each in along):
+                continue
+            each_value = tuple(dict.fromkeys(shown.values()))
+            for labels in along:
+                by_label = dict(zip(labels, shown.values(), strict=True))
+                if all(map(eq, map(by_label.__getitem__, labels), shown.values())):
+                    values = tuple(by_label.values())
+                    is_short = len(" / ".join(values)) <= _LONGEST
+                    each_value = values if is_short else each_value
+            found[name] = labels_text(each_value, _LONGEST, " / ")
     return found
 
 

@@ -128,3 +128,21 @@ def test_a_number_that_is_another_at_one_label_is_shown(graph_of: Callable[..., 
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
     assert boxes["repair"].lines == ("fill.scale", "power: 3 at repaired, else 9")
     assert boxes["each"].lines == ("fill.scale",)
+
+
+def test_values_along_an_axis_stand_in_the_order_of_its_labels(
+    graph_of: Callable[..., Graph],
+) -> None:
+    labels = ", ".join(f"condition_{number}: {{power: {number // 2}}}" for number in range(12))
+    text = f"""
+    axes:
+      damage: {{none: {{power: 9}}, usual: {{power: 3}}, heavy: {{power: 9}}, last: {{power: 4}}}}
+      condition: {{{labels}}}
+    nodes:
+      capture: {{use: read.number}}
+      each: {{use: fill.scale, in: capture, with: {{power: $damage.power}}}}
+      many: {{use: fill.scale, in: capture, with: {{power: $condition.power}}}}
+    """
+    boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
+    assert boxes["each"].lines == ("fill.scale", "power: 9 / 3 / 9 / 4")
+    assert boxes["many"].lines == ("fill.scale", "power: 0 / 1 / 2 / 3 / 4 / 5")
