@@ -78,7 +78,7 @@ def test_the_record_agrees_with_the_events(built_in: Path) -> None:
 
 def test_the_report_holds_the_table_and_fetches_nothing(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
-    assert "Which method fills the gaps of a face best, and on what does that depend?" in html
+    assert "Which method fills the gaps of a face best?" in html
     assert "lin_ouhyoung" in html
     assert "<svg" in html
     assert "Making faces" in html
