@@ -879,9 +879,9 @@ def _led(
 ) -> dict[_Link, int]:
     """Return the links that run from one band to the next, with the number of lanes there.
 
-    Each box has at most one, and all together are of few outputs: what its first input reads, or
-    where nothing in its own band leads to the box, another of its rows and inputs; in the report,
-    what reads nothing else. The truth stays aside.
+    Each box has at most one, and all together are of few outputs: what its first input reads, if it
+    is one value, or where nothing in its own band leads to the box, another of its rows and inputs;
+    in the report, what reads nothing else. The truth stays aside.
     """
     ports = {
         (box.name, port): at
@@ -899,7 +899,7 @@ def _led(
     def is_main(link: _Link) -> bool:
         if link.target in reports:
             return into[link[2:]] == 1
-        return link[2:] in first or link.target not in reached
+        return link.target not in reached or (link[2:] in first and into[link[2:]] == 1)
 
     outputs: dict[int, set[tuple[str, str]]] = {}
     led: dict[str, _Link] = {}
