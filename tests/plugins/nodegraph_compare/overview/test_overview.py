@@ -267,6 +267,20 @@ def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None
     assert section.lead.count('<tr data-method="rich" class="best for-all">') == 3
 
 
+def test_a_field_of_an_axis_has_its_own_name_for_readers() -> None:
+    entries: Any = tuple(
+        ({("oven.heat" if axis == "heat" else axis): label for axis, label in at.items()}, frame)
+        for at, frame in kitchens({"plain": 1.0, "rich": 1.4})
+    )
+    scores = Across(("kitchen", "oven.heat", "recipe"), entries, sources=("kitchen",))
+    section = rendered(compared(scores, within=("oven.heat",)).overview)
+    text = text_of(section.lead)
+    assert "It depends on heat." in text
+    assert "oven.heat" not in text
+    (within,) = data_of(section.html)["within"]
+    assert (within["axis"], within["name"]) == ("oven.heat", "heat")
+
+
 def test_what_is_clearly_behind_nowhere_is_marked_on_every_card() -> None:
     waste = {
         "gas": {"plain": 1.0, "rich": 1.004, "burnt": 3.0},
