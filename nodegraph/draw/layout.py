@@ -4,10 +4,10 @@ After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2)
 stands in a column after its sources, the barycentres of its neighbours order each column, and a
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
-that are wider than a page together stand in bands, like lines of text. An arrow to the first input
-of a box in the next band runs between the bands; of any other from one band to another only the end
-is drawn, and circles with one number where it begins and before its end: long lines around the
-boxes cannot be followed.
+that are wider than a page together stand in bands, like lines of text. One arrow to each box of the
+next band runs between the bands, that of its main input; of any other from one band to another only
+the end is drawn, and circles with one number where it begins and before its end: long lines around
+the boxes cannot be followed. What the report lists names what it reads from other bands.
 """
 
 from __future__ import annotations

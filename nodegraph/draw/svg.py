@@ -212,10 +212,11 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
-    wider than a page goes on below, like lines of text; an arrow to another row begins and ends at
-    circles with one number, and its port says where it begins. Boxes whose dotted names have a
-    common prefix stand in a frame. Truth is dashed, a gathering arrow is wide. Types of ports show
-    on hover. Colours follow the reader's light or dark scheme; a page sets ``--picture-paper`` and
+    wider than a page goes on below, like lines of text; a side input from another row begins and
+    ends at circles with one number, and its port says where it begins. Boxes whose dotted names
+    have a common prefix stand in a frame. Truth is dashed, a gathering arrow is wide. Types of
+    ports show on hover. Colours follow the reader's light or dark scheme; a page sets
+    ``--picture-paper`` and
     ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
 
