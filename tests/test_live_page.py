@@ -92,7 +92,7 @@ def nodegraph_kinds():
 def nodegraph_sources():
     return {"fed": Fed}
 '''
-FILLS = ["muscle", "guenter", "lin_ouhyoung", "linear"]
+FILLS = ["muscle", "guenter", "lin_ouhyoung", "linear_15_frames_late"]
 PICTURES = "[...document.querySelectorAll('.playback')].map((figure) => figure.playback.state)"
 COUNTS = """Object.fromEntries([...document.querySelectorAll("[data-count]")]
   .map((row) => [row.dataset.count, Number(row.querySelector("td").textContent)]))"""
