@@ -288,9 +288,6 @@ class Provenance(Protocol):
         neither have `pass` and an axis that is no node with alternatives.
         """
 
-    def meaning(self, axis: str) -> str:
-        """Return the meaning of the settings that take an axis's values; empty if unknown."""
-
     def open_axes(self, labels: Mapping[str, Any]) -> Mapping[str, tuple[object, ...]]:
         """Return the gathered axes that labels leave open, each with its labels."""
 

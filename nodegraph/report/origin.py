@@ -10,7 +10,6 @@ from functools import cached_property
 import networkx as nx
 
 from nodegraph.execute import Run
-from nodegraph.graph.axis_text import axis_text
 from nodegraph.graph.methods import PASS
 from nodegraph.node.ports import Across, Label
 from nodegraph.plan import Output, Step
@@ -75,10 +74,6 @@ class RunOrigin:
             for label, method in node.methods.items()
             if method.node.name != PASS and label == method.node.name.rpartition(".")[2]
         }
-
-    def meaning(self, axis: str) -> str:
-        """Return the meaning of the settings that take an axis's values."""
-        return axis_text(self.run.plan.graph, axis).meaning
 
     def open_axes(self, labels: Mapping[str, Label]) -> dict[str, tuple[Label, ...]]:
         """Return the gathered axes that labels leave open, each with its labels."""
