@@ -149,11 +149,10 @@ def test_methods_have_times_names_and_commands(origin: Provenance) -> None:
     assert "trial=2" in command
 
 
-def test_labels_have_the_unit_and_the_meaning_of_the_setting_that_takes_them(
-    origin: Provenance,
-) -> None:
-    assert origin.meaning("length") == "How much."
-    assert origin.meaning("trial") == ""
+def test_axes_have_the_meaning_of_the_setting_that_takes_their_labels() -> None:
+    run, _ = origin_in(GRAPH)
+    meanings = {axis.name: axis.meaning for axis in compose(run).study.axes}
+    assert meanings["length"] == "How much."
+    assert meanings["trial"] == meanings["fill"] == ""
     # labels that are names stand for values with a unit
-    assert origin.meaning("reach") == "How far."
-    assert origin.meaning("fill") == ""
+    assert meanings["reach"] == "How far."

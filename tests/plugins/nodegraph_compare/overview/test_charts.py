@@ -58,9 +58,6 @@ class Bakery:
     def summaries(self, axis: str) -> Mapping[Label, str]:
         return {}
 
-    def meaning(self, axis: str) -> str:
-        return ""
-
     def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {axis: tuple(of) for axis, of in self.gathered.items() if axis not in labels}
 

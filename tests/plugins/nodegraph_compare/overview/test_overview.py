@@ -80,9 +80,6 @@ class Bakery:
     def summaries(self, axis: str) -> Mapping[Label, str]:
         return {"plain": "Bake with <flour> alone (Child, 1961).", "burnt": "Bake for long."}
 
-    def meaning(self, axis: str) -> str:
-        return ""
-
     def open_axes(self, labels: Mapping[str, object]) -> Mapping[str, tuple[object, ...]]:
         return {}
 
