@@ -16,7 +16,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 from zipfile import is_zipfile
 
 import yaml
@@ -30,9 +30,6 @@ from nodegraph.lock.results import Results
 from nodegraph.lock.sketch import TOLERANCE
 from nodegraph.runs.record import Cell, Record, RecordedStep
 from nodegraph.validation_errors import adapter_of, first_error
-
-if TYPE_CHECKING:
-    pass
 
 FORMAT = 2
 SUFFIX = ".lock"

@@ -13,15 +13,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nodegraph.errors import NodegraphError
 from nodegraph.runs.folder import RECORD, STEPS, content_of, lines_of
 from nodegraph.runs.record import FORMAT, Cell, NotShown, Record, RecordedStep
 from nodegraph.validation_errors import adapter_of, first_error
-
-if TYPE_CHECKING:
-    pass
 
 
 def record_bytes(record: Record) -> bytes:
