@@ -118,7 +118,7 @@ def test_the_same_chain_on_real_optics_that_were_damaged(studies: Studies, tmp_p
         "impulses": {"use": "impulses.add", "in": "noise.noisy"},
         "gaps": {"use": "gaps.cut", "in": "impulses.spiky"},
         "points": {"use": "points.scatter", "in": "gaps.gappy", "with": {"ghosts": 0.002}},
-        "rest": {"use": "recording.crop", "in": "capture", "with": {"first": 0, "last": 0}},
+        "rest": {"use": "recording.crop", "in": "capture", "with": {"frames": [[0, 0]]}},
     }
     replaced = {"detections": "points.detections", "neutral": "rest", "truth": "noise.truth"}
     graph = changed(tmp_path, sources=sources, replaced=replaced, known=["rest"])

@@ -1,4 +1,4 @@
-"""A part of a take is that part."""
+"""Parts of a take are those parts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FACE = recordings()["filled, repaired and with sigma"]
 
 
 def test_both_ends_are_kept() -> None:
-    result = crop(FACE, first=5, last=12)
+    result = crop(FACE, frames=((5, 12),))
     assert result.frames == 8
     assert np.array_equal(result.positions, FACE.positions[5:13], equal_nan=True)
     assert np.array_equal(result.origin, FACE.origin[5:13])
@@ -26,6 +26,13 @@ def test_both_ends_are_kept() -> None:
     )
 
 
+def test_parts_follow_each_other_in_the_order_that_is_asked_for() -> None:
+    result = crop(FACE, frames=((30, None), (5, 12), (10, 14)))
+    order = [*range(30, FACE.frames), *range(5, 13), *range(10, 15)]
+    assert np.array_equal(result.positions, FACE.positions[order], equal_nan=True)
+    assert np.array_equal(result.origin, FACE.origin[order])
+
+
 @pytest.mark.parametrize(
     ("first", "last", "what"),
     [
@@ -36,4 +43,4 @@ def test_both_ends_are_kept() -> None:
 )
 def test_frames_that_are_not_there(first: int, last: int | None, what: str) -> None:
     with pytest.raises(ValueError, match=what):
-        crop(FACE, first=first, last=last)
+        crop(FACE, frames=((0, 3), (first, last)))

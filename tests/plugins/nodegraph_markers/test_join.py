@@ -16,8 +16,8 @@ FACE = recordings()["filled, repaired and with sigma"]
 
 
 def test_what_was_cut_apart_is_joined_to_the_same_whatever_the_order_of_markers() -> None:
-    following = crop(FACE, first=17).keep(FACE.markers[::-1])
-    result = join(crop(FACE, last=16), following)
+    following = crop(FACE, frames=((17, None),)).keep(FACE.markers[::-1])
+    result = join(crop(FACE, frames=((0, 16),)), following)
     assert np.array_equal(result.positions, FACE.positions, equal_nan=True)
     assert np.array_equal(result.origin, FACE.origin)
     assert result.sigma is not None
