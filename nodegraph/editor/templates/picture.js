@@ -125,9 +125,15 @@ nodegraph.define("picture", [], () => {
       clearTimeout(settling);
       settling = setTimeout(settle, SETTLED);
     };
+    // Who moves the picture wants it there, and not where its fixed point was.
+    const settle_now = () => { if (drawn) settle(); };
     holder.addEventListener("wheel", (event) => {
       const picture = holder.querySelector("svg");
-      if (!picture || !(event.ctrlKey || event.metaKey)) return;
+      if (!picture) return;
+      if (!event.ctrlKey && !event.metaKey) {
+        settle_now();
+        return;
+      }
       event.preventDefault();
       const pixels = event.deltaY * (event.deltaMode ? 16 : 1);
       zoom_to(scale_now(picture) * Math.exp(-WHEEL * Math.max(-50, Math.min(pixels, 50))), event.clientX, event.clientY);
@@ -137,6 +143,7 @@ nodegraph.define("picture", [], () => {
 
     let grip = null;
     holder.addEventListener("pointerdown", (event) => {
+      settle_now();
       const is_bar = event.offsetX > holder.clientWidth || event.offsetY > holder.clientHeight;
       if (event.pointerType !== "mouse" || event.button !== 0 || box_of(event) || (event.target === holder && is_bar)) return;
       grip = { x: event.clientX, y: event.clientY, left: holder.scrollLeft, top: holder.scrollTop, moves: false };

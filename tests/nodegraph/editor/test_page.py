@@ -209,16 +209,14 @@ def test_a_picture_is_as_large_as_one_likes(page: Page) -> None:
     page.mouse.wheel(0, -1000)
     page.keyboard.up("Control")
     until(page, f"{width} > {room}")
-    until(page, "document.querySelector('#picture svg').style.transform === ''")
-    assert page.evaluate(width) > page.evaluate(room)
     left = "document.querySelector('#picture').scrollLeft"
-    page.mouse.move(*bottom(page))
-    until(page, f"{left} > 0")
-    before = page.evaluate(f"{left} = 0")  # so that there is room to its right
     page.mouse.down()
-    page.mouse.move(bottom(page)[0] - 100, bottom(page)[1])
+    before = page.evaluate(f"{left}")
+    page.mouse.move(bottom(page)[0] + 100, bottom(page)[1])
     page.mouse.up()
-    assert page.evaluate(left) == before + 100
+    until(page, "document.querySelector('#picture svg').parentElement.style.transform === ''")
+    assert page.evaluate(left) == before - 100
+    assert page.evaluate(width) > page.evaluate(room)
     page.click("#fit")
     page.evaluate("location.hash = '#%'")  # no name of a node
     page.dblclick("#picture", position={"x": 5, "y": 5})
