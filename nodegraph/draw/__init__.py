@@ -3,7 +3,18 @@
 from nodegraph.draw.dot import dot
 from nodegraph.draw.mermaid import mermaid
 from nodegraph.draw.pdf import pdf
-from nodegraph.draw.picture import Alternative, Arrow, Box, Picture, Socket
+from nodegraph.draw.picture import Alternative, Arrow, Axis, Box, Picture, Socket
 from nodegraph.draw.svg import svg
 
-__all__ = ["Alternative", "Arrow", "Box", "Picture", "Socket", "dot", "mermaid", "pdf", "svg"]
+__all__ = [
+    "Alternative",
+    "Arrow",
+    "Axis",
+    "Box",
+    "Picture",
+    "Socket",
+    "dot",
+    "mermaid",
+    "pdf",
+    "svg",
+]

@@ -11,7 +11,7 @@ from html import escape
 from textwrap import wrap
 from typing import NamedTuple
 
-from nodegraph.draw.picture import BETWEEN_PARTS, Alternative, Box, Socket
+from nodegraph.draw.picture import BETWEEN_PARTS, Alternative, Axis, Box, Socket
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 # Advance widths in em of DejaVu Sans, the widest of the usual system fonts, rounded up: a box
@@ -75,6 +75,7 @@ _NARROWEST = 84.0
 _LONGEST_NOTE = 36
 _LONGEST_SETTINGS = 30
 _LONGEST_AXIS = 34
+_LONGEST_VALUE = 16
 _LINE = 14.0
 _BASELINE = 13.3
 _MOST_LINES = 5
@@ -109,8 +110,8 @@ class Chip:
     Attributes
     ----------
     texts : tuple of (str, float, float, bool)
-        Each with the distance of its start, or of its middle on an axis, and of its baseline from
-        the corner, and whether it is a name and no note.
+        Each with the distances of its start and its baseline from the corner, and whether it is a
+        name and no note.
     label : str
         Of an alternative.
     """
@@ -219,16 +220,12 @@ def shape(
         y += max(sum(high + _ROW_GAP for *_, high in column) for column in columns)
     limit = max(inner, _WIDEST_ROW)
     x, top = limit + 1.0, y
-    for text in box.axes:
-        wrapped = _wrapped(text, _LONGEST_AXIS)
-        wide = max(width(each, _SIZES["chip"], bold=True) for each in wrapped) + 2 * _CHIP_INSET
-        high = CHIP_HEIGHT + (len(wrapped) - 1) * _LINE
-        if x + wide > limit or high > CHIP_HEIGHT:
+    for axis in box.axes:
+        parts, wide, lines = _axis(axis)
+        high = CHIP_HEIGHT + (lines - 1) * _LINE
+        if x + wide > limit or lines > 1:
             x, top = 0.0, y + _CHIP_GAP
-        parts = tuple(
-            (each, wide / 2, _BASELINE + at * _LINE, True) for at, each in enumerate(wrapped)
-        )
-        chips.append(Chip("axis", parts, INSET + x, top, wide, high, text))
+        chips.append(Chip("axis", parts, INSET + x, top, wide, high, str(axis)))
         x += wide + _CHIP_GAP
         y = max(y, top + high)
     inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
@@ -278,8 +275,7 @@ def _side(ports: Iterable[tuple[Socket, Sequence[str]]]) -> _Side:
         heights[socket.name] = y + _LEADING["port"] / 2
         own = [*filter(None, dict.fromkeys(notes))]
         hint = "; ".join([str(socket), *own])
-        longest = _LONGEST_ITEM if socket.items else _LONGEST_AT_PORT
-        texts = [("note", line, 0.0) for text in own for line in _wrapped(text, longest)]
+        texts = [("note", line, 0.0) for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
         if socket.items or socket.text or not texts:
             texts = [*_port(socket), *texts]
         y += _LEADING["port"] - _LEADING[texts[0][0]]
@@ -319,6 +315,25 @@ def _row(alternative: Alternative, *, states: bool) -> tuple[_Parts, float, floa
     high = CHIP_HEIGHT + max(len(details) - 1, 0) * _LINE
     name = label, _CHIP_INSET, _BASELINE, True
     return (name, *parts), x + wide + (_STATE if states else _CHIP_GAP), high
+
+
+def _axis(axis: Axis) -> tuple[_Parts, float, int]:
+    """Return the texts of an axis, how wide they are, and how many lines they have.
+
+    They are a table where its labels stand for settings.
+    """
+    size = _SIZES["chip"]
+    table: list[tuple[str, ...]] = [(text,) for text in _wrapped(str(axis), _LONGEST_AXIS)]
+    if axis.values:
+        table = [(axis.name, *axis.settings), *axis.values]
+    parts: list[tuple[str, float, float, bool]] = []
+    x = 0.0
+    for place, column in enumerate(zip(*table, strict=True)):
+        texts = [shortened(text, _LONGEST_VALUE) if place else text for text in column]
+        x += _CHIP_INSET
+        parts += [(text, x, _BASELINE + at * _LINE, place == 0) for at, text in enumerate(texts)]
+        x += max(width(text, size, bold=True) for text in texts)
+    return tuple(parts), x + _CHIP_INSET, len(table)
 
 
 def _of(socket: Socket, notes: Notes) -> list[str]:

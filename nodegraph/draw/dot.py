@@ -60,7 +60,7 @@ def _table(box: Box, label: str) -> str:
     span = max(1, len(box.inputs)) * max(1, len(box.outputs))
     cell = f'<TR><TD COLSPAN="{span}">'
     rows = [f"{cell}<B>{_markup(label)}</B></TD></TR>"]
-    lines = [*box.texts, " | ".join(map(str, box.alternatives)), ", ".join(box.axes)]
+    lines = [*box.texts, " | ".join(map(str, box.alternatives)), ", ".join(map(str, box.axes))]
     rows += [f"{cell}{_markup(line)}</TD></TR>" for line in lines if clean(line)]
     inputs, outputs = _ports(box.inputs, "i", span), _ports(box.outputs, "o", span)
     border = 2 if box.kind == "report" else 1

@@ -8,9 +8,20 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import contains, eq
 from pathlib import Path
+from typing import NamedTuple
 
 from nodegraph.draw.boxes import shortened
-from nodegraph.draw.picture import Alternative, Arrow, Box, Kind, Picture, Socket, folded, origins
+from nodegraph.draw.picture import (
+    Alternative,
+    Arrow,
+    Axis,
+    Box,
+    Kind,
+    Picture,
+    Socket,
+    folded,
+    origins,
+)
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
@@ -23,6 +34,8 @@ from nodegraph.node.ports import Label, Port
 
 _LONGEST = 28
 """Characters of the values that a setting has along axes."""
+_MOST_VALUES = 6
+"""Labels of an axis that are drawn with the settings for which they stand."""
 _MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 20
@@ -64,6 +77,15 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         ends = (source, wire.output, target, wire.port)
         wires.setdefault(ends, []).append(wire.reference)
         brought[target] |= {*graph.nodes[source].axes} - {*wire.reference.at}
+    ends_in = {name for name, node in graph.nodes.items() if _kind(graph, node) == "report"}
+    ends_in |= {*graph.nodes} - {source for source, *_ in wires}
+    seen = {
+        axis
+        for (source, _, target, _), references in wires.items()
+        for reference in references
+        for axis in graph.nodes[source].axes
+        if target in ends_in and axis not in reference.at
+    }
     arrows = {ends: _arrow(graph, ends, references) for ends, references in wires.items()}
     read = {(source, output) for source, output, _, _ in arrows}
     fed = {(target, port) for _, _, target, port in arrows}
@@ -71,16 +93,23 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
     boxes = []
     for node in graph.nodes.values():
         own = [axis for axis in _own_axes(graph, node) if len(graph.axes[axis].labels) > 1]
-        axes = [
-            axis if axis in said else f"{axis}: {labels_text(graph.axes[axis].labels)}"
-            for axis in own
-            if axis not in said & brought[node.name]
-        ]
-        said.update(own)
         if whole:
             read |= {(node.name, port.name) for port in node.first.node.outputs}
             fed |= {(node.name, port.name) for port in _inputs(node)}
-        boxes.append(replace(_box(graph, node, read, fed, whole=whole), axes=tuple(axes)))
+        box = _box(graph, node, read, fed, whole=whole)
+        tables = {axis.name: axis for axis in box.axes}
+        axes = [
+            tables.get(axis, Axis(axis))._replace(
+                labels="" if axis in said else labels_text(graph.axes[axis].labels)
+            )
+            for axis in own
+            if axis in tables or axis not in said & brought[node.name]
+        ]
+        said.update(own)
+        compares = (node.has_alternatives and node.name in seen) or any(
+            isinstance(feed, Gather) and feed.axis for feed in node.first.inputs.values()
+        )
+        boxes.append(replace(box, axes=tuple(axes), compares=compares))
     picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()))
     return replace(picture, boxes=tuple(_with_sources(graph, picture)))
 
@@ -204,7 +233,7 @@ def _box(
     }
     uses = {label: method.node.name for label, method in node.methods.items()}
     methods = {*uses.values()} - {PASS}
-    varied: dict[str, dict[str, str]] = {}
+    varied: dict[str, dict[str, _Setting]] = {}
     for label, method in node.methods.items():
         defaults = {name: method.node.settings[name].default for name in settings[label]}
         varied.setdefault(uses[label], {}).update(
@@ -232,8 +261,11 @@ def _box(
     if not whole and len(alternatives) > _MOST_METHODS:
         rest = len(alternatives) - _MOST_METHODS
         alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
+    axes = _with_values(common)
+    own_axes = {axis.name for axis in axes}
+    others = {name: each for name, each in common.items() if _axis_of(each) not in own_axes}
     lines = [*methods] if len(methods) == 1 else []
-    lines += filter(None, [_text(common)])
+    lines += filter(None, [_text(others)])
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
         told = described.doc or described.name
@@ -244,6 +276,7 @@ def _box(
         inputs=tuple(inputs),
         outputs=tuple(outputs),
         alternatives=tuple(alternatives),
+        axes=axes,
         kind=_kind(graph, node),
         passes=is_graph,
     )
@@ -252,48 +285,74 @@ def _box(
 def _told(label: Label, use: str, methods: Collection[str]) -> str:
     """Return the method of an alternative that neither its label nor the box tells."""
     if use == PASS:
-        return "unchanged"
+        return "as it is"
     is_told = len(methods) == 1 or str(label).startswith(use.rpartition(".")[2])
     return "" if is_told else use
 
 
-def _settings(method: Method) -> dict[str, str]:
+class _Along(NamedTuple):
+    """What a setting is at each label of one axis."""
+
+    axis: str
+    values: tuple[tuple[Label, str], ...]
+
+    def __str__(self) -> str:
+        texts = [text for _, text in self.values]
+        is_short = len(" / ".join(texts)) <= _LONGEST
+        return labels_text(texts if is_short else [*dict.fromkeys(texts)], _LONGEST, " / ")
+
+
+_Setting = str | _Along
+
+
+def _settings(method: Method) -> dict[str, _Setting]:
     """Return the settings of a method that differ from the default.
 
-    A number that depends on a single axis may be another at one of its labels. What differs at
-    more labels is a list, of a value for each label of its axis where that is short, unless each
-    value has its label in it, which the box of the axis shows.
+    One that differs along an axis is left out if each value has its label in it, which the box of
+    the axis shows.
     """
-    found = {}
+    found: dict[str, _Setting] = {}
     for name in method.places:
         shown = {
             labels: _value_text(settings[name])
             for labels, settings in method.settings.shown.items()
         }
-        (usual, _), *others = Counter(shown.values()).most_common()
+        texts = tuple(dict.fromkeys(shown.values()))
         value = next(iter(method.settings.values.values()))[name]
-        if not others and value != method.node.settings[name].default:
-            found[name] = usual
-        elif (
-            [count for _, count in others] == [1]
-            and len(method.settings.axes) == 1
-            and isinstance(value, (int, float))
-        ):
-            (label,) = next(labels for labels, text in shown.items() if text != usual)
-            found[name] = f"{shown[label,]} at {label}, else {usual}"
-        elif others and isinstance(value, (int, float, str, Path)):
+        if len(texts) == 1:
+            if value != method.node.settings[name].default:
+                found[name] = texts[0]
+        elif isinstance(value, (int, float, str, Path)):
             along = [*zip(*shown, strict=True)]  # for each axis, its label at each value
             if any(all(map(contains, shown.values(), map(str, each))) for each in along):
                 continue
-            each_value = tuple(dict.fromkeys(shown.values()))
-            for labels in along:
+            found[name] = labels_text(texts, _LONGEST, " / ")
+            for axis, labels in zip(method.settings.axes, along, strict=True):
                 by_label = dict(zip(labels, shown.values(), strict=True))
                 if all(map(eq, map(by_label.__getitem__, labels), shown.values())):
-                    values = tuple(by_label.values())
-                    is_short = len(" / ".join(values)) <= _LONGEST
-                    each_value = values if is_short else each_value
-            found[name] = labels_text(each_value, _LONGEST, " / ")
+                    found[name] = _Along(axis, tuple(by_label.items()))
     return found
+
+
+def _axis_of(setting: _Setting) -> str:
+    return setting.axis if isinstance(setting, _Along) else ""
+
+
+def _with_values(settings: Mapping[str, _Setting]) -> tuple[Axis, ...]:
+    """Return the axes whose labels stand for few different settings, with these."""
+    named: dict[str, dict[str, _Along]] = {}
+    for name, each in settings.items():
+        if isinstance(each, _Along):
+            named.setdefault(each.axis, {})[name] = each
+    axes = []
+    for axis, several in named.items():
+        labels_at: dict[tuple[str, ...], list[Label]] = {}
+        for at in zip(*(each.values for each in several.values()), strict=True):
+            labels_at.setdefault(tuple([text for _, text in at]), []).append(at[0][0])
+        if sum(map(len, labels_at.values())) <= _MOST_VALUES:
+            values = [(labels_text(each, _LONGEST), *row) for row, each in labels_at.items()]
+            axes.append(Axis(axis, settings=tuple(several), values=tuple(values)))
+    return tuple(axes)
 
 
 def _from_fields(graph: Graph, node: GraphNode) -> dict[str, str]:
@@ -312,7 +371,7 @@ def _value_text(value: object) -> str:
     return f"…/{address.rpartition('/')[2]}" if "://" in text else text
 
 
-def _text(settings: Mapping[str, str]) -> str:
+def _text(settings: Mapping[str, _Setting]) -> str:
     return ", ".join(f"{name}: {value}" for name, value in settings.items())
 
 

@@ -80,5 +80,6 @@ def _box(
         inputs=tuple(inputs.values()),
         outputs=tuple(outputs.values()),
         alternatives=tuple(map(Alternative, uses)) if node.has_alternatives else (),
+        compares=node.has_alternatives,
         kind="report" if is_reported else "node" if inputs else "input",
     )

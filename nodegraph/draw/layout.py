@@ -4,8 +4,8 @@ After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2)
 stands in a column after its sources, the barycentres of its neighbours order each column, and a
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
-that are wider than a page together stand in bands, like lines of text. One arrow to each box of the
-next band runs between the bands, that of its main input; of any other from one band to another only
+that are wider than a page together stand in bands, like lines of text. The arrows of one output
+run to the next band, to what has it as its main input; of any other from one band to another only
 the end is drawn, and circles with one number where it begins and before its end: long lines around
 the boxes cannot be followed. What the report lists names what it reads from other bands.
 """
@@ -46,8 +46,6 @@ _TIP = 7.0
 _STEEP = 12.0
 _MOST_IN_LANES = 24
 """Pieces of wires between two columns that can be told apart."""
-_MOST_BETWEEN_BANDS = 3
-"""Outputs of which arrows run between two bands."""
 _END = 10.0
 """Length of what is drawn of an arrow from another band."""
 CONNECTOR = 8.5
@@ -528,7 +526,7 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     lists = {box.name for box in picture.boxes if any(each.items for each in box.inputs)}
     cut: set[Arrow] = set()
     numbered: set[Arrow] = set()
-    led: dict[_Link, int] = {}
+    led: frozenset[_Link] = frozenset()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
         first = _outlines(shapes, numbered, led)
@@ -543,11 +541,11 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes, numbered, led), links, frozenset(led))
+    placed = _placed(first, _outlines(shapes, numbered, led), links, led)
     ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines), cut)
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes, numbered, led), links, frozenset(led))
+        placed = _placed(first, _outlines(shapes, numbered, led), links, led)
     routes = tuple(
         [
             [] if arrow in cut and arrow not in numbered else lines
@@ -617,16 +615,16 @@ def _connectors(
 
 
 def _outlines(
-    shapes: Iterable[Shape], numbered: Collection[Arrow], led: Mapping[_Link, int]
+    shapes: Iterable[Shape], numbered: Collection[Arrow], led: Collection[_Link]
 ) -> tuple[_Outline, ...]:
     circle = 2.0 * CONNECTOR
     circles = Counter((arrow.target, arrow.target_port) for arrow in numbered)
     before = dict.fromkeys((link.target for link in led), circle + _END)
     for (target, _), count in circles.items():
         before[target] = max(before.get(target, 0.0), circle * count + _END)
-    before |= {link.target: before[link.target] + _LANE * lanes for link, lanes in led.items()}
+    before |= {link.target: before[link.target] + _LANE for link in led}
     after = {arrow.source: circle for arrow in numbered}
-    after |= {link.source: circle + _LANE * lanes for link, lanes in led.items()}
+    after |= {link.source: circle + _LANE for link in led}
     return tuple(
         [
             _Outline(
@@ -728,8 +726,7 @@ def _placed(
     bands = _bands(first, links)
     ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
-    lanes = _lanes_between(led, bands)
-    gaps = _stack_bands(areas[()], bands, lanes)
+    gaps = _stack_bands(areas[()], bands, {bands["box", link.target] for link in led})
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
     drawn: list[tuple[Frame, Point, Point]] = []
     for frame in list(areas)[1:]:
@@ -746,12 +743,6 @@ def _placed(
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
     before = {each.name: each.before for each in outlines}
-    highest: dict[tuple[str, str], float] = {}
-    for link in led:
-        highest[link[:2]] = min(highest.get(link[:2], inf), corners[link.target][1])
-    for lane in lanes.values():  # arrows that begin in the order in which they end do not cross
-        lane.sort(key=highest.__getitem__)
-
     met = {link[2:] for link in links if link in ways or link in led}
 
     def line(link: _Link) -> list[Point]:
@@ -765,11 +756,9 @@ def _placed(
         if link not in led:
             y += 2.0 * CONNECTOR * (link[2:] in met)
             return [(x - _END, y), (x, y)]
-        band = bands["box", link.target]
-        number = lanes[band].index(link[:2])
-        lane, outer = _LANE * (1 + number), _LANE * (len(lanes[band]) - number)
-        right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + outer
-        left, between = x - before[link.target] + outer - _LANE, gaps[band] - lane
+        between = gaps[bands["box", link.target]] - _LANE
+        right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + _LANE
+        left = x - before[link.target]
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
         )
@@ -806,10 +795,10 @@ def _framed(
     return areas
 
 
-def _stack_bands(area: Area, band_of: _Bands, lanes: Mapping[int, Sequence[object]]) -> list[float]:
+def _stack_bands(area: Area, band_of: _Bands, led: Collection[int]) -> list[float]:
     """Arrange each band by itself, one below the other, and return where each begins.
 
-    Outputs that are led to it have a lane each above it.
+    There is a lane above those that arrows are led to.
     """
     bands = [Area() for _ in range(max(band_of.values(), default=-1) + 1)]
     for cell, size in area.sizes.items():
@@ -821,7 +810,7 @@ def _stack_bands(area: Area, band_of: _Bands, lanes: Mapping[int, Sequence[objec
     lefts = [min([x for x, _ in band.corners.values()], default=0.0) for band in bands]
     top, tops = 0.0, []
     for number, (band, left) in enumerate(zip(bands, lefts, strict=True)):
-        top += _LANE * len(lanes.get(number, ()))
+        top += _LANE * (number in led)
         tops.append(top)
         by = max(lefts) - left, top
         area.corners |= {cell: _moved(corner, by) for cell, corner in band.corners.items()}
@@ -831,16 +820,6 @@ def _stack_bands(area: Area, band_of: _Bands, lanes: Mapping[int, Sequence[objec
         area.height = top + band.height
         top = area.height + 2 * _BETWEEN_CELLS
     return tops
-
-
-def _lanes_between(led: Iterable[_Link], bands: _Bands) -> dict[int, list[tuple[str, str]]]:
-    """Return the outputs that are led to each band, in the order of their lanes."""
-    lanes: dict[int, list[tuple[str, str]]] = {}
-    for link in sorted(led):
-        outputs = lanes.setdefault(bands["box", link.target], [])
-        if link[:2] not in outputs:
-            outputs.append(link[:2])
-    return lanes
 
 
 def _free(area: Area, bands: _Bands, source: Cell) -> float:
@@ -876,12 +855,13 @@ def _led(
     links_of: Iterable[Sequence[_Link]],
     frames: Mapping[str, Frame],
     bands: _Bands,
-) -> dict[_Link, int]:
-    """Return the links that run from one band to the next, with the number of lanes there.
+) -> frozenset[_Link]:
+    """Return the links that run from one band to the next: of one output, and one to each box.
 
-    Each box has at most one, and all together are of few outputs: what its first input reads, if it
-    is one value, or where nothing in its own band leads to the box, another of its rows and inputs;
-    in the report, what reads nothing else. The truth stays aside.
+    It is the box's first input, if that reads one value, or where nothing in its own band leads to
+    the box, another of its rows and inputs; in the report, what reads nothing else. Of several
+    outputs that one is led which most boxes have as their first input, before what the report
+    lists. The truth stays aside.
     """
     ports = {
         (box.name, port): at
@@ -897,27 +877,27 @@ def _led(
     reached = {link.target for link in links if not _steps(link, frames, bands)}
 
     def is_main(link: _Link) -> bool:
+        if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
+            return False
         if link.target in reports:
             return into[link[2:]] == 1
         return link.target not in reached or (link[2:] in first and into[link[2:]] == 1)
 
-    outputs: dict[int, set[tuple[str, str]]] = {}
-    led: dict[str, _Link] = {}
     onward = [
         link
         for arrow, (link, *others) in zip(picture.arrows, links_of, strict=True)
-        if not others and not arrow.truth
+        if not others and not arrow.truth and is_main(link)
     ]
+    main: dict[int, dict[tuple[str, str], dict[str, _Link]]] = {}
     for link in sorted(onward, key=lambda link: ports[link[2:]]):
-        if link.target in led or not is_main(link):
-            continue
-        if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
-            continue
-        lanes = outputs.setdefault(bands["box", link.target], set())
-        if len(lanes | {link[:2]}) <= _MOST_BETWEEN_BANDS:
-            lanes.add(link[:2])
-            led[link.target] = link
-    return {link: len(outputs[bands["box", link.target]]) for link in led.values()}
+        outputs = main.setdefault(bands["box", link.target], {})
+        outputs.setdefault(link[:2], {}).setdefault(link.target, link)
+
+    def rank(led: Mapping[str, _Link]) -> tuple[bool, int, int]:
+        return not reports >= {*led}, sum(link[2:] in first for link in led.values()), len(led)
+
+    most = (max(outputs.values(), key=rank) for outputs in main.values())
+    return frozenset([link for led in most for link in led.values()])
 
 
 def _shapes(
@@ -928,6 +908,8 @@ def _shapes(
     sources: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
+    lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
+    named = {end for arrow in cut if (end := (arrow.target, arrow.target_port)) in lists}
     said = {
         (box.name, socket.name, each.source)
         for box in picture.boxes
@@ -941,7 +923,7 @@ def _shapes(
         if arrow in cut:
             readers[arrow.source].append((arrow.source_port, arrow.target))
         end = arrow.target, arrow.target_port
-        if arrow in cut and (*end, origin) not in said:
+        if end in named or (arrow in cut and (*end, origin) not in said):
             sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(

@@ -57,7 +57,7 @@ def _box(box: Box, label: str) -> str:
     begin, end = _SHAPES[box.kind]
     lines = [label, *box.texts]
     lines += [" | ".join(map(str, box.alternatives))] if box.alternatives else []
-    lines += [", ".join(box.axes)] if box.axes else []
+    lines += [", ".join(map(str, box.axes))] if box.axes else []
     return begin + "<br/>".join(_text(line) for line in lines) + end
 
 

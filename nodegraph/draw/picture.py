@@ -86,6 +86,33 @@ class Alternative(NamedTuple):
         return f"{self.label} {self.details}".rstrip()
 
 
+class Axis(NamedTuple):
+    """An axis that settings of a box name.
+
+    Attributes
+    ----------
+    name : str
+    labels : str
+        Where they are first drawn: ``5, 15, 45``.
+    settings : tuple of str
+        Those for which its labels stand: ``("sigma", "cutoff")``.
+    values : tuple of (tuple of str)
+        Of each label, or of several alike, and after it the values of `settings`.
+    """
+
+    name: str
+    labels: str = ""
+    settings: tuple[str, ...] = ()
+    values: tuple[tuple[str, ...], ...] = ()
+
+    def __str__(self) -> str:
+        rows = (
+            f"{label} ({', '.join(map(': '.join, zip(self.settings, row, strict=True)))})"
+            for label, *row in self.values
+        )
+        return ": ".join(filter(None, (self.name, ", ".join(rows) or self.labels)))
+
+
 @dataclass(frozen=True, slots=True)
 class Box:
     """A drawn node.
@@ -98,11 +125,11 @@ class Box:
         Shown below the name, for instance the method that the node uses.
     inputs, outputs : tuple of Socket
     alternatives : tuple of Alternative
-    axes : tuple of str
-        Axes that its settings name, with their labels where they are first drawn:
-        ``length: 5, 15, 45``.
+    axes : tuple of Axis
     kind : {"node", "input", "report"}
         An input reads data of the user; a report node is shown in the report.
+    compares : bool
+        What is computed from its alternatives is seen side by side in the end.
     passes : bool
         It stands for a graph used as a node, and passes on what a box of that graph returns.
     """
@@ -112,8 +139,9 @@ class Box:
     inputs: tuple[Socket, ...] = ()
     outputs: tuple[Socket, ...] = ()
     alternatives: tuple[Alternative, ...] = ()
-    axes: tuple[str, ...] = ()
+    axes: tuple[Axis, ...] = ()
     kind: Kind = "node"
+    compares: bool = False
     passes: bool = False
 
     @property
@@ -351,9 +379,9 @@ def _graph_as_box(
         replace(socket, name=end, shown=f"{f'{inner}.' * (counts[socket.name] > 1)}{socket.name}")
         for end, (inner, socket) in inputs.items()
     )
-    axes: dict[str, str] = {}
-    for text in (text for part in parts for text in part.axes):
-        axes.setdefault(text.partition(":")[0], text)
+    axes: dict[str, Axis] = {}
+    for axis in (axis for part in parts for axis in part.axes):
+        axes.setdefault(axis.name, Axis(axis.name, axis.labels))
     return Box(
         name,
         lines=next(part.lines for part in parts if part.name == name),

@@ -312,7 +312,7 @@ def _ends(arrow: Arrow) -> str:
 
 def _look(box: Box) -> str:
     """Return what the frame of a box tells."""
-    return "compares" if box.kind == "node" and box.alternatives else box.kind
+    return "compares" if box.kind == "node" and box.compares else box.kind
 
 
 def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
@@ -363,10 +363,9 @@ def _chip(chip: Chip) -> str:
         _LOOK.get(f"chip {chip.style} text", _LOOK["chip text"]),
         f'class="note" {_LOOK["note"]}',
     )
-    anchor = "" if chip.label else ' text-anchor="middle"'
     texts = [
         f'<text {looks[0] if is_name else looks[1]} x="{number(chip.x + x)}"'
-        f' y="{number(chip.y + y)}"{anchor}>{escaped(text)}</text>'
+        f' y="{number(chip.y + y)}">{escaped(text)}</text>'
         for text, x, y, is_name in chip.texts
     ]
     name = f' data-alternative="{escaped(chip.label)}"' if chip.label else ""

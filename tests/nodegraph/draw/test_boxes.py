@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from nodegraph.draw.boxes import clean, shape, shortened, width
-from nodegraph.draw.picture import Alternative, Box, Socket
+from nodegraph.draw.picture import Alternative, Axis, Box, Socket
 
 
 def test_texts_that_xml_cannot_hold_are_marked() -> None:
@@ -33,7 +33,7 @@ def test_labels_that_all_arrows_fix_are_said_once_in_lines() -> None:
 
 
 def test_lines_end_between_labels_and_settings() -> None:
-    axis = "occlusion: 1 marker, 4 markers, 12 markers"
+    axis = Axis("occlusion", "1 marker, 4 markers, 12 markers")
     settings = "strategy: together, weight_missing: 1e-06, singular_values: 1"
     box = Box("gaps", ("cut", settings), (), (), (Alternative("pca", settings),), (axis,))
     drawn = shape(box, "gaps")

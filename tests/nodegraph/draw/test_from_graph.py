@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
+from nodegraph.draw import Axis
 from nodegraph.draw.from_graph import labels_text, picture_of
 from nodegraph.graph import Graph
 from nodegraph.node.ports import Label
@@ -50,9 +51,9 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     report: [table]
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
-    assert boxes["gaps"].axes == ("length: 5, 15", "trial: 0 … 19 (20)")
+    assert [*map(str, boxes["gaps"].axes)] == ["length: 5, 15", "trial: 0 … 19 (20)"]
     assert boxes["again"].axes == ()  # a wire brings trial, and an axis of one label is not said
-    assert boxes["other"].axes == ("trial",)  # labels are said once
+    assert boxes["other"].axes == (Axis("trial"),)  # labels are said once
     assert boxes["fill"].axes == ()
     assert [*map(str, boxes["fill"].alternatives)] == [
         *("hold", "line fill.scale", "cube fill.scale, power: 3", "scale power: 2.0"),
@@ -117,20 +118,7 @@ def test_an_output_without_a_name_of_its_own_shows_a_type_that_is_new(
     assert [socket.text for socket in whole["fill"].outputs] == ["output"]
 
 
-def test_a_number_that_is_another_at_one_label_is_shown(graph_of: Callable[..., Graph]) -> None:
-    text = """
-    axes: {condition: {clean: {repair: 9}, white: {repair: 9}, repaired: {repair: 3}}, k: [1, 2, 3]}
-    nodes:
-      capture: {use: read.number}
-      repair: {use: fill.scale, in: capture, with: {power: $condition.repair}}
-      each: {use: fill.scale, in: capture, with: {power: $k}}
-    """
-    boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
-    assert boxes["repair"].lines == ("fill.scale", "power: 3 at repaired, else 9")
-    assert boxes["each"].lines == ("fill.scale",)
-
-
-def test_values_along_an_axis_stand_in_the_order_of_its_labels(
+def test_the_settings_that_few_labels_stand_for_are_a_table(
     graph_of: Callable[..., Graph],
 ) -> None:
     labels = ", ".join(f"condition_{number}: {{power: {number // 2}}}" for number in range(12))
@@ -138,11 +126,16 @@ def test_values_along_an_axis_stand_in_the_order_of_its_labels(
     axes:
       damage: {{none: {{power: 9}}, usual: {{power: 3}}, heavy: {{power: 9}}, last: {{power: 4}}}}
       condition: {{{labels}}}
+      k: [1, 2, 3]
     nodes:
       capture: {{use: read.number}}
       each: {{use: fill.scale, in: capture, with: {{power: $damage.power}}}}
       many: {{use: fill.scale, in: capture, with: {{power: $condition.power}}}}
+      plain: {{use: fill.scale, in: capture, with: {{power: $k}}}}
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
-    assert boxes["each"].lines == ("fill.scale", "power: 9 / 3 / 9 / 4")
+    assert boxes["each"].lines == boxes["plain"].lines == ("fill.scale",)
+    values = (("none, heavy", "9"), ("usual", "3"), ("last", "4"))
+    assert boxes["each"].axes == (Axis("damage", "none, usual, heavy, last", ("power",), values),)
+    assert [*map(str, boxes["plain"].axes)] == ["k: 1, 2, 3"]
     assert boxes["many"].lines == ("fill.scale", "power: 0 / 1 / 2 / 3 / 4 / 5")

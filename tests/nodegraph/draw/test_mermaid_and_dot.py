@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import Page
 
 import nodegraph as ng
-from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket, dot, mermaid
+from nodegraph.draw import Alternative, Arrow, Axis, Box, Picture, Socket, dot, mermaid
 from nodegraph.draw.boxes import clean
 from nodegraph.draw.from_graph import picture_of
 from tests.browser import load
@@ -30,7 +30,7 @@ RIVALS = (Alternative("lin"), Alternative("muscle", "order: 2"))
 def two(**how: object) -> Picture:
     boxes = (
         Box("a", ("read.x",), outputs=PORT, kind="input"),
-        Box("b", (), PORT, alternatives=RIVALS, axes=("k \u00d73",), kind="report"),
+        Box("b", (), PORT, alternatives=RIVALS, axes=(Axis("k", "1, 2"),), kind="report"),
     )
     return Picture("Two", boxes, (Arrow("a", "out", "b", "out", **how),))  # type: ignore[arg-type]
 
@@ -38,7 +38,7 @@ def two(**how: object) -> Picture:
 def hostile() -> Picture:
     ports = (Socket(HOSTILE, HOSTILE),)
     boxes = (
-        Box(HOSTILE, (HOSTILE,), ports, ports, (Alternative(HOSTILE, HOSTILE),), (HOSTILE,)),
+        Box(HOSTILE, (HOSTILE,), ports, ports, (Alternative(HOSTILE, HOSTILE),), (Axis(HOSTILE),)),
         Box("b", (), ports),
     )
     return Picture(HOSTILE, boxes, (Arrow(HOSTILE, HOSTILE, "b", HOSTILE, fixed=HOSTILE),))
@@ -51,7 +51,7 @@ def test_mermaid() -> None:
         "---",
         "flowchart LR",
         '  n0(["a<br/>read.x"])',
-        '  n1[["b<br/>lin #124; muscle order: 2<br/>k #215;3"]]',
+        '  n1[["b<br/>lin #124; muscle order: 2<br/>k: 1, 2"]]',
         '  n0 -->|"out"| n1',
     ]
 

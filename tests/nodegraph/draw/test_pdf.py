@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import re
 
-from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket, pdf
+from nodegraph.draw import Alternative, Arrow, Axis, Box, Picture, Socket, pdf
 
 HOSTILE = "\"><script>&amp;\x00'\ud800]]> $x_1$ \\frac"
 
 
 def test_a_picture_is_one_page_and_the_same_every_time() -> None:
     ports = (Socket(HOSTILE, HOSTILE),)
+    axis = Axis(HOSTILE, HOSTILE, (HOSTILE,), ((HOSTILE, HOSTILE),))
     alternatives = (Alternative(HOSTILE, HOSTILE),)
     boxes = (
-        Box(HOSTILE, (HOSTILE,), ports, ports, alternatives, (HOSTILE,)),
+        Box(HOSTILE, (HOSTILE,), ports, ports, alternatives, (axis,)),
         Box("b.c", (), ports),
     )
     arrow = Arrow(HOSTILE, HOSTILE, "b.c", HOSTILE, truth=True, gathers=True, fixed=HOSTILE)
