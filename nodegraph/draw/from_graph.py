@@ -115,7 +115,10 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
 
 
 def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
-    """Yield the boxes; alternatives that read another output than most by one port say which."""
+    """Yield the boxes; alternatives that read another output than most by one port say which.
+
+    What a port lays side by side stands in rows, too.
+    """
     into: dict[str, dict[str, dict[tuple[str, str], str]]] = {}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         ports = into.setdefault(arrow.target, {})
@@ -130,7 +133,18 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         return ", ".join(texts)
 
     for box in picture.boxes:
-        methods = graph.nodes[box.name].methods if box.name in into else {}
+        node = graph.nodes[box.name]
+        stages = [
+            Alternative(label, source=into[box.name][port][reference.node, output])
+            for port, feed in node.first.inputs.items()
+            if isinstance(feed, Gather) and feed.axis
+            for label, reference in feed.sources.items()
+            if (output := graph.output_name(reference))
+        ]
+        if stages and not node.has_alternatives:
+            yield replace(box, alternatives=tuple(stages))
+            continue
+        methods = node.methods if box.name in into else {}
         sources = {label: source(method, box.name) for label, method in methods.items()}
         usual = Counter(sources.values()).most_common(1)
         if usual and 2 * usual[0][1] > len(sources):
@@ -190,7 +204,8 @@ def _received(graph: Graph, node: GraphNode, feed: Reference | Gather | None) ->
     """Return the number and the kind of the values of a gathering port; empty for other ports."""
     if not isinstance(feed, Gather):
         return ""
-    return _counted(graph, node, feed, f"{len(feed.sources)}: {', '.join(feed.sources)}")
+    named = f"{len(feed.sources)}: {', '.join(feed.sources)}" if node.has_alternatives else ""
+    return _counted(graph, node, feed, named)
 
 
 def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
@@ -204,7 +219,7 @@ def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
     counts = [f"{size} {axis}" for axis, size in sizes.items() if size > 1]
     if len(counts) == 1 and not feed.axis:
         return f"all {counts[0]}"
-    return " \N{MULTIPLICATION SIGN} ".join([named, *counts] if feed.axis else counts)
+    return " \N{MULTIPLICATION SIGN} ".join(filter(None, [named * bool(feed.axis), *counts]))
 
 
 def _box(

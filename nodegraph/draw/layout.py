@@ -860,8 +860,8 @@ def _led(
 
     It is the box's first input, if that reads one value, or where nothing in its own band leads to
     the box, another of its rows and inputs; in the report, what reads nothing else. Of several
-    outputs that one is led which most boxes have as their first input, before what the report
-    lists. The truth stays aside.
+    outputs that one is led which the report lists, or which most boxes have as their first input.
+    The truth stays aside.
     """
     ports = {
         (box.name, port): at
@@ -894,7 +894,11 @@ def _led(
         outputs.setdefault(link[:2], {}).setdefault(link.target, link)
 
     def rank(led: Mapping[str, _Link]) -> tuple[bool, int, int]:
-        return not reports >= {*led}, sum(link[2:] in first for link in led.values()), len(led)
+        return (
+            not reports.isdisjoint(led),
+            sum(link[2:] in first for link in led.values()),
+            len(led),
+        )
 
     most = (max(outputs.values(), key=rank) for outputs in main.values())
     return frozenset([link for led in most for link in led.values()])

@@ -96,7 +96,9 @@ def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -
     picture = picture_of(graph_of(text))
     gathers = {box.name: box.inputs[0].gathers for box in picture.boxes if box.inputs}
     assert {*gathers["table"].split(" \N{MULTIPLICATION SIGN} ")} == {"20 trial", "2 fill"}
-    assert gathers["named"] == "2: held, scaled \N{MULTIPLICATION SIGN} 20 trial"
+    assert gathers["named"] == "20 trial"
+    rows = {box.name: [*map(str, box.alternatives)] for box in picture.boxes}
+    assert rows["named"] == ["held from error", "scaled from error"]
     assert gathers["fill"] == ""
     fixed = {arrow.target: arrow.fixed for arrow in picture.arrows if arrow.gathers}
     assert fixed == {"table": "length=5", "named": "length=5"}
