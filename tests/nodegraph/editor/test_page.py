@@ -492,6 +492,19 @@ def test_text_of_a_graph_is_never_markup(page: Page, path: Path) -> None:
     page.click("#axes-close")
 
 
+def test_on_a_phone_what_a_setting_means_has_the_width_of_the_panel(page: Page) -> None:
+    page.click("#picture [data-box=fill] .frame")
+    until(page, "document.querySelector('#panel h2')?.textContent === 'fill'")
+    resize(page, 390)
+    texts = "[...document.querySelectorAll('#panel fieldset small')]"
+    long = f"{texts}.filter(({{ textContent }}) => textContent.length > 100)"
+    widths = page.evaluate(f"{long}.map(({{ offsetWidth }}) => offsetWidth)")
+    assert min(widths) > 390 - 80  # within its margins
+    panel = "document.getElementById('panel').getBoundingClientRect()"
+    assert page.evaluate(f"document.documentElement.scrollHeight - scrollY - {panel}.bottom") < 1
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
 def test_a_graph_with_mistakes_is_mended_in_the_picture(page: Page) -> None:
     put_cursor(page, "in: capture")
     page.keyboard.type("d")
