@@ -72,7 +72,8 @@ class RunOrigin:
         return {
             label: method.node.summary
             for label, method in node.methods.items()
-            if method.node.name != PASS and label == method.node.name.rpartition(".")[2]
+            if method.node.name != PASS
+            and str(label).startswith(method.node.name.rpartition(".")[2])
         }
 
     def open_axes(self, labels: Mapping[str, Label]) -> dict[str, tuple[Label, ...]]:

@@ -28,7 +28,6 @@ from nodegraph_compare.words import (
     plain_names,
     reason_text,
     scope_text,
-    signed,
     tied_text,
     units_text,
     varying,
@@ -49,7 +48,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import percent, span_text
+from nodegraph_tables.numbers import difference_text, number_text, percent, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -289,16 +288,16 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
 def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     """Return that all methods but the best are behind, and how far the nearest of them is."""
     far = [
-        (abs(group.to_best_of(place)), float(group.mean[group.best[0]]))
+        (float(group.mean[place]), float(group.mean[group.best[0]]))
         for group in told
         for place in group.behind
     ]
     unit = verdicts.metric.unit
     if verdicts.ratio and unit != SHARE and all(mean > 0 for _, mean in far):
-        nearest = percent(min(difference / mean for difference, mean in far))
+        nearest = percent(min(abs(other / mean - 1.0) for other, mean in far))
     else:
-        difference, mean = min(far)
-        nearest = signed(difference, unit, mean).removeprefix("+")
+        pair = min(far, key=lambda means: abs(means[0] - means[1]))
+        nearest = difference_text([(max(pair), min(pair))], unit)
     others = "the other" if all(len(group.behind) == 1 for group in told) else "every other"
     more = " or more" * (len(far) > 1)
     return say(f"{others} is clearly behind, by {HERE}{more}", Word(nearest, "number"))
@@ -422,7 +421,7 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
     also = say(f" ({HERE})", besides) if besides else ()
     far = max(group.distance(place) for group in told)
     if not verdicts.ratio:
-        size, than = signed(far, verdicts.metric.unit, far).removeprefix("+"), "behind the best"
+        size, than = number_text(far, verdicts.metric.unit), "behind the best"
     elif far < 2:
         size, than = f"{math.ceil(100 * (far - 1))} %", "behind the best"  # `never more than`
     else:

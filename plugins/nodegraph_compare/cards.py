@@ -16,13 +16,12 @@ from nodegraph_compare.words import (
     change_text,
     changes,
     count_text,
-    group_title,
+    group_words,
     method_words,
     nearest_first,
     plain_names,
     reason_text,
     scope_text,
-    signed,
     standing_text,
     uncertain_text,
     units_text,
@@ -44,7 +43,13 @@ from nodegraph_tables.answer import (
     say,
 )
 from nodegraph_tables.answer import line_of as line_through
-from nodegraph_tables.numbers import MINUS, number_text, span_text, without_rounding
+from nodegraph_tables.numbers import (
+    MINUS,
+    difference_text,
+    number_text,
+    span_text,
+    without_rounding,
+)
 from nodegraph_tables.style import SHARE
 
 if TYPE_CHECKING:
@@ -71,7 +76,7 @@ def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
     return tuple(
         replace(
             _card(verdicts, group, line),
-            title=group_title(verdicts, group),
+            title=group_words(verdicts, group),
             facts=(*_beside(verdicts, group), *_grounds(verdicts, group)),
         )
         for group in verdicts.groups
@@ -81,7 +86,7 @@ def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
 def line_on_all(verdicts: Verdicts, overall: Verdict) -> str:
     """Return the verdict over all groups in words."""
     card = _card(verdicts, overall, Line(0.0, 1.0))
-    return replace(card, title=f"all {len(verdicts.groups)} groups").line
+    return replace(card, title=(f"all {len(verdicts.groups)} groups",)).line
 
 
 def line_of(verdicts: Verdicts) -> Line | None:
@@ -108,27 +113,27 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     """Return the best of a group with its mean, or why there is none, and a row per method."""
     known = group.known
     if not known:
-        return Card("", ("no numbers",), aside=("no block has a number for every method",))
+        return Card((), ("no numbers",), aside=("no block has a number for every method",))
     if len(known) == 1:
-        return Card("", listing(method_words(verdicts, known)), *_value(verdicts, group, known[0]))
+        return Card((), listing(method_words(verdicts, known)), *_value(verdicts, group, known[0]))
     rows = _rows(verdicts, group, line)
     if verdicts.is_sequence:
         first, last = known[0], known[-1]
         change = (Word(_change(verdicts, group, first, last), "number"),)
         ends = span_text([group.mean[first], group.mean[last]], verdicts.metric.unit)
         aside = say(f"from {HERE} to {HERE}", *method_words(verdicts, [first, last]))
-        return Card("", change, (Word(ends, "number"),), aside, rows=rows)
+        return Card((), change, (Word(ends, "number"),), aside, rows=rows)
     if verdicts.metric.better == "none":
-        return Card("", (), rows=rows)
+        return Card((), (), rows=rows)
     if group.told:
         return _told(verdicts, group, rows)
     if group.stands:
-        return Card("", ("none clearly best",), rows=rows)
+        return Card((), ("none clearly best",), rows=rows)
     reason = reason_text(verdicts, group)
     others = [each for each in verdicts.groups if each.known and each is not group]
     reasons = {None if each.told or each.stands else reason_text(verdicts, each) for each in others}
     # a reason that all cards share stands once, in the answer above them
-    return Card("", ("no verdict",), aside=() if reasons == {reason} else (reason,), rows=rows)
+    return Card((), ("no verdict",), aside=() if reasons == {reason} else (reason,), rows=rows)
 
 
 def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
@@ -139,7 +144,7 @@ def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
     value, interval = _value(verdicts, group, shown[0])
     names = say(f"{'take ' * (take is not None)}{HERE}", listing(method_words(verdicts, shown)))
     status = standing_text(_bare(verdicts), group, shown[0])
-    return Card("", names, value, interval, rows=rows, status=status, kind=kind)
+    return Card((), names, value, interval, rows=rows, status=status, kind=kind)
 
 
 def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
@@ -294,9 +299,8 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
     names = listing(method_words(verdicts, other.best))
     if group.suspects_decide:
         (before,) = plain_names(verdicts, group.best[:1])
-        unit, best = verdicts.metric.unit, float(other.mean[other.best[0]])
-        by = signed(abs(other.to_best_of(group.best[0])), unit, best).removeprefix("+")
-        ahead = Word(by, "number")
+        ends = sorted(float(other.mean[each]) for each in (group.best[0], other.best[0]))
+        ahead = Word(difference_text([(ends[1], ends[0])], verdicts.metric.unit), "number")
         text = f"{HERE}; without them {HERE} {HERE}, {HERE} ahead of {before}"
         return say(text, count, names, mean, ahead)
     end = EXTREME[verdicts.metric.better]

@@ -511,17 +511,21 @@ class Verdicts(Value):
     def for_all(self) -> int | None:
         """The method to take whichever the group is, if verdicts speak for one.
 
-        It is the best over all groups; or else, of those that are clearly behind in none, the least
-        far behind at its worst.
+        It is the best over all groups; or else, of those that are clearly behind in the fewest, and
+        in less than half of them, the least far behind at its worst.
         """
         groups = self.groups
         told = any(group.told for group in groups) and all(group.stands for group in groups)
         if self.best_over_all is not None or self.is_sequence or len(groups) < 2 or not told:
             return self.best_over_all
         known = set.intersection(*({*group.known} for group in groups))
-        methods = sorted(known.difference(*(group.behind for group in groups)))
-        worst = {method: max(group.distance(method) for group in groups) for method in methods}
-        return min(methods, key=lambda method: worst[method], default=None)
+        methods = [each for each in sorted(known) if 2 * self.behind_in(each) < len(groups)]
+        far = {method: max(group.distance(method) for group in groups) for method in methods}
+        return min(methods, key=lambda each: (self.behind_in(each), far[each]), default=None)
+
+    def behind_in(self, place: int) -> int:
+        """Return in how many groups a method is clearly behind."""
+        return sum(place in group.behind for group in self.groups)
 
     @property
     def every(self) -> tuple[Verdict, ...]:

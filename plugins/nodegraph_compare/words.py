@@ -10,7 +10,7 @@ from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MAY_BE, Word, joined, listing, say
+from nodegraph_tables.answer import HERE, MAY_BE, Word, joined, listing, plain, say
 from nodegraph_tables.numbers import (
     MINUS,
     SPACE,
@@ -210,9 +210,9 @@ def number_name(verdicts: Verdicts, unit: str = "") -> str:
     return f"{mean} of a typical {one}"
 
 
-def signed(value: float, unit: str, mean: float) -> str:
-    """Return a difference with its sign, to the digits of the mean that it is to."""
-    text = difference_text([value], unit, mean)
+def signed(value: float, to: float, unit: str) -> str:
+    """Return by how much a number is above another, with its sign."""
+    text = difference_text([(value, to)], unit)
     return text if text.startswith((MINUS, "under")) else f"+{text}"
 
 
@@ -350,8 +350,12 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
 
 
 def _distance(verdicts: Verdicts, group: Verdict, place: int) -> Word:
-    mean = float(group.mean[group.best[0]])
-    return Word(signed(group.to_best_of(place), verdicts.metric.unit, mean), "number")
+    return Word(_to_best(verdicts, group, place), "number")
+
+
+def _to_best(verdicts: Verdicts, group: Verdict, place: int) -> str:
+    best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
+    return signed(mean, best, verdicts.metric.unit)
 
 
 def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
@@ -380,8 +384,7 @@ def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
     difference, mean = group.to_best_of(place), float(group.mean[group.best[0]])
     share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
-    by = f"{signed(difference, verdicts.metric.unit, mean)}{share}"
-    return (Word(by, "number"),)
+    return (Word(f"{_to_best(verdicts, group, place)}{share}", "number"),)
 
 
 def within_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
@@ -415,8 +418,17 @@ def change_text(verdicts: Verdicts, group: Verdict, before: int, step: int) -> s
 
 def group_title(verdicts: Verdicts, group: Verdict, axes: Sequence[int] | None = None) -> str:
     """Return the labels of a group along some axes, by default those in which groups differ."""
+    return plain(group_words(verdicts, group, axes))
+
+
+def group_words(verdicts: Verdicts, group: Verdict, axes: Sequence[int] | None = None) -> Text:
+    """Return the title of a group, in which its labels stand out."""
     axes = varying(verdicts) if axes is None else axes
-    return ", ".join(f"{_field(verdicts.within[axis])} {group.labels[axis]}" for axis in axes)
+    texts = (
+        say(f"{_field(verdicts.within[axis])} {HERE}", Word(str(group.labels[axis])))
+        for axis in axes
+    )
+    return joined(", ", texts)
 
 
 def _field(name: str) -> str:

@@ -94,7 +94,7 @@ def _headline(parts: Sequence[Table], axes: tuple[str, ...]) -> Text:
 
 def _card(part: Table, axes: tuple[str, ...]) -> Card:
     return Card(
-        title=named(part, axes) or "recording",
+        title=(named(part, axes) or "recording",),
         headline=(_percent(_in_first(part)),),
         aside=(f"head motion; {_percent(_in_all(part))} of all variance",),
         picture=_picture(part),

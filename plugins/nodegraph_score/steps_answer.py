@@ -130,7 +130,7 @@ def _card(row: Row, line: Line) -> Card:
     misplaced = f", {row['misplaced']:,} misplaced" if row["misplaced"] else ""
     start = [f"begins with {row['added']:,} samples"] if begins else facts or ["changes nothing"]
     return Card(
-        title=str(row["step"]),
+        title=(str(row["step"]),),
         headline=(number_text(row["rmse"], "mm"),),
         picture=_picture(row, line),
         facts=(("Step", ("; ".join(start),)), ("Then", (f"{left}{misplaced}",))),

@@ -47,6 +47,9 @@ _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
 
 _TICKS = 5
+_PARTS = 10
+"""Of a line whose ends are round."""
+
 _DECADE = 10.0
 _LETTER = 6.0
 """Across, in pixels."""
@@ -165,6 +168,18 @@ class Line(Value):
     log: bool = False
     least: float = 0.0
 
+    @property
+    def to_rounds(self) -> Line:
+        """The line on to the next round numbers at both ends."""
+        if not self.high > self.low:
+            return self
+        if not self.log:
+            step = self._step(_PARTS)
+            first, last = math.floor(self.low / step), math.ceil(self.high / step)
+            return replace(self, low=step * first, high=step * last)
+        low = self.low and max(each for each in _rounds(self.low) if each <= self.low)
+        return replace(self, low=low, high=min(e for e in _rounds(self.high) if e >= self.high))
+
     @classmethod
     def through(cls, values: Sequence[float], *, log: bool) -> Line:
         """Return the line on which all values lie; logarithmic, if wanted, where none is below 0.
@@ -236,11 +251,21 @@ class Line(Value):
         return [0.0, *rounds] if self.least else rounds
 
     def _steps(self) -> list[float]:
-        rough = (self.high - self.low) / (_TICKS - 1)
-        decade = 10.0 ** math.floor(math.log10(rough))
-        step = next(decade * each for each in (1, 2, 5, 10) if decade * each >= rough)
+        step = self._step(_TICKS - 1)
         first, last = math.ceil(self.low / step), math.floor(self.high / step)
         return [step * place for place in range(first, last + 1)]
+
+    def _step(self, most: int) -> float:
+        """Return the smallest round number of which the line is so many long at most."""
+        rough = (self.high - self.low) / most
+        decade = 10.0 ** math.floor(math.log10(rough))
+        return next(decade * each for each in (1, 2, 5, 10) if decade * each >= rough)
+
+
+def _rounds(value: float) -> list[float]:
+    """Return the round numbers around one above 0."""
+    decade = 10.0 ** math.floor(math.log10(value))
+    return [decade * step for step in (0.5, 1, 2, 5, 10)]
 
 
 @dataclass(frozen=True)
@@ -342,7 +367,7 @@ class Card(Value):
 
     Attributes
     ----------
-    title : str
+    title : text
         What it is about, such as an actor or a step.
     headline : text
         The answer in a word or a number.
@@ -359,7 +384,7 @@ class Card(Value):
         What a verdict says of the headline, which has its colour; see `Row`.
     """
 
-    title: str
+    title: Text
     headline: Text
     value: Text = ()
     aside: Text = ()
@@ -378,7 +403,7 @@ class Card(Value):
             say(f"{HERE}: {HERE}", term[:1].lower() + term[1:], text) for term, text in self.facts
         ]
         rows = self.rows.words(self.headline) if self.rows else ()
-        start = f"{self.title}: " if self.title else ""
+        start = f"{plain(self.title)}: " if self.title else ""
         return f"{start}{plain(joined('; ', [head, *rows, *facts]))}."
 
 
@@ -612,10 +637,9 @@ def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
     """Return by how much the mean of a method is above that of another, over some groups."""
     pair = _pair(found, part)
     means = [_as_shown(finding.mean) for finding in found]
-    to = [_known(mean, pair[1], part) for mean in means]
-    numbers = [_known(mean, pair[0], part) - each for mean, each in zip(means, to, strict=True)]
-    unit, ends = found[0].unit, (min(numbers), max(numbers))
-    return shares_text(ends) if unit == SHARE else difference_text(ends, unit, min(to))
+    pairs = [(_known(mean, pair[0], part), _known(mean, pair[1], part)) for mean in means]
+    pairs.sort(key=lambda means: means[0] - means[1])
+    return difference_text([pairs[0], pairs[-1]], found[0].unit)
 
 
 def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -737,7 +761,7 @@ def _card(card: Card) -> str:
     facts = "".join(f"<dt>{escape(term)}</dt><dd>{html_of(text)}</dd>" for term, text in card.facts)
     return (
         '<article class="lead-card">'
-        + (f'<h3 aria-level="2">{escape(card.title)}</h3>' if card.title else "")
+        + (f'<h3 aria-level="2">{html_of(card.title)}</h3>' if card.title else "")
         + (f'<p class="{kind}">{_headline(card.headline)}</p>' if card.headline else "")
         + (f'<p class="lead-value">{value}</p>' if value else "")
         + (f'<p class="lead-status {card.kind}">{html_of(card.status)}</p>' if card.status else "")
@@ -798,19 +822,18 @@ def _strip(of: Sequence[Row], rows: Rows) -> str:
 
 
 def _axis(rows: Rows) -> str:
-    line, ticks = rows.line, rows.line.ticks()
-    ends = [ticks[0], ticks[-1]] if len(ticks) > 1 else ticks
-    texts = []
-    for tick in ends:
+    line, texts = rows.line, []
+    is_inside = not line.log and line.low < 0.0 < line.high
+    for tick in dict.fromkeys((line.low, *[0.0] * is_inside, line.high)):
         share = line.share(tick)
         anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
-        with_unit = tick == ends[-1] and len(unit_text(rows.unit)) <= _SHORT_UNIT
+        with_unit = tick == line.high and len(unit_text(rows.unit)) <= _SHORT_UNIT
         text = tick_text(tick, rows.unit, with_unit=with_unit)
         texts.append(
             f'<text class="{anchor}" x="{_place(line, tick)}" y="15">{escape(text)}</text>'
             f'<line x1="{_place(line, tick)}" x2="{_place(line, tick)}" y1="0" y2="4"/>'
         )
-    whole = '<line x1="0" x2="100%" y1="0" y2="0"/>'
+    whole = f'<line x1="{_place(line, line.low)}" x2="{_place(line, line.high)}" y1="0" y2="0"/>'
     return f'<svg class="lead-strip" height="18">{whole}{"".join(texts)}</svg>'
 
 
@@ -855,7 +878,8 @@ def tick_text(value: float, unit: str, *, with_unit: bool = False) -> str:
 def line_of(values: Sequence[float], ends: Iterable[float] = (), *, log: bool = True) -> Line:
     """Return the line on which all values lie, without any that makes them look far apart.
 
-    It is logarithmic, if wanted, where values span a decade, and begins or ends with 0 elsewhere.
+    It is logarithmic, if wanted, where values span a decade, and has 0 on it elsewhere. Its ends
+    are round.
 
     Parameters
     ----------
@@ -869,8 +893,9 @@ def line_of(values: Sequence[float], ends: Iterable[float] = (), *, log: bool = 
     if is_log:
         # above 0 such a line has a least number, which is no end of an interval
         least = 0.0 if min(known) > 0.0 else min(value for value in known if value > 0.0)
-        return Line.through([*known, *(end for end in ends if end > least)], log=True)
-    return Line.through([*known, *ends, 0.0], log=False)
+        values = [*known, *(end for end in ends if end > least)]
+        return Line.through(values, log=True).to_rounds
+    return Line.through([*known, *ends, 0.0], log=False).to_rounds
 
 
 def dot(x: float, y: float, kind: str, name: str, radius: float = 4.0) -> str:

@@ -68,7 +68,12 @@ class Column(NamedTuple):
     @property
     def head(self) -> str:
         """The name with the unit, if it has one."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+    @property
+    def title(self) -> str:
+        """The name; of a label that is a field, without that of its axis."""
+        return self.name.rpartition(".")[2] if self.label else self.name
 
     @property
     def has_intervals(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from nodegraph_tables.style import SMALLEST_CHANCE, scale_of, unit_text
+from nodegraph_tables.style import SHARE, SMALLEST_CHANCE, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,6 +14,9 @@ MINUS = "\N{MINUS SIGN}"
 SPACE = "\N{NO-BREAK SPACE}"
 SMALLEST, LARGEST = 1e-3, 1e6
 """Smaller and larger numbers are shown with a power of ten."""
+
+_WHOLE = 0.95
+"""Percent from which on shares are shown in whole ones."""
 
 ROUNDING = 1e-15
 """Share of the largest number that is no more than the last digit of its sum."""
@@ -44,12 +47,17 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 
-def difference_text(values: Sequence[float], unit: str, mean: float) -> str:
-    """Return differences from first to last, to the digits of the mean that they are to."""
-    shown = to_digits_of(mean, values)
-    if any(values) and not any(shown):
-        return f"under {span_text([SMALLEST], unit)}"
-    return span_text(shown, unit)
+def difference_text(pairs: Sequence[tuple[float, float]], unit: str = "") -> str:
+    """Return by how much numbers are above others, to agree with both as these are shown.
+
+    Examples
+    --------
+    >>> difference_text([(0.333, 0.3114)]), difference_text([(12.34, 9.876)])
+    ('0.022', '2.4')
+    """
+    texts = dict.fromkeys(_difference(scale_of(unit) * value, scale_of(unit) * to, unit)
+                          for value, to in pairs)  # fmt: skip
+    return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 
 def to_digits_of(mean: float, values: Sequence[float]) -> list[float]:
@@ -85,7 +93,8 @@ def percent(share: float) -> str:
     size = abs(share)
     if 0 < size < 5e-4:
         return f"{'under ' if share > 0 else f'above {MINUS}'}0.1{SPACE}%"
-    return f"{100 * share:.{0 if size >= 0.0095 or not size else 1}f}{SPACE}%".replace("-", MINUS)
+    decimals = 0 if 100 * size >= _WHOLE or not size else 1
+    return f"{100 * share:.{decimals}f}{SPACE}%".replace("-", MINUS)
 
 
 def shares_text(shares: Sequence[float]) -> str:
@@ -103,5 +112,23 @@ def _digits(value: float) -> str:
     if not SMALLEST <= size < LARGEST:
         digits, _, power = f"{value:.1e}".partition("e")
         return f"{digits}e{int(power):+d}".replace("-", MINUS)
-    decimals = 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
-    return f"{value:,.{decimals}f}".replace("-", MINUS)
+    return f"{value:,.{_decimals(size)}f}".replace("-", MINUS)
+
+
+def _decimals(size: float) -> int:
+    return 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
+
+
+def _difference(value: float, to: float, unit: str) -> str:
+    largest = max(abs(value), abs(to))
+    if isinstance(value, int) and isinstance(to, int):
+        return f"{value - to:,}".replace("-", MINUS)
+    if value == to or not SMALLEST <= largest < LARGEST:
+        return _digits(value - to)
+    # shares are shown in fewer digits
+    decimals = int(largest < _WHOLE) if unit == SHARE else _decimals(largest)
+    difference = round(value, decimals) - round(to, decimals)
+    text = f"{abs(difference):,.{decimals}f}"
+    if not float(text.replace(",", "")):
+        return f"under {10.0**-decimals:.{decimals}f}"
+    return f"{MINUS * (difference < 0.0)}{text}"

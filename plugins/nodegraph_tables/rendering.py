@@ -188,7 +188,7 @@ def _head(column: Column, classes: Sequence[str]) -> str:
     """Return a column's head, with its place in the CSV."""
     unit = f'<span class="unit"> [{escape(column.unit)}]</span>' if column.unit else ""
     # a long name may be broken where its words end
-    name = escape(column.name).replace("_", "_<wbr>")
+    name = escape(column.title).replace("_", "_<wbr>")
     return f'<th scope="col"{_class(classes)} data-column="{column.place}">{name}{unit}</th>'
 
 

@@ -218,7 +218,7 @@ def _card(curves: Curves) -> Card:
     more = len(drawn) - MOST_CARDS
     rest: list[tuple[str, Text]] = [("more", (f"{more} are in the table",))] if more > 0 else []
     return Card(
-        title=f"{axes.metric} over {axes.x}",
+        title=(f"{axes.metric} over {axes.x}",),
         headline=(f"{_between([of_all] if of_all else marked or lowest)} {axes.x}",),
         value=(
             f"enough for {_every(len(drawn))}"

@@ -22,6 +22,7 @@ from nodegraph_tables.answer import (
     HERE,
     MAY_BE,
     MOST_CARDS,
+    ONE_ROW,
     Word,
     cards_html,
     few,
@@ -30,6 +31,7 @@ from nodegraph_tables.answer import (
     lead_of_parts,
     listing,
     say,
+    tick_text,
 )
 from nodegraph_tables.numbers import number_text, span_text
 
@@ -44,6 +46,7 @@ _MOST_COLUMNS = 6
 _MOST_NAMES = 3
 _MOST_ROWS = 60
 _SOURCE = re.compile(r" \([^()]*\)\.$")
+_NAMED = re.compile(r'data-method="([^"]*)"')
 
 
 def answer_html(
@@ -69,19 +72,27 @@ def answer_html(
         inside = _grid(verdicts)
     else:
         inside = f"{key(verdicts)}{cards_html(answer.cards)}"
-    return lead_of_parts(answer, inside + _described(answer, summaries), legend(verdicts))
+    does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
+    html = lead_of_parts(answer, inside + _described(answer, does), legend(verdicts))
+    return Markup(_NAMED.sub(lambda name: _titled(name, does), html))
 
 
-def _described(answer: Answer, summaries: Mapping[Label, str]) -> str:
-    """Return what each method does that stands out in the sentence; its source is left out."""
-    named = [word for word in answer.sentence if isinstance(word, Word) and word.kind == "strong"]
+def _described(answer: Answer, does: Mapping[str, str]) -> str:
+    """Return what each method does that the sentence names."""
+    named = [word.method for word in answer.sentence if isinstance(word, Word)]
     texts = [
-        say(f"{HERE}: {_SOURCE.sub('.', summaries[label])}", Word(label, "method"))
-        for label in dict.fromkeys(word.method for word in named)
-        if summaries.get(label)
+        say(f"{HERE}: {does[label]}", Word(label, "method"))
+        for label in dict.fromkeys(named)
+        if label in does
     ]
     inside = html_of(joined(" ", texts))
     return f'<p class="lead-methods">{inside}</p>' if texts else ""
+
+
+def _titled(name: re.Match[str], does: Mapping[str, str]) -> str:
+    """Return the attribute that names a method, with what it does to hover."""
+    label = str(Markup(name[1]).unescape())
+    return f'{name[0]} title="{escape(does[label])}"' if label in does else name[0]
 
 
 def _grid(verdicts: Verdicts) -> str:
@@ -118,11 +129,12 @@ def _grid(verdicts: Verdicts) -> str:
         for side in sides
     ]
     if verdicts.overall is not None:
+        take = "take " * (verdicts.for_all in verdicts.overall.best)
         rows.append(
             f'<th scope="row" data-head="all" colspan="{len(names)}">'
             f"{len(verdicts.groups)} groups together</th>"
             f'<td data-head="best" colspan="{len(titles)}"{_mark(verdicts, verdicts.overall)}>'
-            f"{_cell(verdicts, verdicts.overall)}</td>"
+            f"{take}{_cell(verdicts, verdicts.overall)}</td>"
         )
     return _table(heads, rows)
 
@@ -202,7 +214,7 @@ def legend(verdicts: Verdicts) -> str:
     texts = ["None clearly best: no other is clearly worse than the first." * unclear]
     if len(verdicts.groups) > MOST_CARDS:
         take = method_words(verdicts, [] if verdicts.for_all is None else [verdicts.for_all])
-        texts += [f"Tinted: where {each.text} is the best." for each in take]
+        texts += [f"Tinted: where {each.text}, the one to take, is the best." for each in take]
     elif any(group.suspects_matter for group in verdicts.groups):
         texts.append(f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged.")
     return " ".join(filter(None, texts))
@@ -222,12 +234,18 @@ def key(verdicts: Verdicts) -> str:
         parts.append("line: 95 % interval")
     if verdicts.is_sequence:
         parts.append("%: change to the one before")
+    if line is not None and len(verdicts.groups) > ONE_ROW:
+        unit = verdicts.metric.unit
+        ends = (tick_text(line.low, unit), tick_text(line.high, unit, with_unit=True))
+        parts.append(escape(f"axis: {' to '.join(ends)}"))
     if line is not None and line.log:
         above = f" above {number_text(line.least)}" if line.least else ""
         parts.append(f"logarithmic{above}")
     if verdicts.for_all is not None:
+        behind = verdicts.behind_in(verdicts.for_all)
+        where = f"in {behind} of {len(verdicts.groups)}" if behind else "nowhere"
         is_best = verdicts.best_over_all is not None
-        why = "best over all" if is_best else "clearly behind nowhere"
+        why = "best over all" if is_best else f"clearly behind {where}"
         parts.append(f"<mark>tinted</mark>: the one to take, {why}")
     return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
 

@@ -96,7 +96,7 @@ def _first(ranking: Ranking) -> Text:
 def _card(ranking: Ranking, comparison: Comparison, test: PairTest) -> Card:
     question, blocks = comparison.question, comparison.blocks
     group = ranking.group
-    title = group_text(group, question) or question.metric
+    title = (group_text(group, question) or question.metric,)
     more = (
         ("Blocks", narrowed_group(group, blocks)),
         ("Filled", filled_group(group, comparison.fallback, blocks)),

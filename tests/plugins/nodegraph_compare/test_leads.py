@@ -53,7 +53,7 @@ def over_markers(
 
 def test_a_curve_has_a_card_with_its_knee_and_what_noise_does() -> None:
     answer = over_markers(0.07, ME=KNEE, JZ=KNEE)
-    assert [(card.title, *card.headline, *card.value) for card in answer.cards] == [
+    assert [(*card.title, *card.headline, *card.value) for card in answer.cards] == [
         ("mse over markers", "20 markers", "knee"),
     ]  # fmt: skip
     assert answer.cards[0].facts == tuple(

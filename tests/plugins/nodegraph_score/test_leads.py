@@ -31,7 +31,12 @@ def of_steps(**errors: float) -> Answer:
 
 def test_a_step_has_a_card_with_before_and_after() -> None:
     answer = of_steps(captured=4.0, fill=4.0, despike=1.0, smooth=0.5)
-    assert [card.title for card in answer.cards] == ["captured", "fill", "despike", "smooth"]
+    assert [title for card in answer.cards for title in card.title] == [
+        "captured",
+        "fill",
+        "despike",
+        "smooth",
+    ]
     assert [card.kind for card in answer.cards] == ["rest", "rest", "best", "best"]
     despike = answer.cards[2]
     assert dict(despike.facts)["Step"] == ("changes 5 samples; 100 % come nearer",)

@@ -26,6 +26,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
+from nodegraph_tables.numbers import difference_text
 from nodegraph_tables.rendering import render_table
 from nodegraph_tables.stored_table import put_together, take_apart
 
@@ -34,7 +35,7 @@ TEXT = say(f"Mean {HERE} is best.", Word(MARKUP))
 ANSWER = Answer(
     TEXT,
     (MARKUP,),
-    (Card(MARKUP, (MARKUP,), (MARKUP,), (MARKUP,), facts=((MARKUP, (MARKUP,)),), kind="best"),),
+    (Card((MARKUP,), (MARKUP,), (MARKUP,), (MARKUP,), facts=((MARKUP, (MARKUP,)),), kind="best"),),
 )
 
 
@@ -53,7 +54,7 @@ def test_a_text_has_its_parts_where_they_belong() -> None:
 
 
 def test_more_cards_than_a_reader_sees_are_counted() -> None:
-    cards = tuple(Card(str(place), ("x",)) for place in range(11))
+    cards = tuple(Card((str(place),), ("x",)) for place in range(11))
     shown = answer_html(Answer(("all",), cards=cards))
     assert shown.count("<article") == 8
     assert "3 more are in the table" in shown
@@ -91,13 +92,47 @@ def test_a_line_holds_all_numbers() -> None:
 
 def test_a_line_makes_nothing_look_far_apart() -> None:
     near = line_of([0.638, 0.663], [0.6, 0.7])
-    assert (near.low, near.high) == (0.0, 0.7)
+    assert (near.low, near.high) == pytest.approx((0.0, 0.7))
     assert near.share(0.663) - near.share(0.638) < 0.05
     assert line_of([-3.0, -1.0]).high == 0.0
     many = line_of([0.0, 1.0, 100.0], [-5.0, 0.2, 120.0])  # ends of intervals set no scale
-    assert (many.least, many.share(-5.0), many.share(120.0)) == (1.0, 0.0, 1.0)
+    assert (many.least, many.share(-5.0), many.high) == (1.0, 0.0, 200.0)
     wide = line_of([1.0, 100.0], [-5.0, 0.5])
     assert (wide.low, wide.log, wide.share(-5.0)) == (0.5, True, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("means", "unit", "by"),
+    [
+        ((0.333, 0.3114), "mm", "0.022 mm"),
+        ((0.1004, 0.0996), "mm", "under 0.001 mm"),
+        ((12.34, 9.876), "", "2.4"),
+        ((0.99, 1.16), "", "\N{MINUS SIGN}0.17"),
+        ((213, 30), "", "183"),
+        ((0.612, 0.56), "share", "5 %"),
+        ((2e-4, 1e-4), "", "1.0e\N{MINUS SIGN}4"),
+    ],
+)
+def test_a_difference_agrees_with_the_means_that_are_shown(
+    means: tuple[float, float], unit: str, by: str
+) -> None:
+    assert difference_text([means], unit).replace("\N{NO-BREAK SPACE}", " ") == by
+
+
+@pytest.mark.parametrize(
+    ("values", "ends"),
+    [
+        ([-0.07, 0.76], (-0.1, 0.8)),
+        ([0.013, 7.0], (0.01, 10.0)),
+        ([3.0, 41.0], (2.0, 50.0)),
+        ([2.0, 200.0], (2.0, 200.0)),
+    ],
+)
+def test_a_line_ends_with_round_numbers_around_all_values(
+    values: list[float], ends: tuple[float, float]
+) -> None:
+    line = line_of(values)
+    assert (line.low, line.high) == pytest.approx(ends)
 
 
 def test_of_many_rows_those_that_matter_have_a_name() -> None:
@@ -108,7 +143,7 @@ def test_of_many_rows_those_that_matter_have_a_name() -> None:
     few = Rows.of(rows, Line(0.0, 30.0))
     assert [row.name for row in few.rows] == [f"method {at}" for at in (*range(6), 20, 25)]
     assert len(few.others) == 22
-    card = Card("fills", ("method 0",), rows=few, status=("better",), kind="best")
+    card = Card(("fills",), ("method 0",), rows=few, status=("better",), kind="best")
     assert card.line == "fills: method 0; better; method 0 0, by far."
     html = cards_html([card])
     assert html.count("<circle") == 30

@@ -165,6 +165,9 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     assert " Best: plain for 180 K (" in text
     assert "plain : Bake with &lt;flour&gt; alone." in text
     assert "Bake for long" not in text
+    # on every name, to hover
+    assert lead.count('data-method="plain" title="Bake with &lt;flour&gt; alone."') > 3
+    assert lead.count('data-method="burnt" title="Bake for long."') == 2
     assert lead.count("<article") == 2
     # on the cards, and in the key above them
     assert lead.count('<circle class="best"') == 2 + 1
@@ -257,7 +260,7 @@ def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None
     assert re.findall(heads, section.lead) == [
         ("worse", "rich"), ("best", "rich"),
     ] * 3  # fmt: skip
-    assert text.count("best here: plain 1.40; rich clearly behind: +0.548 (39 %)") == 3
+    assert text.count("best here: plain 1.40; rich clearly behind: +0.55 (39 %)") == 3
     assert text.count("clearly best here") + text.count("best here; airy may be as good") == 3
     assert "tinted : the one to take, best over all" in text
     assert section.lead.count('<tr data-method="rich" class="for-all">') == 3
@@ -278,11 +281,21 @@ def test_a_field_of_an_axis_has_its_own_name_for_readers() -> None:
     assert (within["axis"], within["name"]) == ("oven.heat", "heat")
 
 
-def test_what_is_clearly_behind_nowhere_is_marked_on_every_card() -> None:
-    waste = {
-        "gas": {"plain": 1.0, "rich": 1.004, "burnt": 3.0},
-        "coal": {"plain": 3.0, "rich": 1.004, "burnt": 1.0},
-    }
+FIRST = {"plain": 1.0, "rich": 1.004, "burnt": 3.0}
+LAST = {"plain": 3.0, "rich": 1.004, "burnt": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("wastes", "where"),
+    [
+        ((FIRST, LAST), "nowhere"),
+        ((FIRST, LAST, FIRST | {"rich": 1.5}), "in 1 of 3"),
+        ((FIRST | {"rich": 1.5}, LAST | {"rich": 1.5}), ""),
+    ],
+)
+def test_the_one_to_take_is_clearly_behind_in_few_groups_and_marked_on_every_card(
+    wastes: Sequence[Mapping[str, float]], where: str
+) -> None:
     random = np.random.default_rng(1)
     entries: Any = tuple(
         (
@@ -291,17 +304,19 @@ def test_what_is_clearly_behind_nowhere_is_marked_on_every_card() -> None:
             cakes(random.uniform(0.99, 1.01, 4) * (0.0 if mean == 1.0 and not kitchen else mean)),
         )
         for kitchen in range(8)
-        for oven, of in waste.items()
+        for oven, of in zip(("gas", "coal", "wood"), wastes, strict=False)
         for recipe, mean in of.items()
     )
     scores = Across(("kitchen", "oven", "recipe"), entries, sources=("kitchen",))
     overview = compared(scores, within=("oven",)).overview
     methods = overview.verdicts.methods
     (rich,) = (at for at, name in enumerate(methods) if name == "rich")
-    assert (overview.verdicts.best_over_all, overview.verdicts.for_all) == (None, rich)
+    assert overview.verdicts.best_over_all is None
+    assert overview.verdicts.for_all == (rich if where else None)
     lead = rendered(overview).lead
-    assert len(re.findall(r'<tr data-method="rich" class="(?:best )?for-all">', lead)) == 2
-    assert "tinted : the one to take, clearly behind nowhere" in text_of(lead)
+    marked = re.findall(r'<tr data-method="rich" class="(?:best )?for-all">', lead)
+    assert len(marked) == len(wastes) * bool(where)
+    assert (f"the one to take, clearly behind {where}" in text_of(lead)) == bool(where)
 
 
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
@@ -447,7 +462,7 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     assert lead.count("<tr>") == 13
     assert len(re.findall(r"rich \+[^,]*, clearly behind", text_of(lead))) == 1
     assert lead.count('<td class="for-all"><strong data-method="rich"') == 11
-    assert "Tinted: where rich is the best." in text_of(lead)
+    assert "Tinted: where rich, the one to take, is the best." in text_of(lead)
 
 
 def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:
