@@ -29,7 +29,7 @@ def test_it_speaks_of_the_takes_of_one_actor_only(studies: Studies) -> None:
     error = means(folder)
     filtered, noisy = (
         {fill: error[fill, condition, "5"] for fill in ("linear", "cubic")}
-        for condition in ("filtered", "noisy")
+        for condition in ("as published", "0.1 mm noise")
     )
     # what the author's low-pass gives to curves, a little noise takes
     assert filtered["cubic"] < 0.5 * filtered["linear"]
@@ -52,7 +52,7 @@ def test_takes_of_a_users_people_are_counted_by_person(studies: Studies, tmp_pat
     )
     error = means(folder)
     # what an average of fills from other markers is worth
-    assert error["ensemble", "filtered", "45"] < 0.7 * error["linear", "filtered", "45"]
+    assert error["ensemble", "as published", "45"] < 0.7 * error["linear", "as published", "45"]
 
 
 def test_without_its_takes_it_says_how_to_get_them(
