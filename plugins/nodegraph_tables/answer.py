@@ -823,8 +823,11 @@ def _strip(of: Sequence[Row], rows: Rows) -> str:
 
 def _axis(rows: Rows) -> str:
     line, texts = rows.line, []
-    is_inside = not line.log and line.low < 0.0 < line.high
-    for tick in dict.fromkeys((line.low, *[0.0] * is_inside, line.high)):
+    ends = [line.low, line.high]
+    if not line.log and line.low < 0.0 < line.high:
+        # no number stands too near to that at 0
+        ends = [0.0, *(end for end in ends if abs(line.share(end) - line.share(0.0)) > _EDGE)]
+    for tick in ends:
         share = line.share(tick)
         anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
         with_unit = tick == line.high and len(unit_text(rows.unit)) <= _SHORT_UNIT

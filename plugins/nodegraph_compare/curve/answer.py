@@ -44,6 +44,8 @@ _WIDTH, _HEIGHT = 500.0, 200.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 44.0, 428.0, 20.0, 172.0
 _LINE = 12.0
 """From name to name."""
+_NEAR = 0.1
+"""Share of the axis across within which its end has the only number."""
 
 _KINDS = {
     "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee", "enough": "enough",
@@ -274,9 +276,13 @@ def _picture(curves: Curves) -> str:
             f'<text class="end" x="{_LEFT - 6:g}" y="{at + 4:.1f}">{tick_text(tick, curves.unit)}'
             "</text>",
         ]
-    x = Line(scales.left, scales.right).ticks()
+    ends, near = (scales.left, scales.right), _NEAR * (scales.right - scales.left)
+    inside = Line(*ends).ticks()
+    x = [*dict.fromkeys(ends), *(each for each in inside if ends[0] + near < each < ends[1] - near)]
     for at, tick in zip(scales.x(np.array(x)), x, strict=True):
-        parts.append(f'<text class="middle" x="{at:.1f}" y="{_BOTTOM + 16:g}">{tick:g}</text>')
+        parts.append(
+            f'<text class="middle" x="{at:.1f}" y="{_BOTTOM + 16:g}">{tick_text(tick, "")}</text>'
+        )
     if curves.enough is not None:
         level = float(scales.y(np.array([curves.enough]))[0])
         parts.append(
