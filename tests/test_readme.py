@@ -78,7 +78,7 @@ def test_the_python_code_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     readmes.write_small_study(tmp_path / "graphs" / "fill.yaml")
     (tmp_path / "code.py").write_text(next(code for code in blocks("python") if "ng.run(" in code))
     runpy.run_path("code.py")
-    assert (tmp_path / "runs" / "fill" / "report.html").is_file()
+    assert (tmp_path / "runs" / "fill_5" / "report.html").is_file()
 
 
 def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) -> None:
