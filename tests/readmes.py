@@ -51,7 +51,7 @@ def run_command(words: list[str]) -> None:
 def write_small_study(path: Path) -> None:
     """Write the study of fills on two faces with a few labels, without its drawings."""
     text = (ROOT / "graphs" / "fill.yaml").read_text().partition("  equal_terms:\n")[0]
-    text = re.sub(r" +(face_[^12]|white noise|movement): .*\n", "", text)
+    text = re.sub(r" +(face_[^12]|0.1 mm noise|movement): .*\n", "", text)
     text += "report: [table, ranks.table, ranks.figure]\n"
     for long, short in FEW.items():
         assert long in text
