@@ -10,7 +10,7 @@ from tests.studies import DATA, Studies, needs_recordings, table
 
 ALIGNED = ("stable", "stable_to_mean", "all_points", "all_points_huber", "all_points_trimmed")
 WAYS = ("not_aligned", *ALIGNED)
-KINDS = ("take", "scans")
+KINDS = ("speech at 30 Hz", "scans at 1 Hz")
 
 
 def found_first(folder: Path, kind: str) -> dict[tuple[str, int], dict[str, str]]:

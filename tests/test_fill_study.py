@@ -89,7 +89,7 @@ def test_the_report_holds_the_table_and_fetches_nothing(built_in: Path) -> None:
 def test_real_recordings_end_with_a_table(studies: Studies) -> None:
     names = ("animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d")
     takes = ",".join(str(DATA / name) for name in names)
-    only = ("--only", "length=15", "--only", "terms=ends_met", "--only", "condition=usual")
+    only = ("--only", "length=15", "--only", "terms=ends_met", "--only", "condition=as_recorded")
     fills = ("--only", f"fill={','.join(FILLS)},ridge")
     folder = studies.run("fill", "--axis", f"recording={takes}", *only, *fills)
     assert {fill for fill, _ in errors_of(folder)} >= FILLS
@@ -100,7 +100,11 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
     run = ng.run(
         GRAPH,
         axis={"recording": [str(DATA / "animface" / "jaw.c3d")], "trial": range(6)},
-        only={"fill": ["muscle", "linear"], "terms": ["as_published"], "condition": ["usual"]},
+        only={
+            "fill": ["muscle", "linear"],
+            "terms": ["as_published"],
+            "condition": ["as_recorded"],
+        },
         until=["error"],
     )
     scores = run["error"].frame().dropna(subset="rmse")
@@ -116,7 +120,7 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
 def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(
     studies: Studies,
 ) -> None:
-    only = ("--only", "length=5,45", "--only", "terms=ends_met", "--only", "condition=usual")
+    only = ("--only", "length=5,45", "--only", "terms=ends_met", "--only", "condition=as_recorded")
     errors = errors_of(studies.run("fill", *JAW, *only, "--until", "table"))
     alone = [cell for cell in errors if cell[0] not in {"gaussian_process", "kriging"}]
     best = {
