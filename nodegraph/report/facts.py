@@ -65,7 +65,7 @@ def _sizes(study: Study) -> Iterator[str]:
         count = len(axis.labels)
         name = axis.name.rpartition(".")[2].replace("_", " ")
         if axis.name in of_methods:
-            yield f"{count:,} methods{f' of {name}' if len(nodes) > 1 else ''}"
+            yield f"{name}: {count:,} alternatives" if len(nodes) > 1 else f"{count:,} methods"
         else:
             yield f"{count:,} {_plural(name)}"
 
