@@ -33,7 +33,7 @@ FILL = re.sub(" +movement: .*\n", "", FILL)
 """The graph of fills up to its table, which no other node takes part in."""
 OF_SAMPLES = {
     "fill_real": (
-        *("--axis", "recording=sample:face_1,sample:face_2", "--only", "length=5,45"),
+        *("--axis", "recording=sample:face_1,sample:face_2", "--only", "length=45"),
         *("--only", "trial=0", "--only", "fill=muscle,lin_ouhyoung,guenter,linear"),
     ),
 }

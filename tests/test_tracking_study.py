@@ -54,7 +54,7 @@ def test_the_report_tells_which_number_is_better(built_in: Path) -> None:
     assert "Which tracker keeps the names of a face&#39;s markers when points drop out?" in html
     assert "Lower is better." in html
     # the first row of each card
-    assert html.count('<table class="lead-rows"><tbody><tr data-method="neighbours">') == 4
+    assert html.count('<table class="lead-rows"><tbody><tr data-method="neighbours" ') == 4
     assert "<svg" in html
     assert 'src="http' not in html
 
