@@ -290,10 +290,13 @@ def _text(path: Path) -> str:
         raise NodegraphError(f"{path}: no such file; `nodegraph lock GRAPH` writes one") from None
     except (OSError, ValueError) as error:
         reason = "cannot be read as a lock"
-        if isinstance(error, UnicodeDecodeError) and is_zipfile(path):
-            raise NodegraphError(
-                f"{path}: {reason}: it is an archive; unpack it, and name the lock in it"
-            ) from None
+        if isinstance(error, UnicodeDecodeError):
+            if is_zipfile(path):
+                raise NodegraphError(
+                    f"{path}: {reason}: it is an archive; unpack it, and name the lock in it"
+                ) from None
+            line = error.object.count(b"\n", 0, error.start) + 1
+            raise NodegraphError(f"{path}:{line}: {reason}: not text in UTF-8") from None
         raise NodegraphError(f"{path}: {reason}: {error}") from error
 
 

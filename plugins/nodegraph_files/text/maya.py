@@ -69,13 +69,14 @@ class _Scene:
     time: str = "film"
     length: str = "cm"
     curves: dict[str, _Curve] = field(default_factory=dict)
-    others: int = 0
-    """Curves of angles, times and numbers."""
+    others: list[int] = field(default_factory=list)
+    """Lines of curves of angles, times and numbers."""
     moves: list[tuple[str, str]] = field(default_factory=list)
     """Curve and what it is connected to."""
     parents: dict[str, str] = field(default_factory=dict)
     moved: set[str] = field(default_factory=set)
-    references: int = 0
+    references: list[int] = field(default_factory=list)
+    """Lines that name other files."""
 
 
 def read_maya(
@@ -158,7 +159,7 @@ def _scene(text: str) -> _Scene:
             scene.time = _found(_OF_TIME, statement) or scene.time
             scene.length = _found(_OF_LENGTH, statement) or scene.length
         elif word == "file":
-            scene.references += 1
+            scene.references.append(line)
     return scene
 
 
@@ -168,7 +169,7 @@ def _created(scene: _Scene, line: int, statement: str, node: str) -> _Curve | No
     if kind == "animCurveTL":
         scene.curves[node] = _Curve(line)
     elif kind.startswith("animCurve"):
-        scene.others += 1
+        scene.others.append(line)
     elif kind == "transform":
         scene.parents[node] = _found(_PARENT, statement)
     return scene.curves[node] if kind == "animCurveTL" else None
@@ -216,9 +217,18 @@ def _markers(scene: _Scene) -> dict[str, list[_Curve]]:
         if len(curves) == 3
     }
     if not markers:
+        there = {
+            "curves of lengths (animCurveTL)": [each.line for each in scene.curves.values()],
+            "other curves": scene.others,
+            "references to other files": scene.references,
+        }
+        counts = (
+            f"{len(lines)} {what}{f', from line {lines[0]} on' if lines else ''}"
+            for what, lines in there.items()
+        )
         raise ValueError(
             "no node that animation curves translate in x, y and z: a scene without a recording? "
-            f"It has {len(scene.curves)} curves of lengths (animCurveTL) and {scene.others} others"
+            f"It has {'; '.join(counts)}"
         )
     return markers
 
@@ -265,13 +275,13 @@ def _per_second(time: str) -> float:
 
 def _warn(scene: _Scene, markers: dict[str, list[_Curve]]) -> None:
     used = {id(curve) for three in markers.values() for curve in three}
-    left = scene.others + sum(id(curve) not in used for curve in scene.curves.values())
+    left = len(scene.others) + sum(id(curve) not in used for curve in scene.curves.values())
     moves = scene.moved | {plug.rpartition(".")[0] for _, plug in scene.moves}
     under = sum(not moves.isdisjoint(_ancestors(scene, marker)) for marker in markers)
     counts = {
         "curves translate no marker and are left out": left,
         "markers are in a group that is moved itself: positions are in its axes": under,
-        "references to other files are not followed": scene.references,
+        "references to other files are not followed": len(scene.references),
     }
     for what, count in counts.items():
         if count:

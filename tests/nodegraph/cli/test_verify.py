@@ -467,3 +467,10 @@ def test_a_file_that_is_not_a_lock_is_an_error(verified: Verified, lock: str, re
     status, _, err = verified(lock=lock)
     assert status == 2
     assert f"{lock}: {reason}" in err
+
+
+def test_a_lock_that_is_not_utf_8_is_refused_with_its_line(verified: Verified) -> None:
+    Path("latin.lock").write_bytes(b"a\n\xff")
+    status, _, err = verified(lock="latin.lock")
+    assert status == 2
+    assert "latin.lock:2: cannot be read as a lock: not text in UTF-8" in err

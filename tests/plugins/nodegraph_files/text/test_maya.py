@@ -99,6 +99,8 @@ def test_what_is_left_out_is_counted(tmp_path: Path, body: str, message: str) ->
     ("body", "message"),
     [
         ("", "no node that animation curves translate in x, y and z"),
+        ("createNode animCurveTA -n a;\n", "1 other curves, from line 8 on"),
+        ('\nfile -r "other.ma";\n', "1 references to other files, from line 9 on"),
         (marker("chin", KEYS, MOVES, attributes="xy"), "no node that animation curves translate"),
         (marker("chin", *[{0.0: 1.0, 0.4: 2.0, 0.9: 3.0}] * 3), "line 8: a key at"),
         (marker("chin", *[{0.0: 1.0, 0.4: 2.0, 0.2: 3.0}] * 3), "line 8: the times"),
