@@ -77,15 +77,7 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         ends = (source, wire.output, target, wire.port)
         wires.setdefault(ends, []).append(wire.reference)
         brought[target] |= {*graph.nodes[source].axes} - {*wire.reference.at}
-    ends_in = {name for name, node in graph.nodes.items() if _kind(graph, node) == "report"}
-    ends_in |= {*graph.nodes} - {source for source, *_ in wires}
-    seen = {
-        axis
-        for (source, _, target, _), references in wires.items()
-        for reference in references
-        for axis in graph.nodes[source].axes
-        if target in ends_in and axis not in reference.at
-    }
+    seen = _seen_in_the_end(graph, wires)
     arrows = {ends: _arrow(graph, ends, references) for ends, references in wires.items()}
     read = {(source, output) for source, output, _, _ in arrows}
     fed = {(target, port) for _, _, target, port in arrows}
@@ -106,12 +98,23 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
             if axis in tables or axis not in said & brought[node.name]
         ]
         said.update(own)
-        compares = (node.has_alternatives and node.name in seen) or any(
-            isinstance(feed, Gather) and feed.axis for feed in node.first.inputs.values()
-        )
+        compares = node.has_alternatives and node.name in seen
         boxes.append(replace(box, axes=tuple(axes), compares=compares))
     picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()))
     return replace(picture, boxes=tuple(_with_sources(graph, picture)))
+
+
+def _seen_in_the_end(graph: Graph, wires: Mapping[_Ends, Sequence[Reference]]) -> set[str]:
+    """Return the axes of what the report shows, or of what no other node reads."""
+    last = {name for name, node in graph.nodes.items() if _kind(graph, node) == "report"}
+    last |= {*graph.nodes} - {source for source, *_ in wires}
+    return {
+        axis
+        for (source, _, target, _), references in wires.items()
+        for reference in references
+        for axis in graph.nodes[source].axes
+        if target in last and axis not in reference.at
+    }
 
 
 def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
@@ -135,12 +138,14 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
     for box in picture.boxes:
         node = graph.nodes[box.name]
         stages = [
-            Alternative(label, source=into[box.name][port][reference.node, output])
+            Alternative(
+                label, source=into[box.name][port][reference.node, graph.output_name(reference)]
+            )
             for port, feed in node.first.inputs.items()
             if isinstance(feed, Gather) and feed.axis
             for label, reference in feed.sources.items()
-            if (output := graph.output_name(reference))
         ]
+        box = replace(box, compares=box.compares or bool(stages))
         if stages and not node.has_alternatives:
             yield replace(box, alternatives=tuple(stages))
             continue
