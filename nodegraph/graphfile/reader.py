@@ -90,12 +90,12 @@ def _text_of(path: Path) -> str:
     except FileNotFoundError as error:
         raise GraphError([Problem(place, "no such graph file", partial(_beside, path))]) from error
     except UnicodeDecodeError as error:
-        raise GraphError([_not_utf8(path, error)]) from error
+        raise GraphError([not_utf8(path, error)]) from error
     except (OSError, ValueError) as error:  # a name may be too long
         raise GraphError([Problem(place, f"cannot be read: {error}")]) from error
 
 
-def _not_utf8(path: Path, error: UnicodeDecodeError) -> Problem:
+def not_utf8(path: Path, error: UnicodeDecodeError) -> Problem:
     """Return the error of a file with a byte that no text in UTF-8 has there."""
     before = error.object[: error.start]
     column = len(before[before.rfind(b"\n") + 1 :].decode()) + 1

@@ -24,6 +24,7 @@ from pydantic import Field, ValidationError
 
 from nodegraph.errors import NodegraphError
 from nodegraph.execute import Run
+from nodegraph.graphfile.reader import not_utf8
 from nodegraph.lock.conclusions import reported_by
 from nodegraph.lock.portable import FileNames, portable, refuse_paths, relative
 from nodegraph.lock.results import Results
@@ -295,8 +296,8 @@ def _text(path: Path) -> str:
                 raise NodegraphError(
                     f"{path}: {reason}: it is an archive; unpack it, and name the lock in it"
                 ) from None
-            line = error.object.count(b"\n", 0, error.start) + 1
-            raise NodegraphError(f"{path}:{line}: {reason}: not text in UTF-8") from None
+            problem = not_utf8(path, error)
+            raise NodegraphError(f"{problem.place}: {reason}: {problem.message}") from None
         raise NodegraphError(f"{path}: {reason}: {error}") from error
 
 

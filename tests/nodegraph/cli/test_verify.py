@@ -473,4 +473,4 @@ def test_a_lock_that_is_not_utf_8_is_refused_with_its_line(verified: Verified) -
     Path("latin.lock").write_bytes(b"a\n\xff")
     status, _, err = verified(lock="latin.lock")
     assert status == 2
-    assert "latin.lock:2: cannot be read as a lock: not text in UTF-8" in err
+    assert "latin.lock:2:1: cannot be read as a lock: not text in UTF-8: byte 0xff" in err
