@@ -2,7 +2,8 @@
 
 A C3D file says most things twice, in its header and in its parameters, and writers do not
 always keep the two equal. The size of the file settles which is right; where it does not, the
-file is refused, because a wrong guess would shift every number. Of two rates, that of the
+file is refused, because a wrong guess would shift every number. Where the two agree on more frames
+than the file holds, those that it holds are read, with a warning. Of two rates, that of the
 parameters counts, if it is one, with a warning; of two scales, see `nodegraph_files.c3d.read_c3d`.
 """
 
@@ -13,7 +14,7 @@ import math
 import struct
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -367,10 +368,16 @@ def _settle(accounts: list[ByteLayout], size: int) -> ByteLayout:
 
 def _checked(layout: ByteLayout, size: int) -> ByteLayout:
     if layout.end > size:
-        raise ValueError(
-            f"it announces {layout}, which end at byte {layout.end}, but the file ends at byte "
-            f"{size}: it was cut short, or is damaged"
+        whole = max(size - layout.start, 0) // max(layout.frame_bytes, 1)
+        ends = f"which end at byte {layout.end}, but the file ends at byte {size}"
+        if not whole:
+            raise ValueError(f"it announces {layout}, {ends}: it was cut short, or is damaged")
+        warnings.warn(
+            f"the file was cut short: it announces {layout}, {ends}; its first {whole} frames are "
+            "read",
+            stacklevel=2,
         )
+        return replace(layout, frames=whole)
     if layout.frames == LARGEST_COUNT and size - layout.end >= BLOCK:
         raise ValueError(
             f"it counts {LARGEST_COUNT} frames, the most that its counter can hold, and continues "

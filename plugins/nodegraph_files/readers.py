@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from nodegraph import Format, InputFile, Truth, formats, listed, node
+from nodegraph import Format, InputFile, Truth, formats, listed, node, quoted
 from nodegraph_files.glb.moving import RawAnimation
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
@@ -478,8 +478,10 @@ def _check_recording(path: Path, recording: Trajectories) -> None:
     ends = np.fmax.reduce(recording.positions, None), np.fmin.reduce(recording.positions, None)
     farthest = max(map(abs, ends))
     if farthest > _FARTHEST:
+        frame, marker, _ = np.argwhere(np.abs(recording.positions) == farthest)[0]
         raise ValueError(
-            f"{path}: a position at {farthest:g} mm; up to {_FARTHEST:g} mm is possible"
+            f"{path}: frame {frame}, marker {quoted(recording.markers[marker])}: a position at "
+            f"{farthest:g} mm; up to {_FARTHEST:g} mm is possible"
         )
     extent = extent_of(recording.positions)
     if np.isfinite(extent) and not FACE_OR_BODY.includes(extent, "mm"):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,8 +17,8 @@ import numpy as np
 
 from nodegraph import Format, quoted
 from nodegraph_files.rates import rate_from
-from nodegraph_files.text.table import cell_numbers, check_distinct, text_lines
-from nodegraph_files.text.text_file import start_in_utf8
+from nodegraph_files.text.table import cell_numbers, check_distinct, without_cut_row
+from nodegraph_files.text.text_file import Line, TextFile, read_text_file, start_in_utf8
 from nodegraph_mocap.face_model import Weights
 
 if TYPE_CHECKING:
@@ -88,20 +89,27 @@ def read_live_link(path: Path, *, rate: float | None = None) -> Weights:
 
 def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the names of the columns, and the frames as cells with their line's number."""
-    split = (
-        (number, [cell.strip() for cell in line.split(",")])
-        for number, line in enumerate(text_lines(path), 1)
-    )
-    (_, names), *rows = [(number, cells) for number, cells in split if any(cells)] or [(1, [])]
+    text = read_text_file(path)
+    header, names = next(_cells(text), (Line(1, "", 0, 0), [""]))
     if [name.lower() for name in names[:2]] != _HEADER:
         raise ValueError(
             f"{path}: no Live Link Face file: it begins with {quoted(','.join(names[:2]))}, not "
             "with the columns Timecode, BlendShapeCount"
         )
+    width = max(index for index, name in enumerate(names, 1) if name)
+    text = without_cut_row(text, header.end, ",", width)
+    _, *rows = [(line.number, cells) for line, cells in _cells(text)]
     if not rows:
         raise ValueError(f"{path}: no frames follow the names of the columns")
-    last = max(index for index, name in enumerate(names, 1) if name)
-    return names[:last], rows
+    return names[:width], rows
+
+
+def _cells(text: TextFile) -> Iterator[tuple[Line, list[str]]]:
+    """Return the lines in which a cell is not empty, with their cells."""
+    for line in text.lines():
+        cells = [cell.strip() for cell in line.text.split(",")]
+        if any(cells):
+            yield line, cells
 
 
 def _columns(path: Path, names: list[str]) -> dict[str, int]:

@@ -39,6 +39,33 @@ def text_lines(path: Path) -> list[str]:
     return [line.text for line in read_text_file(path).lines()]
 
 
+def without_cut_row(text: TextFile, start: int, separator: str, width: int) -> TextFile:
+    """Return the text without its last row, with a warning, if the file ends within it.
+
+    Parameters
+    ----------
+    text
+    start
+        Byte at which the first row starts; it is never left out.
+    separator
+    width
+        Number of cells of a row.
+    """
+    last = text.content.rfind(b"\n") + 1
+    if not start < last < len(text.content):
+        return text
+    line = next(text.lines(last, text.content.count(b"\n") + 1))
+    cells = len(split_cells(line.text, separator))
+    if not line.text.strip() or cells >= width:
+        return text
+    warnings.warn(
+        f"the file ends within line {line.number}, after {cells} of {width} cells; this line was "
+        "left out",
+        stacklevel=5,
+    )
+    return replace(text, content=text.content[:last], plain=False)
+
+
 def separator_of(line: str) -> str:
     """Return what separates the cells of a line: the most frequent of comma, semicolon and tab."""
     unquoted = _QUOTED.sub("", line)
@@ -431,11 +458,13 @@ class Table:
     ) -> Rows:
         """Return the rows that follow a row of the header; see `Rows`.
 
-        Where they may end early, empty rows right below the header are not frames.
+        Where they may end early, empty rows right below the header are not frames; elsewhere the
+        last is left out, with a warning, if the file ends within it.
         """
         first = next(self.rows(row.end, row.line + 1), None) if lenient else None
+        text = self.text if lenient else without_cut_row(self.text, row.end, self.separator, width)
         return Rows(
-            text=self.text,
+            text=text,
             start=first.start if first else row.end,
             line=first.line if first else row.line + 1,
             separator=self.separator,

@@ -139,6 +139,15 @@ def test_a_recording_without_samples_is_refused(tmp_path: Path, shape: Any) -> N
         read_recording(path=path)
 
 
+def test_a_position_at_which_nothing_can_be_is_refused_with_its_sample(tmp_path: Path) -> None:
+    positions = np.ones((4, 2, 3))
+    positions[2, 1, 0] = -1e28
+    path = tmp_path / "it.npz"
+    path.write_bytes(npz_bytes(Trajectories(positions=positions, markers=("a", "b"), rate=60)))
+    with pytest.raises(ValueError, match=r"it\.npz: frame 2, marker 'b': a position at 1e\+28 mm"):
+        read_recording(path=path)
+
+
 @pytest.mark.parametrize("write", [write_c3d, write_csv, write_npz, write_trc])
 def test_a_recording_of_nothing_but_gaps_is_read_and_reported(
     tmp_path: Path, write: Callable[..., None]

@@ -140,6 +140,18 @@ def test_what_is_odd_is_read_with_a_warning(
     assert (read.frames, read.rate) == (frames, rate)
 
 
+@pytest.mark.parametrize("last", ["4", "4,5"])
+@pytest.mark.parametrize(
+    "text", ["# rate: 60\na.x,a.y,a.z\n1,2,3\n", "time,marker,x,y,z\n0.0,nose,1,2,3\n"]
+)
+def test_a_last_line_within_which_the_file_ends_is_left_out(
+    write: Write, text: str, last: str
+) -> None:
+    with pytest.warns(UserWarning, match="ends within line"):
+        read = read_csv(write(text + last), rate=60)
+    assert read.positions.tolist() == [[[1, 2, 3]]]
+
+
 A = "a.x,a.y,a.z"
 NO_RATE = ": no rate; set `rate` in Hz, or add a line '# rate: 60'"
 

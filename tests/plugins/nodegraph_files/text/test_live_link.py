@@ -149,6 +149,14 @@ def test_what_is_odd_is_read_with_a_warning(
     assert read.rate == 60
 
 
+def test_a_last_line_within_which_the_file_ends_is_left_out(tmp_path: Path) -> None:
+    whole = f"{HEADER}\n00:00:00:01.000,2,0.1,0.2\n00:00:00:02.000,2,0.3,0.4\n"
+    (tmp_path / "it.csv").write_text(f"{whole}00:00:00:03.000,2,0.")
+    with pytest.warns(UserWarning, match="ends within line 4, after 3 of 4 cells"):
+        read = read_live_link(tmp_path / "it.csv")
+    np.testing.assert_allclose(read.values, [[0.1, 0.2], [0.3, 0.4]])
+
+
 def row(*cells: str) -> str:
     return f"{HEADER}\n{','.join(cells)}\n"
 
