@@ -154,6 +154,11 @@ class _Planner:
         cells: dict[Combination, int] = {}
         skipped: dict[Combination, str] = {}
         self._cells[node.name], self._skipped[node.name] = cells, skipped
+        rules = [
+            (skip_reason(rule), rule.labels.items())
+            for rule in self._graph.spec.skip
+            if rule.labels.keys() <= set(node.axes)
+        ]
         # equal texts are equal settings
         texts = {
             label: {row: repr(sorted(values.items())) for row, values in m.settings.values.items()}
@@ -161,8 +166,8 @@ class _Planner:
         }
         for combination in itertools.product(*(self._labels(axis) for axis in node.axes)):
             labels = dict(zip(node.axes, combination, strict=True))
-            reason = self._graph.spec.skip and self._skip_reason(labels)
-            step = reason or self._step(node, labels, texts)
+            reasons = [why for why, of in rules if all([labels[axis] in at for axis, at in of])]
+            step = reasons[0] if reasons else self._step(node, labels, texts)
             if isinstance(step, str):
                 skipped[combination] = step
             else:
@@ -321,8 +326,8 @@ class _Planner:
         return self._source_axes[node]
 
     def _output(self, source: Reference, labels: Mapping[str, Label]) -> Output | str:
-        node = self._graph.nodes[source.node]
-        at = tuple([source.at[axis] if axis in source.at else labels[axis] for axis in node.axes])
+        fixed, axes = source.at, self._graph.nodes[source.node].axes
+        at = tuple([fixed[axis] if axis in fixed else labels[axis] for axis in axes])
         step = self._cells[source.node].get(at)
         if step is None:
             return self._skipped[source.node].get(at, f"{source.node} is left out")
@@ -352,19 +357,11 @@ class _Planner:
             self._known_labels[own] = next(like, own)
         return self._known_labels[own]
 
-    def _skip_reason(self, labels: Mapping[str, Label]) -> str:
-        rules = self._graph.spec.skip
-        return next((skip_reason(item) for item in rules if _applies(item, labels)), "")
-
 
 def skip_reason(item: SkipSpec) -> str:
     """Return why a rule leaves out combinations, in the same words for all of them."""
     labels = (f"{axis} = {' or '.join(map(str, of))}" for axis, of in item.labels.items())
     return f"skip: {', '.join(labels)}"
-
-
-def _applies(item: SkipSpec, labels: Mapping[str, Label]) -> bool:
-    return all(axis in labels and labels[axis] in of for axis, of in item.labels.items())
 
 
 def _comparable(source: Across[Output]) -> object:

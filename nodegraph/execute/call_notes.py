@@ -24,7 +24,8 @@ _BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threa
 """Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
-_CHANGES = ("os.putenv", "os.unsetenv")
+_CHANGES = ("os.putenv", "os.unsetenv", "os.chdir", "os.rename", "os.rmdir")
+"""What changes a variable, or the working directory."""
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
 """The notes of the call that is being made."""
@@ -171,8 +172,8 @@ def _install() -> None:
 _changes = 0
 
 
-def environment_changes() -> int:
-    """Return the number of changes of environment variables since reads are noted."""
+def process_changes() -> int:
+    """Return how often variables and the folder may have changed since reads are noted."""
     return _changes
 
 

@@ -7,16 +7,18 @@ import io
 import os
 import pickle
 import random
+import stat
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from nodegraph.execute.call_notes import environment_changes
+from nodegraph.execute.call_notes import process_changes
 
 
 @dataclass(frozen=True)
@@ -108,8 +110,7 @@ def _marks() -> tuple[object, ...]:
         _PYTHON.gauss_next,
         errors.get(),
         printing.get(),
-        environment_changes(),
-        _folder(),
+        process_changes(),
         sys.path.copy(),
         sys.getrecursionlimit(),
         sys.stdin,
@@ -149,8 +150,10 @@ _CORE: Any = vars(np)["_core"]
 _OPTIONS = (_CORE.umath._extobj_contextvar, _CORE.arrayprint.format_options)
 """The variables in which numpy has its treatment of errors and its print options."""
 _PYTHON: Any = vars(random)["getstate"].__self__
-_WORDS = 625
-"""Words of four bytes in the state of a Mersenne Twister."""
+_STATE = 4 * 625
+"""Bytes of a Mersenne Twister: 624 words and the position, first in Python's, last in numpy's."""
+_ENOUGH = 64
+"""Bytes around the position that differ after any draw, which moves it, and after any seed."""
 
 
 def _random_states() -> tuple[object, bytes]:
@@ -161,23 +164,22 @@ def _random_states() -> tuple[object, bytes]:
 
 @lru_cache(maxsize=1)
 def _memory_of_generators(engine: Any) -> tuple[Any, Any, Any]:
-    """Return the memory of numpy's engine, where that is known, and of numpy's and Python's own."""
+    """Return memory of numpy's engine, where that is known, and of numpy's and Python's own."""
     words: Any = None
     if type(engine) is np.random.MT19937:
-        words = (ctypes.c_char * (4 * _WORDS)).from_address(engine.ctypes.state_address)
-    return words, _fields(_numpy().get_state.__self__), _fields(_PYTHON)
+        words = _memory(engine.ctypes.state_address + _STATE - _ENOUGH, _ENOUGH)
+    own, head = _numpy().get_state.__self__, object.__basicsize__
+    fields = _memory(id(own) + head, type(own).__basicsize__ - head)
+    return words, fields, _memory(id(_PYTHON) + head, _ENOUGH)
+
+
+def _memory(address: int, size: int) -> Any:
+    return (ctypes.c_char * size).from_address(address)
 
 
 def _numpy() -> Any:
     """Return a module with more than its declarations say; importing it here would take 20 ms."""
     return np.random
-
-
-def _fields(generator: Any) -> Any:
-    """Return the memory of a generator, without its count of references."""
-    head = object.__basicsize__
-    size = type(generator).__basicsize__ - head
-    return (ctypes.c_char * size).from_address(id(generator) + head)
 
 
 def _set_random_states(original: tuple[object, bytes]) -> None:
@@ -193,6 +195,7 @@ _STREAMS = {
     for number, name in enumerate(("stdin", "stdout", "stderr"))
     if getattr(sys, f"__{name}__") is not None  # else the number is that of any other file
 }
+_FILE_OF: Callable[[Any], tuple[int, int]] = itemgetter(stat.ST_INO, stat.ST_DEV)
 _copies: dict[int, tuple[int, tuple[int, int]]] = {}
 """The descriptor of each standard stream, another for the same file, and this file."""
 
@@ -205,7 +208,7 @@ def _streams() -> tuple[list[object], list[bool], list[tuple[int, int] | None]]:
 
 def _files() -> list[tuple[int, int] | None]:
     try:
-        return [os.fstat(number)[1:3] for number in _STREAMS.values()]
+        return list(map(_FILE_OF, map(os.fstat, _STREAMS.values())))
     except OSError:
         return [_file(number) for number in _STREAMS.values()]
 
@@ -227,7 +230,7 @@ def _set_streams(original: tuple[list[Any], list[bool], list[tuple[int, int] | N
 def _file(number: int) -> tuple[int, int] | None:
     """Return the number and the device of the file that a descriptor stands for."""
     try:
-        return os.fstat(number)[1:3]
+        return _FILE_OF(os.fstat(number))
     except OSError:
         return None
 
