@@ -153,9 +153,10 @@ def read_c3d(
     POINT:FORCES and their like list, or others that POINT:TYPE_GROUPS names.
 
     Warnings also say how many samples were partly missing or infinite, which markers lacked a name
-    or shared one, that the unit of length is unknown, and where header and parameters contradict
-    each other. Of two scales of integers, that of the parameters counts, unless only the other
-    makes the markers as large as a face or a body.
+    or shared one, that the unit of length is unknown, where header and parameters contradict each
+    other, and how many frames there are where the file was cut short. Of two scales of integers,
+    that of the parameters counts, unless only the other makes the markers as large as a face or a
+    body.
 
     Parameters
     ----------
@@ -177,8 +178,8 @@ def read_c3d(
     Raises
     ------
     ValueError
-        If it is not a C3D file, is damaged or cut short, has no rate, or holds no frames or no
-        markers.
+        If it is not a C3D file, is damaged or cut short within the first frame, has no rate, or
+        holds no frames or no markers.
     """
     try:
         description = read_description(path)

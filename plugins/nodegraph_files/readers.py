@@ -48,6 +48,8 @@ def read_recording(
 ) -> Trajectories:
     """Read a recording: C3D, TRC, MOT, CSV, NPZ, MA or a plugin's, by content, then by suffix.
 
+    Of a C3D file or a table that was cut short, the whole frames are read, with a warning.
+
     Parameters
     ----------
     path
