@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
 from datetime import datetime
@@ -24,8 +25,8 @@ _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 def head_facts(study: Study) -> list[str]:
     """Return the study's name, how much there is of what, and its date."""
     name = PurePath(study.graph_file).stem
-    sizes = sorted(_sizes(study), key=lambda text: not text.endswith(" methods"))[:_MOST_AXES]
-    return [text for text in (name, ", ".join(sizes), _date(study.created)) if text]
+    sizes = ", ".join(itertools.islice(_sizes(study), _MOST_AXES))
+    return [text for text in (name, sizes, _date(study.created)) if text]
 
 
 def fold_facts(study: Study) -> dict[str, str]:
@@ -57,17 +58,14 @@ def _sizes(study: Study) -> Iterator[str]:
     """Yield the number of labels of each axis: ``18 methods``, ``8 recordings``."""
     of_methods = {row.node for row in study.methods if row.label}
     several = [axis for axis in study.axes if len(axis.labels) > 1]
-    # of nodes with the same alternatives the first counts
-    nodes = {axis.labels: axis.name for axis in reversed(several) if axis.name in of_methods}
+    # of nodes with alternatives the one with most counts
+    methods = max((len(axis.labels) for axis in several if axis.name in of_methods), default=0)
+    if methods:
+        yield f"{methods:,} methods"
     for axis in several:
-        if axis.name in of_methods and axis.name not in nodes.values():
-            continue
-        count = len(axis.labels)
-        name = axis.name.rpartition(".")[2].replace("_", " ")
-        if axis.name in of_methods:
-            yield f"{name}: {count:,} alternatives" if len(nodes) > 1 else f"{count:,} methods"
-        else:
-            yield f"{count:,} {_plural(name)}"
+        if axis.name not in of_methods:
+            name = axis.name.rpartition(".")[2].replace("_", " ")
+            yield f"{len(axis.labels):,} {_plural(name)}"
 
 
 def _plural(name: str) -> str:

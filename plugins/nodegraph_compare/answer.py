@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from nodegraph_compare.cards import cards_of, line_on_all
+from nodegraph_compare.cards import cards_of
 from nodegraph_compare.described import described, is_described
 from nodegraph_compare.question import EXTREME
 from nodegraph_compare.words import (
@@ -90,12 +90,11 @@ def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
         return Answer(answer.sentence, scope, answer.cards, findings=findings)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
     sentence, scope = _sentence(named), scope_words(named)
-    take = "" if verdicts.for_all is None else str(verdicts.methods[verdicts.for_all])
-    overall = verdicts.overall
-    if overall is None:
-        return Answer(sentence, scope, cards, findings=findings, take=take)
-    more = (line_on_all(named, overall),)
-    return Answer(sentence, scope, cards, more, findings, _finding(verdicts, overall), take)
+    overall = None if verdicts.overall is None else _finding(verdicts, verdicts.overall)
+    if verdicts.for_all is None:
+        return Answer(sentence, scope, cards, findings=findings, overall=overall)
+    take, why = str(verdicts.methods[verdicts.for_all]), _why(named, verdicts.for_all)
+    return Answer(sentence, scope, cards, findings=findings, overall=overall, take=take, why=why)
 
 
 def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -> Finding:
@@ -415,19 +414,56 @@ def _shortened(clauses: Sequence[Text], separator: str) -> Text:
 
 
 def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
-    """Return the method to take whichever the group is, and how far it is behind at its worst."""
-    (name,) = best_words(verdicts, [place])
+    """Return the method to take whichever the group is, and what it does besides."""
     besides = listing(_beside_means(verdicts, [(group, place) for group in told]))
     also = say(f" ({HERE})", besides) if besides else ()
-    far = max(group.distance(place) for group in told)
-    if not verdicts.ratio:
-        size, than = number_text(far, verdicts.metric.unit), "behind the best"
-    elif far < 2:
-        size, than = f"{math.ceil(100 * (far - 1))} %", "behind the best"  # `never more than`
+    return say(f"One method for all: {HERE}{HERE}.", *best_words(verdicts, [place]), also)
+
+
+def _why(verdicts: Verdicts, take: int) -> Text:
+    """Return why a method is the one to take whichever the group is, and which is next."""
+    groups, of_all = verdicts.groups, verdicts.overall
+    worst = say(
+        f"never more than {HERE} the best of a group", _far(verdicts, verdicts.worst_of(take))
+    )
+    if all(take in group.best for group in groups):
+        worst = ("best in each",)
+    if of_all is not None and take == verdicts.best_over_all:
+        first = f"{EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
+        rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
+        then = [_claim(verdicts, of_all, place) for place in rest]
     else:
-        size, than = f"{far:.1f} times", "the best"
-    never = say(f"never more than {HERE} {than}", Word(size, "number"))
-    return say(f"One method for all: {HERE}, {HERE}{HERE}.", name, never, also)
+        first = f"clearly behind in {verdicts.behind_in(take) or 'none'} of {len(groups)} groups"
+        rest = [place for place in verdicts.least_behind if place != take][:1]
+        then = [
+            say(
+                f"in {verdicts.behind_in(place) or 'none'}, up to {HERE}",
+                _far(verdicts, verdicts.worst_of(place)),
+            )
+            for place in rest
+        ]
+    names = method_words(verdicts, rest)
+    after = [say(f"next {HERE}: {HERE}", *parts) for parts in zip(names, then, strict=True)]
+    reason = joined("; ", [joined(", ", [first, worst]), *after])
+    return say(f"Why {HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
+
+
+def _claim(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return whether a method is clearly behind the best of a group, and how far it is."""
+    distance = group.distance(place)
+    size = percent(distance - 1.0) if verdicts.ratio else number_text(distance)
+    claim = f"clearly behind, by {HERE}" if place in group.behind else f"{MAY_BE} ({HERE} behind)"
+    return say(claim, Word(size, "number"))
+
+
+def _far(verdicts: Verdicts, distance: float) -> Text:
+    """Return how far a method is from the best: ``12 % behind``; see `Verdict.distance`."""
+    if not verdicts.ratio:
+        return (Word(number_text(distance), "number"), " behind")
+    if distance < 2:
+        percents = math.ceil(100 * (distance - 1))  # `never more than`
+        return (Word(f"{percents} %", "number"), " behind")
+    return (Word(f"{distance:.1f} times", "number"),)
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:

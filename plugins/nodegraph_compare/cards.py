@@ -33,7 +33,6 @@ from nodegraph_tables.answer import (
     MOST_ROWS,
     ONE_ROW,
     Card,
-    Line,
     Row,
     Rows,
     Text,
@@ -46,6 +45,7 @@ from nodegraph_tables.answer import line_of as line_through
 from nodegraph_tables.numbers import (
     MINUS,
     difference_text,
+    is_seen,
     number_text,
     span_text,
     without_rounding,
@@ -56,13 +56,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Kind
+    from nodegraph_tables.answer import Kind, Line
 
 _MOST_NAMES = 3
 _FEW_ROWS = 4
 """On cards below each other, of which one may have a note."""
 
-_BEYOND = 0.25
+_BEYOND = 0.6
 """Share of the line of all means that the ends of intervals may be beyond it."""
 
 Fact = tuple[str, Text]
@@ -81,12 +81,6 @@ def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
         )
         for group in verdicts.groups
     )
-
-
-def line_on_all(verdicts: Verdicts, overall: Verdict) -> str:
-    """Return the verdict over all groups in words."""
-    card = _card(verdicts, overall, Line(0.0, 1.0))
-    return replace(card, title=(f"all {len(verdicts.groups)} groups",)).line
 
 
 def line_of(verdicts: Verdicts) -> Line | None:
@@ -140,11 +134,18 @@ def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
     """Return the method to take, or else the best of the group, and how it stands there."""
     take = verdicts.for_all
     shown = group.best if take is None or take in group.best else (take,)
-    kind: Kind = "worse" if {*shown} & {*group.behind} else group.marks.get(shown[0], "rest")
+    kind: Kind = group.marks.get(shown[0], "rest")
+    if shown[0] in group.behind:
+        kind = "worse" if _is_seen(verdicts, group, shown[0], group.best[0]) else "behind"
     value, interval = _value(verdicts, group, shown[0])
     names = say(f"{'take ' * (take is not None)}{HERE}", listing(method_words(verdicts, shown)))
     status = standing_text(_bare(verdicts), group, shown[0])
     return Card((), names, value, interval, rows=rows, status=status, kind=kind)
+
+
+def _is_seen(verdicts: Verdicts, group: Verdict, place: int, to: int) -> bool:
+    """Whether the numbers of two methods look different to a reader."""
+    return is_seen(float(group.mean[place]), float(group.mean[to]), verdicts.metric.unit)
 
 
 def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
@@ -192,7 +193,7 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
     better = "raises" if verdicts.metric.better == "higher" else "lowers"
     for step, (before, verb) in changes(group).items():
         kinds.setdefault(before, "rest" if kinds else "before")
-        if verb != UNCLEAR:
+        if verb != UNCLEAR and _is_seen(verdicts, group, step, before):
             kinds[step] = "best" if verb == better else "worse"
     return kinds
 

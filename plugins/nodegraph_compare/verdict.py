@@ -518,14 +518,25 @@ class Verdicts(Value):
         told = any(group.told for group in groups) and all(group.stands for group in groups)
         if self.best_over_all is not None or self.is_sequence or len(groups) < 2 or not told:
             return self.best_over_all
-        known = set.intersection(*({*group.known} for group in groups))
-        methods = [each for each in sorted(known) if 2 * self.behind_in(each) < len(groups)]
-        far = {method: max(group.distance(method) for group in groups) for method in methods}
-        return min(methods, key=lambda each: (self.behind_in(each), far[each]), default=None)
+        first = next(iter(self.least_behind), None)
+        return None if first is None or 2 * self.behind_in(first) >= len(groups) else first
+
+    @property
+    def least_behind(self) -> list[int]:
+        """The methods that every group has, from the one clearly behind in the fewest groups on.
+
+        Of as many groups, the least far behind at its worst is first.
+        """
+        known = set.intersection(*({*group.known} for group in self.groups))
+        return sorted(known, key=lambda each: (self.behind_in(each), self.worst_of(each), each))
 
     def behind_in(self, place: int) -> int:
         """Return in how many groups a method is clearly behind."""
         return sum(place in group.behind for group in self.groups)
+
+    def worst_of(self, place: int) -> float:
+        """Return how far a method is from the best of a group at most; see `Verdict.distance`."""
+        return max(group.distance(place) for group in self.groups)
 
     @property
     def every(self) -> tuple[Verdict, ...]:

@@ -59,8 +59,9 @@ def units_name(scope: Scope) -> str:
     """Return what several units are called."""
     if scope.kind == "clusters":
         return scope.several
-    named = {"segments": "segments of the recording", "draws": f"{_repetition(scope)}s"}
-    return named.get(scope.kind, "recordings")
+    if scope.kind == "draws":
+        return f"{_repetition(scope)}s" if scope.clusters == 1 else "repetitions"
+    return "segments of the recording" if scope.kind == "segments" else "recordings"
 
 
 def _repetition(scope: Scope) -> str:
@@ -210,12 +211,6 @@ def number_name(verdicts: Verdicts, unit: str = "") -> str:
     return f"{mean} of a typical {one}"
 
 
-def signed(value: float, to: float, unit: str) -> str:
-    """Return by how much a number is above another, with its sign."""
-    text = difference_text([(value, to)], unit)
-    return text if text.startswith((MINUS, "under")) else f"+{text}"
-
-
 def beside_text(verdicts: Verdicts, values: Sequence[float], metric: Metric) -> str:
     """Return means of the metrics shown next to the first, from first to last, in few digits.
 
@@ -337,11 +332,14 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, and in how many units, or that it may be 0."""
     paired = group.to_best
     assert paired is not None
-    count = Word(f"{paired.losses[place]:.0f} of {group.scope.units}", "number")
+    of, losses, wins = group.scope.units, int(paired.losses[place]), int(paired.wins[place])
+    count = Word(f"{losses} of {of}", "number")
     units = units_name(group.scope).removeprefix("synthetic ")
     start = say(f"{HERE}, worse in {HERE} {units}", _distance(verdicts, group, place), count)
-    if paired.losses[place] < group.scope.units:
-        return start
+    if losses < of:
+        # of a mean that is worse, a reader expects it worse in most
+        rest = f", better in {wins}" if wins else f", equal in {of - losses}"
+        return (*start, rest * (2 * losses <= of))
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
     if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:
@@ -354,8 +352,10 @@ def _distance(verdicts: Verdicts, group: Verdict, place: int) -> Word:
 
 
 def _to_best(verdicts: Verdicts, group: Verdict, place: int) -> str:
+    """Return by how much a mean is above that of the best, with its sign."""
     best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
-    return signed(mean, best, verdicts.metric.unit)
+    text = difference_text([(mean, best)], verdicts.metric.unit)
+    return text if text.startswith((MINUS, "under")) else f"+{text}"
 
 
 def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
@@ -383,8 +383,10 @@ def others_text(verdicts: Verdicts, group: Verdict) -> Text:
 def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
     difference, mean = group.to_best_of(place), float(group.mean[group.best[0]])
-    share = f" ({percent(abs(difference / mean))})" if mean > 0 and verdicts.ratio else ""
-    return (Word(f"{_to_best(verdicts, group, place)}{share}", "number"),)
+    text = _to_best(verdicts, group, place)
+    is_share = mean > 0 and verdicts.ratio and not text.startswith("under")
+    share = f" ({percent(abs(difference / mean))})" if is_share else ""
+    return (Word(f"{text}{share}", "number"),)
 
 
 def within_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:

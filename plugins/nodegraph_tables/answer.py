@@ -86,7 +86,7 @@ MAY_BE = "may be as good"
 """Said of what is not certain to be worse than the best."""
 
 Text = tuple[str | Word, ...]
-Kind = Literal["best", "tied", "before", "worse", "rest"]
+Kind = Literal["best", "tied", "before", "behind", "worse", "rest"]
 
 
 HERE = "\N{OBJECT REPLACEMENT CHARACTER}"
@@ -278,9 +278,9 @@ class Row(Value):
     value : float
     low, high : float
         Ends of its interval; NaN where there is none.
-    kind : {"best", "tied", "before", "worse", "rest"}
+    kind : {"best", "tied", "before", "behind", "worse", "rest"}
         What a verdict says of it: the best, not certain to be worse, what the others are held
-        against, clearly worse than that; or nothing.
+        against, clearly worse by next to nothing, or by more; or nothing.
     note : text
         What is said of it beside its number.
     for_all : bool
@@ -380,7 +380,7 @@ class Card(Value):
     facts : tuple of (term, text)
     status : text
         How the headline stands beside what else the card compares.
-    kind : {"best", "tied", "before", "worse", "rest"}
+    kind : {"best", "tied", "before", "behind", "worse", "rest"}
         What a verdict says of the headline, which has its colour; see `Row`.
     """
 
@@ -478,6 +478,8 @@ class Answer(Value):
         The same over all groups taken together.
     take : str
         The method to take whichever the group is; empty without one.
+    why : text
+        Why that one, and which is next.
     """
 
     sentence: Text = ()
@@ -487,6 +489,7 @@ class Answer(Value):
     findings: tuple[Finding, ...] = ()
     overall: Finding | None = None
     take: str = ""
+    why: Text = ()
 
     @property
     def held(self) -> str:
@@ -495,8 +498,8 @@ class Answer(Value):
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The answer in words: its sentence, what it holds for, then each part."""
-        first = (plain(text) for text in (self.sentence, self.scope) if text)
+        """The answer in words: its sentence, what it holds for, why, then each part."""
+        first = (plain(text) for text in (self.sentence, self.scope, self.why) if text)
         return (*first, *(card.line for card in self.cards), *self.more)
 
     @property
@@ -733,12 +736,13 @@ def lead_of_parts(answer: Answer, cards: str, legend: str) -> Markup:
     """
     held = joined(" ", [part for part in answer.scope if isinstance(part, Word)])
     rest = [part.strip() for part in (*answer.scope, legend) if isinstance(part, str)]
-    texts = (("sentence", answer.sentence), ("held", held), ("scope", joined(" ", rest)))
-    first, above, below = (
-        Markup('<p class="lead-{}">{}</p>').format(name, html_of(text)) if text else ""
-        for name, text in texts
+    above = (("sentence", answer.sentence), ("why", answer.why), ("held", held))
+    below = (("scope", joined(" ", rest)),)
+    first, last = (
+        "".join(f'<p class="lead-{name}">{html_of(text)}</p>' for name, text in texts if text)
+        for texts in (above, below)
     )
-    return Markup(f'<div class="lead">{first}{above}{cards}{below}</div>')
+    return Markup(f'<div class="lead">{first}{cards}{last}</div>')
 
 
 def cards_html(cards: Sequence[Card]) -> str:

@@ -60,6 +60,21 @@ def difference_text(pairs: Sequence[tuple[float, float]], unit: str = "") -> str
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 
+def is_seen(value: float, to: float, unit: str = "") -> bool:
+    """Whether numbers, as these are shown, are more than one apart in their last digit.
+
+    Examples
+    --------
+    >>> is_seen(0.128, 0.126), is_seen(0.1953, 0.1944)
+    (True, False)
+    """
+    value, to = scale_of(unit) * value, scale_of(unit) * to
+    decimals = _common_decimals(value, to, unit)
+    if decimals is None:
+        return value != to
+    return abs(round(value, decimals) - round(to, decimals)) > 1.5 * 10.0**-decimals
+
+
 def to_digits_of(mean: float, values: Sequence[float]) -> list[float]:
     """Return numbers to the digits that a mean is shown with."""
     return [round(value, 3) if abs(mean) >= SMALLEST else value for value in values]
@@ -119,14 +134,22 @@ def _decimals(size: float) -> int:
     return 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
 
 
-def _difference(value: float, to: float, unit: str) -> str:
+def _common_decimals(value: float, to: float, unit: str) -> int | None:
+    """Return the decimals with which two numbers are shown; None for others than such."""
     largest = max(abs(value), abs(to))
+    counts = isinstance(value, int) and isinstance(to, int)
+    if counts or not SMALLEST <= largest < LARGEST:
+        return None
+    # shares are shown in fewer digits
+    return int(largest < _WHOLE) if unit == SHARE else _decimals(largest)
+
+
+def _difference(value: float, to: float, unit: str) -> str:
     if isinstance(value, int) and isinstance(to, int):
         return f"{value - to:,}".replace("-", MINUS)
-    if value == to or not SMALLEST <= largest < LARGEST:
+    decimals = _common_decimals(value, to, unit)
+    if value == to or decimals is None:
         return _digits(value - to)
-    # shares are shown in fewer digits
-    decimals = int(largest < _WHOLE) if unit == SHARE else _decimals(largest)
     difference = round(value, decimals) - round(to, decimals)
     text = f"{abs(difference):,.{decimals}f}"
     if not float(text.replace(",", "")):

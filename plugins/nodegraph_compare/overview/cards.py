@@ -33,14 +33,14 @@ from nodegraph_tables.answer import (
     say,
     tick_text,
 )
-from nodegraph_tables.numbers import number_text, span_text
+from nodegraph_tables.numbers import span_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Answer, Kind, Text
+    from nodegraph_tables.answer import Answer, Card, Kind, Text
 
 _MOST_COLUMNS = 6
 _MOST_NAMES = 3
@@ -71,7 +71,7 @@ def answer_html(
     elif len(verdicts.groups) > MOST_CARDS:
         inside = _grid(verdicts)
     else:
-        inside = f"{key(verdicts)}{cards_html(answer.cards)}"
+        inside = f"{key(verdicts, answer.cards)}{cards_html(answer.cards)}"
     does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
     html = lead_of_parts(answer, inside + _described(answer, does), legend(verdicts))
     return Markup(_NAMED.sub(lambda name: _titled(name, does), html))
@@ -220,12 +220,15 @@ def legend(verdicts: Verdicts) -> str:
     return " ".join(filter(None, texts))
 
 
-def key(verdicts: Verdicts) -> str:
+def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
     """Return what the dots, lines and tints of cards are."""
+    of_cards = [card.rows for card in cards if card.rows]
+    drawn = {row.kind for rows in of_cards for row in (*rows.rows, *rows.others)}
     parts = [
         f'<svg width="12" height="12" aria-hidden="true"><circle class="{kind}" cx="6" cy="6" '
         f'r="5"/></svg> {escape(text)}'
         for kind, text in _dots(verdicts)
+        if kind in drawn
     ]
     if not parts:
         return ""
@@ -234,37 +237,32 @@ def key(verdicts: Verdicts) -> str:
         parts.append("line: 95 % interval")
     if verdicts.is_sequence:
         parts.append("%: change to the one before")
+    axis = ["logarithmic"] if line is not None and line.log else []
     if line is not None and len(verdicts.groups) > ONE_ROW:
         unit = verdicts.metric.unit
         ends = (tick_text(line.low, unit), tick_text(line.high, unit, with_unit=True))
-        parts.append(escape(f"axis: {' to '.join(ends)}"))
-    if line is not None and line.log:
-        above = f" above {number_text(line.least)}" if line.least else ""
-        parts.append(f"logarithmic{above}")
+        axis.insert(0, " to ".join(ends))
+    if axis:
+        parts.append(escape(f"axis: {', '.join(axis)}"))
     if verdicts.for_all is not None:
-        behind = verdicts.behind_in(verdicts.for_all)
-        where = f"in {behind} of {len(verdicts.groups)}" if behind else "nowhere"
-        is_best = verdicts.best_over_all is not None
-        why = "best over all" if is_best else f"clearly behind {where}"
-        parts.append(f"<mark>tinted</mark>: the one to take, {why}")
+        parts.append("<mark>tinted</mark>: the one to take")
     return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
 
 
 def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
-    """Yield the kinds of dots that cards have, with what they are."""
+    """Yield the kinds of dots that cards may have, with what they are."""
     groups = verdicts.groups
     if verdicts.is_sequence:
         if any(group.stands for group in groups):
             yield "before", "where it begins"
             yield "best", "clearly better than before"
             yield "worse", "clearly worse"
-            yield "rest", "not clearly changed"
+            yield "rest", "hardly changed"
         return
     if len(verdicts.methods) < 2 or not any(group.told for group in groups):
         return
     yield "best", "best"
-    if any(group.tied for group in groups if group.marks):
-        yield "tied", MAY_BE
+    yield "tied", MAY_BE
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
     if verdicts.baseline is not None:
