@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from html import escape
+from itertools import product
 from textwrap import wrap
 from typing import NamedTuple
 
@@ -80,11 +81,14 @@ _LINE = 14.0
 _BASELINE = 13.3
 _MOST_LINES = 5
 _LONGEST_AT_PORT = 26
+_LONGEST_BESIDE = 32
+_HEIGHT = 3.0
+"""Widths that a height is worth, where notes stand beside ports or below them."""
 _LONGEST_ITEM = 40
 _INDENT = 10.0
 _BETWEEN_SIDES = 18.0
-_SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
-_LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
+_SIZES = {"port": 12.0, "note": 11.0, "note truth": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
+_LEADING = {"port": 16.0, "note": 13.5, "note truth": 13.5, "name": 19.0, "line": 16.0}
 
 
 Notes = tuple[tuple[str, str], ...]
@@ -182,7 +186,7 @@ def shape(
     heading = [("name", label), *(("line", line) for line in _heading(box))]
     common = _common(fixed)
     heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
-    inputs = _side(
+    into = [
         (
             socket,
             [
@@ -192,19 +196,11 @@ def shape(
             ],
         )
         for socket in box.inputs
-    )
-    outputs = _side(
+    ]
+    out = [
         (socket, [f"to {', '.join(names)}"] if (names := _of(socket, readers)) else [])
         for socket in box.outputs
-    )
-    inner = max(_NARROWEST, _widest(heading), _beside(inputs.lines, outputs.lines))
-    texts: list[Text] = []
-    y = 4.0
-    for style, text in heading:
-        y += _LEADING[style]
-        hint = clean(text) if shortened(text) != clean(text) else ""
-        texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
-    chips: list[Chip] = []
+    ]
     alternatives = box.alternatives
     in_column = len(alternatives)
     if in_column > _MOST_ROWS:  # arrows reach only the rows on the left
@@ -213,7 +209,15 @@ def shape(
     rows = [_row(each, states=states) for each in alternatives]
     columns = [rows[at : at + in_column] for at in range(0, len(rows), max(in_column, 1))]
     widths = [max(wide for _, wide, _ in column) for column in columns]
-    inner = max(inner, sum(widths) + _CHIP_GAP * (len(widths) - 1))
+    least = max(_NARROWEST, _widest(heading), sum(widths) + _CHIP_GAP * (len(widths) - 1))
+    inner, inputs, outputs = _sides(into, out, least)
+    texts: list[Text] = []
+    y = 4.0
+    for style, text in heading:
+        y += _LEADING[style]
+        hint = clean(text) if shortened(text) != clean(text) else ""
+        texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
+    chips: list[Chip] = []
     first_row = y + _CHIP_GAP
     if rows:
         y = first_row - _ROW_GAP
@@ -245,10 +249,7 @@ def shape(
         left += wide + _CHIP_GAP
     rule = y + 7.0
     for x, side in ((INSET, inputs), (INSET + inner, outputs)):
-        texts += [
-            replace(line, x=x + line.x, y=rule + line.y, at_end=side is outputs)
-            for line in side.lines
-        ]
+        texts += [replace(line, x=x + line.x, y=rule + line.y) for line in side.lines]
     places = (
         {name: rule + height for name, height in side.heights.items()} for side in (inputs, outputs)
     )
@@ -267,7 +268,27 @@ class _Side(NamedTuple):
     height: float
 
 
-def _side(ports: Iterable[tuple[Socket, Sequence[str]]]) -> _Side:
+_Ports = list[tuple[Socket, list[str]]]
+
+
+def _sides(into: _Ports, out: _Ports, least: float) -> tuple[float, _Side, _Side]:
+    """Return the width, the inputs and the outputs of a box, with notes beside ports or below."""
+
+    def inside(sides: tuple[_Side, _Side]) -> float:
+        return max(least, _beside(*(side.lines for side in sides)))
+
+    sides = min(
+        product(
+            [_side(into, longest) for longest in (_LONGEST_BESIDE, 0)],
+            [_side(out, longest, at_end=True) for longest in (_LONGEST_BESIDE, 0)],
+        ),
+        key=lambda sides: inside(sides) + _HEIGHT * max(side.height for side in sides),
+    )
+    return inside(sides), *sides
+
+
+def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
+    """Return ports with notes, the first beside its port if both have at most some characters."""
     lines, heights = list[Text](), dict[str, float]()
     y = 0.0
     for socket, notes in ports:
@@ -275,14 +296,25 @@ def _side(ports: Iterable[tuple[Socket, Sequence[str]]]) -> _Side:
         heights[socket.name] = y + _LEADING["port"] / 2
         own = [*filter(None, dict.fromkeys(notes))]
         hint = "; ".join([str(socket), *own])
-        texts = [("note", line, 0.0) for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
-        if socket.items or socket.text or not texts:
-            texts = [*_port(socket), *texts]
-        y += _LEADING["port"] - _LEADING[texts[0][0]]
-        for style, text, indent in texts:
-            y += _LEADING[style]
-            if text:
-                lines.append(Text(style, shortened(text), indent, y - 3.5, hint))
+        style = "note truth" if socket.truth else "note"
+        rows = [[(style, line, 0.0)] for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
+        names = [[each] for each in _port(socket)]
+        if socket.text and own and len(f"{socket.text} {own[0]}") <= longest:
+            (((_, note, _),), *rows), name = rows, ("port", shortened(socket.text), 0.0)
+            row = [(style, note, 0.0), name] if at_end else [name, (style, note, 0.0)]
+            shift = width(row[0][1], _SIZES[row[0][0]]) + _CHIP_GAP
+            names = [[row[0], (*row[1][:2], -shift if at_end else shift)]]
+        if socket.items or socket.text or not rows:
+            rows = [*names, *rows]
+        leadings = [max(_LEADING[style] for style, _, _ in row) for row in rows]
+        y += _LEADING["port"] - leadings[0]
+        for row, leading in zip(rows, leadings, strict=True):
+            y += leading
+            lines += [
+                Text(style, shortened(text), x, y - 3.5, hint, at_end)
+                for style, text, x in row
+                if text
+            ]
     return _Side(lines, heights, y)
 
 
@@ -295,7 +327,7 @@ def _port(socket: Socket) -> Iterator[tuple[str, str, float]]:
 
 def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
     """Return how wide the texts of ports are, with those of the other side at their height."""
-    widths = {each: each.x + width(each.text, _SIZES[each.style]) for each in (*left, *right)}
+    widths = {each: abs(each.x) + width(each.text, _SIZES[each.style]) for each in (*left, *right)}
     beside = (
         widths[one] + _BETWEEN_SIDES + widths[other]
         for one in left

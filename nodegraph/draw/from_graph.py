@@ -38,7 +38,8 @@ _MOST_VALUES = 6
 """Labels of an axis that are drawn with the settings for which they stand."""
 _MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
-_LONGEST_LABEL = 20
+_LONGEST_LABEL = 32
+_LONGEST_NAMES = 48
 _LONGEST_SERIES = 24
 _NUMBERED = re.compile(r"(\D*)\d+")
 
@@ -370,7 +371,7 @@ def _with_values(settings: Mapping[str, _Setting]) -> tuple[Axis, ...]:
         for at in zip(*(each.values for each in several.values()), strict=True):
             labels_at.setdefault(tuple([text for _, text in at]), []).append(at[0][0])
         if sum(map(len, labels_at.values())) <= _MOST_VALUES:
-            values = [(labels_text(each, _LONGEST), *row) for row, each in labels_at.items()]
+            values = [(labels_text(each, _LONGEST_NAMES), *row) for row, each in labels_at.items()]
             axes.append(Axis(axis, settings=tuple(several), values=tuple(values)))
     return tuple(axes)
 

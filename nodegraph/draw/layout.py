@@ -5,16 +5,15 @@ stands in a column after its sources, the barycentres of its neighbours order ea
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
 that are wider than a page together stand in bands, like lines of text. The arrows of one output
-run to the next band, to what has it as its main input; of any other from one band to another only
-the end is drawn, and circles with one number where it begins and before its end: long lines around
-the boxes cannot be followed. What the report lists names what it reads from other bands.
+run to the next band, to what has it as its main input; of any other from one band to another the
+port where it ends says where it begins: long lines around the boxes cannot be followed.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right, insort
 from collections import Counter
-from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import accumulate, islice, pairwise, starmap, takewhile
@@ -46,13 +45,14 @@ _TIP = 7.0
 _STEEP = 12.0
 _MOST_IN_LANES = 24
 """Pieces of wires between two columns that can be told apart."""
-_END = 10.0
-"""Length of what is drawn of an arrow from another band."""
-CONNECTOR = 8.5
-"""Radius of the numbered circles at the ends of an arrow between two bands."""
-_CUT = 0.05
-"""Cost of an output that is read in another band; that of a band of full width is 1."""
-_WIDEST = 860.0
+_BEFORE = 20.0
+_AFTER = 14.0
+"""Room before and after a box, for arrows from one band to the next."""
+
+
+_CUT = 0.1
+"""Cost of an arrow to another band; that of a band of full width is 1."""
+_WIDEST = 880.0
 """Width of a drawing whose smallest text has almost 9 pixels on a page of 720."""
 _CHOICES = 3
 """Choices of bands: ports that say where cut arrows begin and end make boxes wider."""
@@ -70,7 +70,7 @@ _DIRECT = 4.0
 class Size:
     """Size of a cell, and how far from its top the wires of each port end or begin.
 
-    Before and after it is room for the ends of arrows between bands.
+    Before and after it is room for arrows between bands.
     """
 
     width: float
@@ -156,8 +156,54 @@ class Area:
 def _in_bands(area: Area) -> _Bands:
     """Return the band of each cell.
 
-    There are as few bands as fit, of like widths, cut where few outputs are read beyond.
+    There are as few bands as fit, of like widths, cut where few arrows go on. Parts of the graph
+    that share only what they begin or end with stand one below the other.
     """
+    whole = _bands_of(area)
+    if not max(whole.values(), default=0):
+        return whole
+    bands: _Bands = {}
+    for part in _parts(area):
+        first = max(bands.values(), default=-1) + 1
+        bands |= {cell: first + band for cell, band in _bands_of(part).items()}
+    return bands
+
+
+def _parts(area: Area) -> list[Area]:
+    """Return the parts that lie between what they begin and end with.
+
+    A beginning stands with the first part that reads it, an end with the largest that it reads.
+    """
+    network: nx.DiGraph[Cell] = nx.DiGraph()
+    network.add_nodes_from(area.sizes)
+    network.add_edges_from((source, target) for (source, _), (target, _) in area.wires)
+    between = [cell for cell in network if network.pred[cell] and network.succ[cell]]
+    several = [
+        part for part in nx.weakly_connected_components(network.subgraph(between)) if len(part) > 1
+    ]
+    order = {cell: at for at, cell in enumerate(network)}
+    several.sort(key=lambda part: min(map(order.__getitem__, part)))
+    part_of = {cell: at for at, part in enumerate(several) for cell in part}
+
+    def part(cell: Cell) -> int:
+        if cell in part_of:
+            return part_of[cell]
+        after = [part_of[reader] for reader in network.succ[cell] if reader in part_of]
+        before = {part_of[source] for source in network.pred[cell] if source in part_of}
+        return min(after, default=max(before, key=lambda at: len(several[at]), default=0))
+
+    parts = [Area() for _ in several or "1"]
+    for cell, size in area.sizes.items():
+        parts[part(cell)].sizes[cell] = size
+    for wire in area.wires:
+        (source, _), (target, _) = wire
+        if part(source) == part(target):
+            parts[part(source)].wires[wire] = []
+    return parts
+
+
+def _bands_of(area: Area) -> _Bands:
+    """Return the bands of one part."""
     depths = _depths(area.sizes, area.wires)
     ranks = {depth: rank for rank, depth in enumerate(sorted({*depths.values()}))}
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
@@ -165,23 +211,20 @@ def _in_bands(area: Area) -> _Bands:
     for cell, depth in depths.items():
         size = area.sizes[cell]
         widths[depth] = max(widths[depth], size.before + size.width + size.after)
-    reach: dict[End, int] = {}
-    for source, (target, _) in area.wires:
-        reach[source] = max(depths[target], reach.get(source, 0))
-    crossing = Counter(
-        depth for (cell, _), last in reach.items() for depth in range(depths[cell] + 1, last + 1)
-    )
+    readers: list[list[int]] = [[] for _ in widths]
+    for (source, _), (target, _) in area.wires:
+        readers[depths[source]].append(depths[target])
     best: list[tuple[int, float, int]] = [(0, 0.0, 0)]
     for end in range(1, len(widths) + 1):
         options = []
-        wide = -_BETWEEN_COLUMNS
+        wide, cut = -_BETWEEN_COLUMNS, 0
         for start in reversed(range(end)):
             wide += widths[start] + _BETWEEN_COLUMNS
+            cut += sum(reader >= end for reader in readers[start])
             if wide > _WIDEST and start < end - 1:
                 break
             bands, cost, _ = best[start]
-            cost += (wide / _WIDEST) ** 2 + _CUT * crossing[start]
-            options.append((bands + 1, cost, start))
+            options.append((bands + 1, cost + (wide / _WIDEST) ** 3 + _CUT * cut, start))
         best.append(min(options))
     starts: list[int] = []
     end = len(widths)
@@ -470,17 +513,6 @@ def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> l
     return [mean + offset for mean, offset in zip(means, offsets, strict=False)]
 
 
-class Connector(NamedTuple):
-    """The middle of a circle at an end of an arrow between two bands.
-
-    Equal numbers belong to one output. What the report lists has none: it names what it reads.
-    """
-
-    number: int
-    middle: Point
-    truth: bool
-
-
 @dataclass(frozen=True, slots=True)
 class Layout:
     """Positions of boxes and frames, and the routes of arrows.
@@ -493,15 +525,13 @@ class Layout:
         Outer frames first.
     routes : tuple of (sequence of (sequence of point))
         For each arrow its lines, and for each of these the points between which it runs: straight
-        between points of one height, else in a curve that begins and ends level. Of an arrow
-        between two bands it is the end; of one to what the report lists, nothing.
-    connectors : tuple of Connector
+        between points of one height, else in a curve that begins and ends level. An arrow whose
+        target names its source has none.
     """
 
     boxes: tuple[tuple[Shape, Point], ...]
     frames: tuple[tuple[Frame, Point, Point], ...]
     routes: tuple[Sequence[Sequence[Point]], ...]
-    connectors: tuple[Connector, ...]
     width: float
     height: float
 
@@ -523,13 +553,11 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     links_of = _links_of(picture)
     links = tuple([link for each in links_of for link in each])
     frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
-    lists = {box.name for box in picture.boxes if any(each.items for each in box.inputs)}
     cut: set[Arrow] = set()
-    numbered: set[Arrow] = set()
     led: frozenset[_Link] = frozenset()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
-        first = _outlines(shapes, numbered, led)
+        first = _outlines(shapes, led)
         bands, before = _bands(first, links), cut
         led = _led(picture, links_of, frames, bands)
         cut = {
@@ -537,49 +565,37 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
             for arrow, (link, *_) in zip(picture.arrows, links_of, strict=True)
             if _steps(link, frames, bands) and link not in led
         }
-        numbered = {arrow for arrow in cut if arrow.target not in lists}
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes, numbered, led), links, led)
-    ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines), cut)
+    placed = _placed(first, _outlines(shapes, led), links, led)
+    ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines))
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes, numbered, led), links, led)
-    routes = tuple(
-        [
-            [] if arrow in cut and arrow not in numbered else lines
-            for arrow, lines in zip(picture.arrows, _routes(links_of, placed.lines), strict=True)
-        ]
-    )
-    boxes = tuple(zip(shapes, placed.corners, strict=True))
+        placed = _placed(first, _outlines(shapes, led), links, led)
     return Layout(
-        boxes,
+        tuple(zip(shapes, placed.corners, strict=True)),
         placed.frames,
-        routes,
-        tuple(_connectors(boxes, [*zip(picture.arrows, routes, strict=True)], numbered)),
+        _routes(links_of, placed.lines),
         placed.width,
         placed.height,
     )
 
 
-def _with_ports_in_order(
-    picture: Picture, routes: Iterable[Sequence[Sequence[Point]]], cut: Collection[Arrow]
-) -> Picture:
+def _with_ports_in_order(picture: Picture, routes: Iterable[Sequence[Sequence[Point]]]) -> Picture:
     """Return a picture in which ports of what the report lists stand as their arrows arrive.
 
-    Those whose arrows are all cut come last.
+    Those to which no line leads come last.
     """
-    last = True, inf
-    arrivals: dict[tuple[str, str], tuple[bool, float]] = {}
+    arrivals: dict[tuple[str, str], float] = {}
     for arrow, lines in zip(picture.arrows, routes, strict=True):
         end = arrow.target, arrow.target_port
-        arrivals[end] = min(arrivals.get(end, last), (arrow in cut, lines[0][-4:][0][1]))
+        arrivals[end] = min([arrivals.get(end, inf), *(points[-4:][0][1] for points in lines)])
 
     def ordered(box: Box) -> Box:
         if not any(socket.items for socket in box.inputs):
             return box
-        inputs = sorted(box.inputs, key=lambda each: arrivals.get((box.name, each.name), last))
+        inputs = sorted(box.inputs, key=lambda each: arrivals.get((box.name, each.name), inf))
         return replace(box, inputs=tuple(inputs))
 
     return replace(picture, boxes=tuple(map(ordered, picture.boxes)))
@@ -589,42 +605,12 @@ def _routes(
     links_of: Iterable[Sequence[_Link]], lines: Iterable[Sequence[Point]]
 ) -> tuple[Sequence[Sequence[Point]], ...]:
     each_line = iter(lines)
-    return tuple([[*islice(each_line, len(links))] for links in links_of])
+    return tuple([[*filter(None, islice(each_line, len(links)))] for links in links_of])
 
 
-def _connectors(
-    boxes: Iterable[tuple[Shape, Point]],
-    routes: Sequence[tuple[Arrow, Sequence[Sequence[Point]]]],
-    numbered: Collection[Arrow],
-) -> Iterator[Connector]:
-    """Yield the circles at the ends of arrows: those of a port in a row."""
-    truth = {(arrow.source, arrow.source_port): arrow.truth for arrow in numbered}
-    numbers: dict[tuple[str, str], int] = {}
-    for shape_, corner in boxes:
-        for port, height in shape_.outputs.items():
-            if (output := (shape_.box.name, port)) in truth:
-                numbers[output] = len(numbers) + 1
-                middle = _moved(corner, (shape_.width + CONNECTOR, height))
-                yield Connector(numbers[output], middle, truth[output])
-    beside = Counter[Point]()
-    for arrow, lines in reversed(routes):
-        for begin, _ in lines if arrow in numbered else ():
-            middle = _moved(begin, (-CONNECTOR * (1 + 2 * beside[begin]), 0.0))
-            beside[begin] += 1
-            yield Connector(numbers[arrow.source, arrow.source_port], middle, arrow.truth)
-
-
-def _outlines(
-    shapes: Iterable[Shape], numbered: Collection[Arrow], led: Collection[_Link]
-) -> tuple[_Outline, ...]:
-    circle = 2.0 * CONNECTOR
-    circles = Counter((arrow.target, arrow.target_port) for arrow in numbered)
-    before = dict.fromkeys((link.target for link in led), circle + _END)
-    for (target, _), count in circles.items():
-        before[target] = max(before.get(target, 0.0), circle * count + _END)
-    before |= {link.target: before[link.target] + _LANE for link in led}
-    after = {arrow.source: circle for arrow in numbered}
-    after |= {link.source: circle + _LANE for link in led}
+def _outlines(shapes: Iterable[Shape], led: Collection[_Link]) -> tuple[_Outline, ...]:
+    before = {link.target for link in led}
+    after = {link.source for link in led}
     return tuple(
         [
             _Outline(
@@ -633,8 +619,8 @@ def _outlines(
                 each.height,
                 tuple(each.inputs.items()),
                 tuple(each.outputs.items()),
-                before.get(each.box.name, 0.0),
-                after.get(each.box.name, 0.0),
+                _BEFORE * (each.box.name in before),
+                _AFTER * (each.box.name in after),
             )
             for each in shapes
         ]
@@ -742,8 +728,6 @@ def _placed(
     inputs = {each.name: dict(each.inputs) for each in outlines}
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
-    before = {each.name: each.before for each in outlines}
-    met = {link[2:] for link in links if link in ways or link in led}
 
     def line(link: _Link) -> list[Point]:
         if link in ways:
@@ -752,13 +736,12 @@ def _placed(
                 for frame, wire in ways[link]
                 for point in areas[frame].wires[wire]
             ]
-        x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
         if link not in led:
-            y += 2.0 * CONNECTOR * (link[2:] in met)
-            return [(x - _END, y), (x, y)]
+            return []
+        x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
         between = gaps[bands["box", link.target]] - _LANE
-        right = _free(areas[()], bands, ("box", link.source)) + 2.0 * CONNECTOR + _LANE
-        left = x - before[link.target]
+        right = _free(areas[()], bands, ("box", link.source)) + _AFTER
+        left = x - _BEFORE
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
         )
@@ -907,13 +890,17 @@ def _led(
 def _shapes(
     picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow], *, states: bool
 ) -> list[Shape]:
-    """Return the shapes of boxes; their ports say where arrows begin and end that are cut."""
+    """Return the shapes of boxes; their ports say where arrows begin that are not drawn.
+
+    An output says where its arrows end if none of them is drawn.
+    """
     fixed: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     sources: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
     named = {end for arrow in cut if (end := (arrow.target, arrow.target_port)) in lists}
+    begins = {(arrow.source, arrow.source_port) for arrow in picture.arrows if arrow not in cut}
     said = {
         (box.name, socket.name, each.source)
         for box in picture.boxes
@@ -921,10 +908,12 @@ def _shapes(
         if into[box.name, socket.name] > 1
         for each in box.alternatives
     }
+    known = _fixed_before(picture)
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
-        if arrow.fixed:
-            fixed[arrow.target].append((arrow.target_port, arrow.fixed))
-        if arrow in cut:
+        labels = [each for each in arrow.fixed.split(", ") if each not in known[arrow.target]]
+        if any(labels):
+            fixed[arrow.target].append((arrow.target_port, ", ".join(labels)))
+        if (arrow.source, arrow.source_port) not in begins:
             readers[arrow.source].append((arrow.source_port, arrow.target))
         end = arrow.target, arrow.target_port
         if end in named or (arrow in cut and (*end, origin) not in said):
@@ -938,6 +927,19 @@ def _shapes(
         )
         for box in picture.boxes
     ]
+
+
+def _fixed_before(picture: Picture) -> dict[str, set[str]]:
+    """Return, for each box, the labels that arrows fix on the way to what it reads."""
+    network = nx.DiGraph((arrow.source, arrow.target) for arrow in picture.arrows)
+    own: dict[str, set[str]] = {box.name: set() for box in picture.boxes}
+    for arrow in picture.arrows:
+        own[arrow.target] |= {*arrow.fixed.split(", ")}
+    before: dict[str, set[str]] = {box.name: set() for box in picture.boxes}
+    for name in nx.topological_sort(network):
+        for source in network.pred[name]:
+            before[name] |= before[source] | own[source]
+    return before
 
 
 def _way(link: _Link, frames: Mapping[str, Frame]) -> list[tuple[Frame, Wire]]:

@@ -10,7 +10,7 @@ from math import ceil
 
 from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
 from nodegraph.draw.frames import Frame
-from nodegraph.draw.layout import CONNECTOR, LABEL_HEIGHT, PADDING, Connector, Layout, Point, layout
+from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Box, Picture
 from nodegraph.gc_pause import gc_paused
 
@@ -34,13 +34,11 @@ _LOOK = {
     "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="2.8" stroke-linecap="round"',
     "head": 'fill="#6c7889"',
     "head truth": 'fill="#a04a00"',
-    "connector": 'fill="#5b6675"',
-    "connector truth": 'fill="#a04a00"',
-    "number": 'font-size="11" fill="#ffffff"',
     "name": 'font-size="15" font-weight="650"',
     "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
     "port": 'font-size="12"',
     "note": 'font-size="11" fill="#0b63c4"',
+    "note truth": 'font-size="11" fill="#a04a00"',
     "label": 'font-size="13" font-weight="650" fill="#5b6675"',
     "chip alternative": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="0.8"',
     "chip axis": 'fill="#e8f1fc"',
@@ -133,26 +131,14 @@ _Samples = list[tuple[str, str]]
 """What is drawn in the legend, each with its meaning."""
 
 
-def _styles(picture: Picture, drawing: Layout) -> _Samples:
+def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
     """Return samples of arrows, chips and frames that the picture has."""
     samples = []
-    drawn = zip(picture.arrows, drawing.routes, strict=True)
-    # of an arrow that is cut, a line too short to show what it is like
-    whole = [arrow for arrow, lines in drawn if lines and len(lines[0]) > 2]
-    if drawing.connectors:
-        ends = _connector(Connector(1, (15.0, 0.0), truth=False))
-        samples.append((ends, "goes on at the same number"))
     for kind, text in (("truth", "truth"), ("gathers", "gathers several values")):
-        if any(getattr(arrow, kind) for arrow in whole):
+        if any(getattr(arrow, kind) for arrow in drawn):
             look = _LOOK[f"wire {kind}"]
             path = f'<path class="wire" {look} d="M0 0L30 0"/>'
             samples.append((f'<g class="{kind}">{path}</g>', text))
-    is_cut = any(each.truth for each in drawing.connectors)
-    if is_cut and not any(arrow.truth for arrow in whole):
-        rect = (
-            f'<rect {_LOOK["connector truth"]} x="6.5" y="-8.5" width="17" height="17" rx="8.5"/>'
-        )
-        samples.append((f'<g class="connector truth">{rect}</g>', "truth"))
     if any(box.axes for box in picture.boxes):
         rect = f'<rect {_LOOK["chip axis"]} x="2" y="-7" width="26" height="14" rx="7"/>'
         samples.append((f'<g class="chip axis">{rect}</g>', "axes"))
@@ -212,11 +198,10 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
-    wider than a page goes on below, like lines of text; a side input from another row begins and
-    ends at circles with one number, and its port says where it begins. Boxes whose dotted names
-    have a common prefix stand in a frame. Truth is dashed, a gathering arrow is wide. Types of
-    ports show on hover. Colours follow the reader's light or dark scheme; a page sets
-    ``--picture-paper`` and ``--picture-face`` to fit its own.
+    wider than a page goes on below, like lines of text; the port of a side input from another row
+    says where it begins. Boxes whose dotted names have a common prefix stand in a frame. Truth is
+    dashed, a gathering arrow is wide. Types of ports show on hover. Colours follow the reader's
+    light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
     Programs that read no style sheet draw it light.
 
     Parameters
@@ -235,15 +220,13 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     arrows = [
         _arrow(arrow, lines) for arrow, lines in zip(picture.arrows, drawing.routes, strict=True)
     ]
-    connectors = map(_connector, drawing.connectors)
     frames = [_frame(*frame) for frame in drawing.frames]
     marks = _marks(picture) if sockets else {}
     boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    samples = _styles(picture, drawing), _types(picture, marks)
+    drawn = [arrow for arrow, lines in zip(picture.arrows, drawing.routes, strict=True) if lines]
+    samples = _styles(picture, drawn), _types(picture, marks)
     explained, wide, high = _legend(samples, max(drawing.width, _LEGEND), drawing.height + 18.0)
-    return _document(
-        picture, [*frames, *arrows, *connectors, *boxes, explained], max(drawing.width, wide), high
-    )
+    return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
 
 
 def _document(picture: Picture, parts: Sequence[str], width: float, height: float) -> str:
@@ -291,18 +274,6 @@ def _arrow(arrow: Arrow, lines: Sequence[Sequence[Point]]) -> str:
     return (
         f'<g class="arrow{styles}" data-arrow="{escaped(_ends(arrow))}">{tag("title", str(arrow))}'
         f'<path class="wire" {look} d="{"".join(map(line, lines))}"/>{"".join(tips)}</g>'
-    )
-
-
-def _connector(connector: Connector) -> str:
-    number_, (x, y), truth = connector
-    look = _LOOK["connector truth" if truth else "connector"]
-    place = f'x="{number(x - CONNECTOR)}" y="{number(y - CONNECTOR)}"'
-    size = f'width="{number(2 * CONNECTOR)}" height="{number(2 * CONNECTOR)}"'
-    return (
-        f'<g class="connector{" truth" * truth}"><rect {look} {place} {size}'
-        f' rx="{number(CONNECTOR)}"/><text {_LOOK["number"]} x="{number(x)}" y="{number(y + 4)}"'
-        f' text-anchor="middle">{number_}</text></g>'
     )
 
 

@@ -17,13 +17,13 @@ from nodegraph.node.ports import Label
     [
         ((5, 15, 45), "5, 15, 45"),
         (tuple(range(20)), "0 … 19 (20)"),
-        (("a" * 30, "b"), "aaaaaaaaaaaaaaaaaaa…, b"),
+        (("a" * 40, "b"), f"{'a' * 31}…, b"),
         (
             ("clean", "low_passed", "white noise", "impulses"),
             "clean, low_passed, white noise, impulses",
         ),
         (("face_1", "face_2", "face_3", "face_4"), "face_1 … face_4 (4)"),
-        (("a" * 30, *["b" * 30] * 5, "c"), "aaaaaaaaaaaaaaaaaaa… … c (7)"),
+        (("a" * 40, *["b" * 30] * 5, "c"), f"{'a' * 31}… … c (7)"),
     ],
 )
 def test_many_labels_are_counted(labels: tuple[Label, ...], text: str) -> None:
