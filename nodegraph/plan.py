@@ -442,11 +442,17 @@ def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:
 
 def _renumbered(step: Step, indices: Sequence[int]) -> Step:
     """Return a step with the final indices of itself and of those that feed it."""
-    index, needed = indices[step.index], tuple([indices[each] for each in step.needed])
-    if index == step.index and needed == step.needed:
-        return step
-    inputs = {port: _renumbered_input(source, indices) for port, source in step.inputs.items()}
-    return step._replace(index=index, inputs=inputs, needed=needed)
+    _, node, method, labels, settings, shown, inputs, needed = step
+    return Step(
+        indices[step.index],
+        node,
+        method,
+        labels,
+        settings,
+        shown,
+        {port: _renumbered_input(source, indices) for port, source in inputs.items()},
+        tuple([indices[each] for each in needed]),
+    )
 
 
 def _renumbered_input(source: StepInput, indices: Sequence[int]) -> StepInput:
