@@ -84,8 +84,9 @@ _LONGEST_AT_PORT = 26
 _LONGEST_BESIDE = 32
 _HEIGHT = 3.0
 """Widths that a height is worth, where notes stand beside ports or below them."""
-_LONGEST_ITEM = 40
+_LONGEST_ITEM = 29
 _INDENT = 10.0
+_BETWEEN_ITEMS = 4.0
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "note truth": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "note truth": 13.5, "name": 19.0, "line": 16.0}
@@ -308,8 +309,9 @@ def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
             rows = [*names, *rows]
         leadings = [max(_LEADING[style] for style, _, _ in row) for row in rows]
         y += _LEADING["port"] - leadings[0]
-        for row, leading in zip(rows, leadings, strict=True):
-            y += leading
+        for at, (row, leading) in enumerate(zip(rows, leadings, strict=True)):
+            begins_item = bool(socket.items and at) and row[0][0] == "port" and not row[0][2]
+            y += leading + _BETWEEN_ITEMS * begins_item
             lines += [
                 Text(style, shortened(text), x, y - 3.5, hint, at_end)
                 for style, text, x in row
@@ -322,7 +324,7 @@ def _port(socket: Socket) -> Iterator[tuple[str, str, float]]:
     """Yield the lines of what is shown of a port's name, with their styles and indents."""
     for item in socket.items or (socket.text,):
         for number, line in enumerate(_wrapped(item, _LONGEST_ITEM) or ("",)):
-            yield "port", line.removesuffix(" \N{MIDDLE DOT}"), _INDENT * (number > 0)
+            yield "port", line.strip(" \N{MIDDLE DOT}"), _INDENT * (number > 0)
 
 
 def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:

@@ -61,7 +61,7 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
     if len(graph.nodes) > MOST_ON_A_PAGE:
         return ""
     picture = picture_of(graph)
-    return svg(folded(picture) if fold else picture)
+    return svg(folded(picture) if fold else picture, heading=False)
 
 
 def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
@@ -101,7 +101,8 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         said.update(own)
         compares = node.has_alternatives and node.name in seen
         boxes.append(replace(box, axes=tuple(axes), compares=compares))
-    picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()))
+    combinations = _combinations(graph, seen)
+    picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()), combinations)
     return replace(picture, boxes=tuple(_with_sources(graph, picture)))
 
 
@@ -116,6 +117,20 @@ def _seen_in_the_end(graph: Graph, wires: Mapping[_Ends, Sequence[Reference]]) -
         for axis in graph.nodes[source].axes
         if target in last and axis not in reference.at
     }
+
+
+def _combinations(graph: Graph, seen: Collection[str]) -> str:
+    """Return the axes that have several labels, with their numbers, as nodes have them at once."""
+    several = [axis for axis in graph.axes if axis in seen and len(graph.axes[axis].labels) > 1]
+    at_once = [{*several} & {*node.axes} for node in graph.nodes.values()]
+    most = [axes for axes in at_once if axes and not any(axes < other for other in at_once)]
+    texts = (
+        " \N{MULTIPLICATION SIGN} ".join(
+            f"{len(graph.axes[axis].labels)} {axis}" for axis in several if axis in axes
+        )
+        for axes in most
+    )
+    return "; ".join(dict.fromkeys(texts))
 
 
 def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
@@ -300,6 +315,7 @@ def _box(
         axes=axes,
         kind=_kind(graph, node),
         passes=is_graph,
+        title=next((each.title for each in graph.spec.report if each.node == node.name), ""),
     )
 
 

@@ -45,7 +45,7 @@ _TIP = 7.0
 _STEEP = 12.0
 _MOST_IN_LANES = 24
 """Pieces of wires between two columns that can be told apart."""
-_BEFORE = 20.0
+_BEFORE = 13.0
 _AFTER = 14.0
 """Room before and after a box, for arrows from one band to the next."""
 
@@ -619,8 +619,8 @@ def _outlines(shapes: Iterable[Shape], led: Collection[_Link]) -> tuple[_Outline
                 each.height,
                 tuple(each.inputs.items()),
                 tuple(each.outputs.items()),
-                _BEFORE * (each.box.name in before),
-                _AFTER * (each.box.name in after),
+                (_BEFORE + 2.0 * _LANE) * (each.box.name in before),
+                (_AFTER + _LANE) * (each.box.name in after),
             )
             for each in shapes
         ]
@@ -712,7 +712,8 @@ def _placed(
     bands = _bands(first, links)
     ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
-    gaps = _stack_bands(areas[()], bands, {bands["box", link.target] for link in led})
+    outputs_led = dict.fromkeys((_lower(link, bands), *link[:2]) for link in led)
+    gaps = _stack_bands(areas[()], bands, Counter(band for band, *_ in outputs_led))
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
     drawn: list[tuple[Frame, Point, Point]] = []
     for frame in list(areas)[1:]:
@@ -729,6 +730,22 @@ def _placed(
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
 
+    def room(output: tuple[int, str, str]) -> tuple[float, float]:
+        """Return how far to the right an output's line goes down, and from how far up."""
+        band, name, port = output
+        is_below = bands["box", name] == band
+        return _free(areas[()], bands, ("box", name), up=is_below), -corners[name][1] - outputs[
+            name
+        ][port]
+
+    lanes: dict[tuple[int, str, str], tuple[int, float]] = {}
+    for band in {band for band, *_ in outputs_led}:
+        right = 0.0
+        beside = sorted((each for each in outputs_led if each[0] == band), key=room)
+        for lane, output in zip(range(len(beside), 0, -1), beside, strict=True):
+            right = max(right + _LANE, room(output)[0] + _AFTER)
+            lanes[output] = lane, right
+
     def line(link: _Link) -> list[Point]:
         if link in ways:
             return [
@@ -739,9 +756,10 @@ def _placed(
         if link not in led:
             return []
         x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
-        between = gaps[bands["box", link.target]] - _LANE
-        right = _free(areas[()], bands, ("box", link.source)) + _AFTER
-        left = x - _BEFORE
+        band = _lower(link, bands)
+        lane, right = lanes[band, *link[:2]]
+        between = gaps[band] - _LANE * lane
+        left = x - _BEFORE - _LANE * lane
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
         )
@@ -778,10 +796,10 @@ def _framed(
     return areas
 
 
-def _stack_bands(area: Area, band_of: _Bands, led: Collection[int]) -> list[float]:
+def _stack_bands(area: Area, band_of: _Bands, led: Mapping[int, int]) -> list[float]:
     """Arrange each band by itself, one below the other, and return where each begins.
 
-    There is a lane above those that arrows are led to.
+    Above it are lanes for arrows that are led to it.
     """
     bands = [Area() for _ in range(max(band_of.values(), default=-1) + 1)]
     for cell, size in area.sizes.items():
@@ -793,7 +811,7 @@ def _stack_bands(area: Area, band_of: _Bands, led: Collection[int]) -> list[floa
     lefts = [min([x for x, _ in band.corners.values()], default=0.0) for band in bands]
     top, tops = 0.0, []
     for number, (band, left) in enumerate(zip(bands, lefts, strict=True)):
-        top += _LANE * (number in led)
+        top += _LANE * led[number]
         tops.append(top)
         by = max(lefts) - left, top
         area.corners |= {cell: _moved(corner, by) for cell, corner in band.corners.items()}
@@ -805,8 +823,8 @@ def _stack_bands(area: Area, band_of: _Bands, led: Collection[int]) -> list[floa
     return tops
 
 
-def _free(area: Area, bands: _Bands, source: Cell) -> float:
-    """Return where nothing is right of a cell and below it, up to the next band.
+def _free(area: Area, bands: _Bands, source: Cell, *, up: bool) -> float:
+    """Return where nothing is right of a cell and below it, or above, up to the next band.
 
     What a wire leads to is passed with it, so that it is not crossed, if no box stands in the way.
     """
@@ -818,7 +836,9 @@ def _free(area: Area, bands: _Bands, source: Cell) -> float:
     is_alone = all(left <= x or top > y + size.height for left, top in beside.values())
     begins = {target: area.corners[begin][0] for (begin, _), (target, _) in area.wires if is_alone}
     for cell, (left, top) in sorted(beside.items(), key=lambda item: item[1]):
-        if top > y and min(left, begins.get(cell, left)) < reach + _BETWEEN_COLUMNS:
+        if (top < y if up else top > y) and min(
+            left, begins.get(cell, left)
+        ) < reach + _BETWEEN_COLUMNS:
             reach = max(reach, left + area.sizes[cell].width)
     return reach
 
@@ -833,18 +853,25 @@ def _steps(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> int:
     return target - source
 
 
+def _lower(link: _Link, bands: _Bands) -> int:
+    """Return the lower band of a link between two, above which it is led."""
+    return max(bands["box", link.source], bands["box", link.target])
+
+
 def _led(
     picture: Picture,
     links_of: Iterable[Sequence[_Link]],
     frames: Mapping[str, Frame],
     bands: _Bands,
 ) -> frozenset[_Link]:
-    """Return the links that run from one band to the next: of one output, and one to each box.
+    """Return the links that run from one band to the next: of two outputs, each one to each box.
 
     It is the box's first input, if that reads one value, or where nothing in its own band leads to
-    the box, another of its rows and inputs; in the report, what reads nothing else. Of several
-    outputs that one is led which the report lists, or which most boxes have as their first input.
-    The truth stays aside.
+    the box, another of its rows and inputs; in the report, what reads nothing else, or what a part
+    below it leads to. Of several
+    outputs that one is led which the report lists, or which most boxes have as their first input;
+    then another, to other boxes, or from a box that nothing else leads on from. The truth stays
+    aside.
     """
     ports = {
         (box.name, port): at
@@ -860,11 +887,14 @@ def _led(
     reached = {link.target for link in links if not _steps(link, frames, bands)}
 
     def is_main(link: _Link) -> bool:
-        if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
+        steps = _steps(link, frames, bands)
+        if frames[link.source] or frames[link.target] or abs(steps) != 1:
             return False
         if link.target in reports:
-            return into[link[2:]] == 1
-        return link.target not in reached or (link[2:] in first and into[link[2:]] == 1)
+            return steps < 0 or into[link[2:]] == 1
+        return steps > 0 and (
+            link.target not in reached or (link[2:] in first and into[link[2:]] == 1)
+        )
 
     onward = [
         link
@@ -873,7 +903,7 @@ def _led(
     ]
     main: dict[int, dict[tuple[str, str], dict[str, _Link]]] = {}
     for link in sorted(onward, key=lambda link: ports[link[2:]]):
-        outputs = main.setdefault(bands["box", link.target], {})
+        outputs = main.setdefault(_lower(link, bands), {})
         outputs.setdefault(link[:2], {}).setdefault(link.target, link)
 
     def rank(led: Mapping[str, _Link]) -> tuple[bool, int, int]:
@@ -883,8 +913,22 @@ def _led(
             len(led),
         )
 
-    most = (max(outputs.values(), key=rank) for outputs in main.values())
-    return frozenset([link for led in most for link in led.values()])
+    whole = {link.source for link in links if not _steps(link, frames, bands)}
+    led: set[_Link] = set()
+    for outputs in main.values():
+        most, *others = sorted(outputs.values(), key=rank, reverse=True)
+        led.update(most.values())
+        whole.update(link.source for link in led)
+        rest = [
+            {
+                name: link
+                for name, link in each.items()
+                if name not in most or link.source not in whole
+            }
+            for each in others
+        ]
+        led.update(max(rest, key=rank, default={}).values())
+    return frozenset(led)
 
 
 def _shapes(

@@ -132,6 +132,8 @@ class Box:
         What is computed from its alternatives is seen side by side in the end.
     passes : bool
         It stands for a graph used as a node, and passes on what a box of that graph returns.
+    title : str
+        Of what the report shows of it.
     """
 
     name: str
@@ -143,6 +145,7 @@ class Box:
     kind: Kind = "node"
     compares: bool = False
     passes: bool = False
+    title: str = ""
 
     @property
     def texts(self) -> tuple[str, ...]:
@@ -189,6 +192,14 @@ class Arrow:
 class Picture:
     """A whole drawing.
 
+    Attributes
+    ----------
+    title : str
+    boxes : tuple of Box
+    arrows : tuple of Arrow
+    combinations : str
+        Those that the report shows: ``8 actor x 3 data x 6 align``.
+
     Raises
     ------
     ValueError
@@ -198,6 +209,7 @@ class Picture:
     title: str
     boxes: tuple[Box, ...]
     arrows: tuple[Arrow, ...] = ()
+    combinations: str = ""
 
     def __post_init__(self) -> None:
         twice = [
@@ -240,9 +252,10 @@ def folded(picture: Picture) -> Picture:
 
     These are boxes of the report that no other box reads. Those that read the same outputs share
     a port. With fewer than two such boxes, they stay. A graph that is used as a node is one box.
-    Alternatives that several boxes have are listed at the first.
+    Alternatives that several boxes have are listed at the first. Of arrows from one output to a
+    box, that to a row of it which names the output is left out.
     """
-    picture = _with_alternatives_once(_graphs_as_boxes(picture))
+    picture = _with_arrows_once(_with_alternatives_once(_graphs_as_boxes(picture)))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
         arrow.source
@@ -289,20 +302,23 @@ def folded(picture: Picture) -> Picture:
     ]
     lines = tuple(_item(box) for item, box in shown.items() if not sources_of[item])
     card = Box(name, lines, tuple(sockets), kind="report")
-    return Picture(picture.title, (*boxes, card), (*kept, *wires))
+    return replace(picture, boxes=(*boxes, card), arrows=(*kept, *wires))
 
 
 def _item(box: Box) -> str:
-    """Return what is told of a box in the report: its name, method and first settings.
+    """Return what is told of a box in the report: its title, or name and method, first settings.
 
     A method that the name tells is left out.
     """
-    told = [box.name]
+    told = [box.title or box.name]
     for line in box.lines[:2]:
         first, *more = BETWEEN_PARTS.split(line)
         both = " ".join([first, *more[:1]])
         text = (both if len(both) <= _MOST_SETTINGS else first).rstrip(",")
-        told += [text] if ": " in line or line.rpartition(".")[2] not in box.name else []
+        is_method = ": " not in line
+        told += [text] * (
+            not is_method or (not box.title and line.rpartition(".")[2] not in box.name)
+        )
     return " \N{MIDDLE DOT} ".join(told)
 
 
@@ -316,6 +332,25 @@ def _with_alternatives_once(picture: Picture) -> Picture:
             box = replace(box, alternatives=(row,))
         boxes.append(box)
     return replace(picture, boxes=tuple(boxes))
+
+
+def _with_arrows_once(picture: Picture) -> Picture:
+    named = {
+        (box.name, source)
+        for box in picture.boxes
+        for row in box.alternatives
+        for source in row.source.split(", ")
+    }
+    into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
+    both = Counter((arrow.source, arrow.source_port, arrow.target) for arrow in picture.arrows)
+    arrows = (
+        arrow
+        for arrow, origin in zip(picture.arrows, origins(picture), strict=True)
+        if into[arrow.target, arrow.target_port] < 2
+        or both[arrow.source, arrow.source_port, arrow.target] < 2
+        or (arrow.target, origin) not in named
+    )
+    return replace(picture, arrows=tuple(arrows))
 
 
 def _graphs_as_boxes(picture: Picture) -> Picture:
@@ -354,7 +389,7 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
         else parts[-1]
         for name, parts in inside.items()
     ]
-    direct = Picture(picture.title, tuple(boxes), tuple(arrows.values()))
+    direct = replace(picture, boxes=tuple(boxes), arrows=tuple(arrows.values()))
     origin_of = dict(zip(arrows.values(), origins(direct), strict=True))
     renamed = {origin: origin_of[arrow] for origin, arrow in origins_before}
 

@@ -7,8 +7,9 @@ from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
 from math import ceil
+from textwrap import wrap
 
-from nodegraph.draw.boxes import INSET, Chip, Shape, Text, escaped, shortened, width
+from nodegraph.draw.boxes import INSET, Chip, Shape, Text, clean, escaped, shortened, width
 from nodegraph.draw.frames import Frame
 from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Box, Picture
@@ -45,6 +46,7 @@ _LOOK = {
     "chip text": 'font-size="11"',
     "chip axis text": 'font-size="11" font-weight="600" fill="#0b63c4"',
     "legend": 'font-size="11" fill="#5b6675"',
+    "heading": 'font-size="16" font-weight="650"',
 }
 _COLOURS = ("#5b6675", "#00756b", "#8430b0", "#b8225f", "#3d7a1f", "#2f5fd0", "#7d6200")
 """Of sockets: of types that have no mark of their own, then of those that have one."""
@@ -139,9 +141,14 @@ def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
             look = _LOOK[f"wire {kind}"]
             path = f'<path class="wire" {look} d="M0 0L30 0"/>'
             samples.append((f'<g class="{kind}">{path}</g>', text))
+    named = {*picture.arrows} - {*drawn}
+    if named:
+        samples.append((_sample("note", "from x"), "read from box x"))
+    if any(arrow.truth for arrow in named) and not any(arrow.truth for arrow in drawn):
+        samples.append((_sample("note truth", "from x"), "truth"))
     if any(box.axes for box in picture.boxes):
         rect = f'<rect {_LOOK["chip axis"]} x="2" y="-7" width="26" height="14" rx="7"/>'
-        samples.append((f'<g class="chip axis">{rect}</g>', "axes"))
+        samples.append((f'<g class="chip axis">{rect}</g>', "what is varied"))
     for kind, text, radius in (
         ("input", "reads data", 7),
         ("compares", "compares alternatives", 3),
@@ -152,6 +159,10 @@ def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
             rect = f'<rect class="frame" {_LOOK[f"frame {kind}"]} {place}/>'
             samples.append((f'<g class="box-{kind}">{rect}</g>', text))
     return samples
+
+
+def _sample(look: str, text: str) -> str:
+    return f'<text class="{look}" {_LOOK[look]} x="-2" y="4">{text}</text>'
 
 
 def _types(picture: Picture, marks: Mapping[str, int]) -> _Samples:
@@ -191,10 +202,12 @@ _MARGIN = 10.0
 _LEGEND = 500.0
 """Width at which a legend needs no more lines, though the drawing is narrower."""
 _SMALLEST_SCALE = 0.6
+_LINE = 21.0
+"""Height of a line above the boxes."""
 
 
 @gc_paused()
-def svg(picture: Picture, *, sockets: bool = False) -> str:
+def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
@@ -210,6 +223,8 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     sockets
         Whether every port has a mark whose shape and colour tell its type, with a legend, and
         rows of alternatives have room for their states in a run.
+    heading
+        Whether the title and the combinations stand above the boxes.
 
     Raises
     ------
@@ -226,12 +241,29 @@ def svg(picture: Picture, *, sockets: bool = False) -> str:
     drawn = [arrow for arrow, lines in zip(picture.arrows, drawing.routes, strict=True) if lines]
     samples = _styles(picture, drawn), _types(picture, marks)
     explained, wide, high = _legend(samples, max(drawing.width, _LEGEND), drawing.height + 18.0)
-    return _document(picture, [*frames, *arrows, *boxes, explained], max(drawing.width, wide), high)
+    wide = max(drawing.width, wide)
+    above = _heading(picture, max(wide, _LEGEND)) if heading else []
+    return _document(
+        picture, [*above, *frames, *arrows, *boxes, explained], wide, high, _LINE * len(above)
+    )
 
 
-def _document(picture: Picture, parts: Sequence[str], width: float, height: float) -> str:
+def _heading(picture: Picture, widest: float) -> list[str]:
+    """Return the lines above the boxes, the last nearest to them."""
+    title, counts = clean(picture.title), clean(picture.combinations)
+    lines = [("heading", text) for text in wrap(title, ceil(widest / 10.0))]
+    lines += [("port", text) for text in wrap(counts, ceil(widest / 7.0))]
+    return [
+        f'<text {_LOOK[look]} x="0" y="{number(-_LINE * up - 12.0)}">{escaped(text)}</text>'
+        for up, (look, text) in enumerate(reversed(lines))
+    ][::-1]
+
+
+def _document(
+    picture: Picture, parts: Sequence[str], width: float, height: float, above: float
+) -> str:
     style = files("nodegraph.draw").joinpath("picture.css").read_text(encoding="utf-8")
-    wide, high = round(width + 2 * _MARGIN), round(height + 2 * _MARGIN)
+    wide, high = round(width + 2 * _MARGIN), round(above + height + 2 * _MARGIN)
     least = round(wide * _SMALLEST_SCALE)
     begin = (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="nodegraph-picture" role="img"'
@@ -241,7 +273,7 @@ def _document(picture: Picture, parts: Sequence[str], width: float, height: floa
     paper = f'<rect class="paper" {_LOOK["paper"]} width="{wide}" height="{high}"/>'
     inside = (
         '<g font-family="DejaVu Sans, Arial, sans-serif" fill="#17202c"'
-        f' transform="translate({number(_MARGIN)} {number(_MARGIN)})">'
+        f' transform="translate({number(_MARGIN)} {number(_MARGIN + above)})">'
     )
     title = tag("title", picture.title or "graph") + tag("desc", _description(picture))
     return "\n".join(

@@ -66,8 +66,8 @@ class Running:
         graph: Path,
         folder: Path,
         registry: Registry,
-        store: Path | None,
-        plugins: Sequence[Path],
+        store: Path | None = None,
+        plugins: Sequence[Path] = (),
     ) -> None:
         self._folder = folder
         self.store = store

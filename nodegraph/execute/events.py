@@ -92,7 +92,7 @@ class EventLog:
         self,
         listeners: tuple[Listener, ...],
         plan: Plan,
-        about: Mapping[str, object],
+        about: Mapping[str, object] = MappingProxyType({}),
     ) -> None:
         self.listeners = listeners
         self._start = time.perf_counter()

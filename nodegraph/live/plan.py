@@ -133,7 +133,7 @@ class LivePlan:
 
 def live_plan(
     graph: Graph,
-    source: str,
+    source: str = "",
     *,
     sinks: Collection[str] = (),
     hold: Collection[str] = (),

@@ -184,9 +184,9 @@ class Session:
         address: str,
         outlets: Sequence[Outlet],
         *,
-        policy: Policy,
-        record: PacketFileWriter | None,
-        announce: Callable[[str], None],
+        policy: Policy = "every",
+        record: PacketFileWriter | None = None,
+        announce: Callable[[str], None] = lambda text: None,
     ) -> None:
         self.counts = Counts()
         self.plan = plan
