@@ -26,7 +26,7 @@ from nodegraph_compare.words import (
     method_words,
     number_name,
     plain_names,
-    reason_text,
+    reasons_of,
     scope_text,
     tied_text,
     units_text,
@@ -48,7 +48,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import difference_text, number_text, percent, span_text
+from nodegraph_tables.numbers import apart_text, number_text, percent, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -161,7 +161,7 @@ def _sentence(verdicts: Verdicts) -> Text:
 
 def _undecided(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
     """Return why there is no verdict, and which methods come first all the same."""
-    reasons = list(dict.fromkeys(_reason(verdicts, group) for group in known))
+    reasons = reasons_of(verdicts, known)
     others = len(reasons) - 1
     more = f" (and {others} more reason{'s' * (others > 1)})" if others else ""
     what = f"what each {verdicts.compare} does" if verdicts.is_sequence else "which is best"
@@ -169,10 +169,6 @@ def _undecided(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
     if verdicts.is_sequence:
         return (why,)
     return say(f"{HERE}. {why}", _firsts(verdicts, known))
-
-
-def _reason(verdicts: Verdicts, group: Verdict) -> str:
-    return "no difference is clear" if group.stands else reason_text(verdicts, group)
 
 
 def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
@@ -232,7 +228,7 @@ def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdic
     texts.append(_besides(verdicts, told))
     rest = [group for group in known if group not in told]
     if rest:
-        reasons = dict.fromkeys(_reason(verdicts, group) for group in rest)
+        reasons = reasons_of(verdicts, rest)
         where = _where(verdicts, rest) if len(rest) <= _MOST_CLAUSES else f"{len(rest)} groups"
         # where there are no cards, a reader finds which come first in the table
         is_short = len(known) <= MOST_CARDS
@@ -296,7 +292,7 @@ def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
         nearest = percent(min(abs(other / mean - 1.0) for other, mean in far))
     else:
         pair = min(far, key=lambda means: abs(means[0] - means[1]))
-        nearest = difference_text([(max(pair), min(pair))], unit)
+        nearest = apart_text(pair, unit)
     others = "the other" if all(len(group.behind) == 1 for group in told) else "every other"
     more = " or more" * (len(far) > 1)
     return say(f"{others} is clearly behind, by {HERE}{more}", Word(nearest, "number"))
