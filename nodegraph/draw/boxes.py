@@ -88,8 +88,8 @@ _LONGEST_ITEM = 29
 _INDENT = 10.0
 _BETWEEN_ITEMS = 4.0
 _BETWEEN_SIDES = 18.0
-_SIZES = {"port": 12.0, "note": 11.0, "note truth": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
-_LEADING = {"port": 16.0, "note": 13.5, "note truth": 13.5, "name": 19.0, "line": 16.0}
+_SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
+_LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
 
 
 Notes = tuple[tuple[str, str], ...]
@@ -297,39 +297,37 @@ def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
         heights[socket.name] = y + _LEADING["port"] / 2
         own = [*filter(None, dict.fromkeys(notes))]
         hint = "; ".join([str(socket), *own])
-        style = "note truth" if socket.truth else "note"
-        rows = [[(style, line, 0.0)] for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
-        names = [[each] for each in _port(socket)]
+        below = [line for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
+        texts = [*_port(socket)] if socket.items or socket.text or not own else []
+        texts += [("note", line, 0.0, _LEADING["note"]) for line in below]
         if socket.text and own and len(f"{socket.text} {own[0]}") <= longest:
-            (((_, note, _),), *rows), name = rows, ("port", shortened(socket.text), 0.0)
-            row = [(style, note, 0.0), name] if at_end else [name, (style, note, 0.0)]
-            shift = width(row[0][1], _SIZES[row[0][0]]) + _CHIP_GAP
-            names = [[row[0], (*row[1][:2], -shift if at_end else shift)]]
-        if socket.items or socket.text or not rows:
-            rows = [*names, *rows]
-        leadings = [max(_LEADING[style] for style, _, _ in row) for row in rows]
-        y += _LEADING["port"] - leadings[0]
-        for at, (row, leading) in enumerate(zip(rows, leadings, strict=True)):
-            begins_item = bool(socket.items and at) and row[0][0] == "port" and not row[0][2]
-            y += leading + _BETWEEN_ITEMS * begins_item
-            lines += [
-                Text(style, shortened(text), x, y - 3.5, hint, at_end)
-                for style, text, x in row
-                if text
-            ]
+            shift = _CHIP_GAP + _wide(*texts[at_end][:2])
+            begin, end = (-shift, 0.0) if at_end else (0.0, shift)
+            texts[:2] = (*texts[0][:2], begin, texts[0][3]), (*texts[1][:2], end, 0.0)
+        y += _LEADING["port"] - texts[0][3]
+        for style, text, x, leading in texts:
+            y += leading
+            if text:
+                lines.append(Text(style, shortened(text), x, y - 3.5, hint, at_end))
     return _Side(lines, heights, y)
 
 
-def _port(socket: Socket) -> Iterator[tuple[str, str, float]]:
-    """Yield the lines of what is shown of a port's name, with their styles and indents."""
-    for item in socket.items or (socket.text,):
+def _port(socket: Socket) -> Iterator[tuple[str, str, float, float]]:
+    """Yield the lines of a port's name: style, text, indent, and how far below the one above."""
+    for at, item in enumerate(socket.items or (socket.text,)):
         for number, line in enumerate(_wrapped(item, _LONGEST_ITEM) or ("",)):
-            yield "port", line.strip(" \N{MIDDLE DOT}"), _INDENT * (number > 0)
+            gap = _BETWEEN_ITEMS * (at > 0 and number == 0)
+            text = line.strip(" \N{MIDDLE DOT}")
+            yield "port", text, _INDENT * (number > 0), _LEADING["port"] + gap
+
+
+def _wide(style: str, text: str) -> float:
+    return width(shortened(text), _SIZES[style], bold=style == "name", monospace=style == "line")
 
 
 def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
     """Return how wide the texts of ports are, with those of the other side at their height."""
-    widths = {each: abs(each.x) + width(each.text, _SIZES[each.style]) for each in (*left, *right)}
+    widths = {each: abs(each.x) + _wide(each.style, each.text) for each in (*left, *right)}
     beside = (
         widths[one] + _BETWEEN_SIDES + widths[other]
         for one in left
@@ -413,10 +411,4 @@ def _wrapped(text: str, longest: int) -> tuple[str, ...]:
 
 
 def _widest(lines: Iterable[tuple[str, str]]) -> float:
-    return max(
-        (
-            width(shortened(text), _SIZES[style], bold=style == "name", monospace=style == "line")
-            for style, text in lines
-        ),
-        default=0.0,
-    )
+    return max((_wide(*line) for line in lines), default=0.0)

@@ -50,8 +50,8 @@ _AFTER = 14.0
 """Room before and after a box, for arrows from one band to the next."""
 
 
-_CUT = 0.1
-"""Cost of an arrow to another band; that of a band of full width is 1."""
+_CUT = 0.08
+"""Cost of an output that is read in another band, and of each reader; of a full band it is 1."""
 _WIDEST = 880.0
 """Width of a drawing whose smallest text has almost 9 pixels on a page of 720."""
 _CHOICES = 3
@@ -153,74 +153,59 @@ class Area:
                 points += [(turned, end), (x, end)]
 
 
-def _in_bands(area: Area) -> _Bands:
-    """Return the band of each cell.
-
-    There are as few bands as fit, of like widths, cut where few arrows go on. Parts of the graph
-    that share only what they begin or end with stand one below the other.
-    """
-    whole = _bands_of(area)
-    if not max(whole.values(), default=0):
-        return whole
-    bands: _Bands = {}
-    for part in _parts(area):
-        first = max(bands.values(), default=-1) + 1
-        bands |= {cell: first + band for cell, band in _bands_of(part).items()}
-    return bands
-
-
-def _parts(area: Area) -> list[Area]:
-    """Return the parts that lie between what they begin and end with.
+def _parts(area: Area) -> list[list[Cell]]:
+    """Return the parts that lie between what they begin and end with, several cells each.
 
     A beginning stands with the first part that reads it, an end with the largest that it reads.
     """
     network: nx.DiGraph[Cell] = nx.DiGraph()
     network.add_nodes_from(area.sizes)
     network.add_edges_from((source, target) for (source, _), (target, _) in area.wires)
-    between = [cell for cell in network if network.pred[cell] and network.succ[cell]]
+    between = {
+        cell: at for at, cell in enumerate(network) if network.pred[cell] and network.succ[cell]
+    }
     several = [
         part for part in nx.weakly_connected_components(network.subgraph(between)) if len(part) > 1
     ]
-    order = {cell: at for at, cell in enumerate(network)}
-    several.sort(key=lambda part: min(map(order.__getitem__, part)))
+    several.sort(key=lambda part: min(map(between.__getitem__, part)))
     part_of = {cell: at for at, part in enumerate(several) for cell in part}
 
     def part(cell: Cell) -> int:
-        if cell in part_of:
-            return part_of[cell]
         after = [part_of[reader] for reader in network.succ[cell] if reader in part_of]
         before = {part_of[source] for source in network.pred[cell] if source in part_of}
         return min(after, default=max(before, key=lambda at: len(several[at]), default=0))
 
-    parts = [Area() for _ in several or "1"]
-    for cell, size in area.sizes.items():
-        parts[part(cell)].sizes[cell] = size
-    for wire in area.wires:
-        (source, _), (target, _) = wire
-        if part(source) == part(target):
-            parts[part(source)].wires[wire] = []
+    parts: list[list[Cell]] = [[] for _ in several or "1"]
+    for cell in area.sizes:
+        parts[part_of[cell] if cell in part_of else part(cell)].append(cell)
     return parts
 
 
-def _bands_of(area: Area) -> _Bands:
+def _bands_of(area: Area, part: Iterable[Cell]) -> _Bands:
     """Return the bands of one part."""
-    depths = _depths(area.sizes, area.wires)
+    sizes = {cell: area.sizes[cell] for cell in part}
+    wires = [wire for wire in area.wires if wire[0][0] in sizes and wire[1][0] in sizes]
+    depths = _depths(sizes, wires)
     ranks = {depth: rank for rank, depth in enumerate(sorted({*depths.values()}))}
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
     widths = [0.0] * len(ranks)
     for cell, depth in depths.items():
-        size = area.sizes[cell]
+        size = sizes[cell]
         widths[depth] = max(widths[depth], size.before + size.width + size.after)
-    readers: list[list[int]] = [[] for _ in widths]
-    for (source, _), (target, _) in area.wires:
-        readers[depths[source]].append(depths[target])
+    by_output: dict[End, list[int]] = {}
+    for begin, (target, _) in wires:
+        by_output.setdefault(begin, []).append(depths[target])
+    outputs: list[list[list[int]]] = [[] for _ in widths]
+    for (cell, _), readers in by_output.items():
+        outputs[depths[cell]].append(readers)
     best: list[tuple[int, float, int]] = [(0, 0.0, 0)]
     for end in range(1, len(widths) + 1):
         options = []
         wide, cut = -_BETWEEN_COLUMNS, 0
         for start in reversed(range(end)):
             wide += widths[start] + _BETWEEN_COLUMNS
-            cut += sum(reader >= end for reader in readers[start])
+            beyond = (sum(at >= end for at in readers) for readers in outputs[start])
+            cut += sum(1 + count for count in beyond if count)
             if wide > _WIDEST and start < end - 1:
                 break
             bands, cost, _ = best[start]
@@ -513,31 +498,13 @@ def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> l
     return [mean + offset for mean, offset in zip(means, offsets, strict=False)]
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """Positions of boxes and frames, and the routes of arrows.
+def layout(
+    picture: Picture, *, states: bool = False
+) -> tuple[Sequence[Shape], Placed, Sequence[Sequence[Sequence[Point]]]]:
+    """Return the shapes of the boxes of a picture, where they stand, and the lines of each arrow.
 
-    Attributes
-    ----------
-    boxes : tuple of (Shape, point)
-        Each box and its upper left corner, in the picture's order.
-    frames : tuple of (Frame, point, (width, height))
-        Outer frames first.
-    routes : tuple of (sequence of (sequence of point))
-        For each arrow its lines, and for each of these the points between which it runs: straight
-        between points of one height, else in a curve that begins and ends level. An arrow whose
-        target names its source has none.
-    """
-
-    boxes: tuple[tuple[Shape, Point], ...]
-    frames: tuple[tuple[Frame, Point, Point], ...]
-    routes: tuple[Sequence[Sequence[Point]], ...]
-    width: float
-    height: float
-
-
-def layout(picture: Picture, *, states: bool = False) -> Layout:
-    """Return the layout of a picture.
+    Of a line these are the points between which it runs: straight between points of one height,
+    else in a curve that begins and ends level. An arrow whose target names its source has none.
 
     Parameters
     ----------
@@ -573,13 +540,7 @@ def layout(picture: Picture, *, states: bool = False) -> Layout:
     if ordered != picture:
         shapes = _shapes(ordered, frames, cut, states=states)
         placed = _placed(first, _outlines(shapes, led), links, led)
-    return Layout(
-        tuple(zip(shapes, placed.corners, strict=True)),
-        placed.frames,
-        _routes(links_of, placed.lines),
-        placed.width,
-        placed.height,
-    )
+    return shapes, placed, _routes(links_of, placed.lines)
 
 
 def _with_ports_in_order(picture: Picture, routes: Iterable[Sequence[Sequence[Point]]]) -> Picture:
@@ -635,14 +596,25 @@ class _Link(NamedTuple):
 
 
 def _links_of(picture: Picture) -> list[list[_Link]]:
-    """Return the links of each arrow: to the rows that name its source, else to its port."""
+    """Return the links of each arrow: to the rows that name its source, else to its port.
+
+    Where another port of the box has the source for itself, the link to that stands for the rows.
+    """
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     rows = {box.name: box.alternatives for box in picture.boxes}
+
+    alone = {
+        (arrow.source, arrow.source_port, arrow.target): arrow.target_port
+        for arrow in picture.arrows
+        if into[arrow.target, arrow.target_port] < 2
+    }
 
     def ends(arrow: Arrow, origin: str) -> list[str]:
         if into[arrow.target, arrow.target_port] < 2:
             return []
-        return [row_port(row) for row in rows[arrow.target] if origin in row.source.split(", ")]
+        named = [row_port(row) for row in rows[arrow.target] if origin in row.source.split(", ")]
+        port = alone.get((arrow.source, arrow.source_port, arrow.target))
+        return [port] if named and port else named
 
     return [
         [
@@ -677,12 +649,24 @@ _KEPT = 8
 
 @lru_cache(_KEPT)
 def _bands(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Bands:
+    """Return the band of each cell.
+
+    There are as few bands as fit, of like widths, cut where few arrows go on. Parts of the graph
+    that share only what they begin or end with stand one below the other.
+    """
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
-    return _in_bands(_framed(outlines, frames, [_way(link, frames) for link in links])[()])
+    area = _framed(outlines, frames, [_way(link, frames) for link in links])[()]
+    bands = _bands_of(area, area.sizes)
+    if max(bands.values(), default=0):
+        first = 0
+        for part in _parts(area):
+            bands |= {cell: first + band for cell, band in _bands_of(area, part).items()}
+            first = max(bands[cell] for cell in part) + 1
+    return bands
 
 
-class _Placed(NamedTuple):
-    """The corners of boxes, the lines of all links, and other attributes of `Layout`."""
+class Placed(NamedTuple):
+    """Corners of boxes, frames with corner and size, outer ones first, and lines of all links."""
 
     corners: tuple[Point, ...]
     frames: tuple[tuple[Frame, Point, Point], ...]
@@ -697,7 +681,7 @@ def _placed(
     outlines: tuple[_Outline, ...],
     links: tuple[_Link, ...],
     led: frozenset[_Link],
-) -> _Placed:
+) -> Placed:
     """Place boxes and arrows.
 
     Parameters
@@ -769,7 +753,7 @@ def _placed(
     lines = tuple([line(link) for link in links])
     wide = max([areas[()].width, *(x for points in lines for x, _ in points)])
     high = areas[()].height
-    return _Placed(tuple(corners.values()), tuple(drawn), lines, wide, high)
+    return Placed(tuple(corners.values()), tuple(drawn), lines, wide, high)
 
 
 def _framed(
@@ -873,13 +857,6 @@ def _led(
     then another, to other boxes, or from a box that nothing else leads on from. The truth stays
     aside.
     """
-    ports = {
-        (box.name, port): at
-        for box in picture.boxes
-        for at, port in enumerate(
-            [*map(row_port, box.alternatives), *(each.name for each in box.inputs)]
-        )
-    }
     first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
     reports = {box.name for box in picture.boxes if box.kind == "report"}
     links = [link for each in links_of for link in each]
@@ -902,7 +879,7 @@ def _led(
         if not others and not arrow.truth and is_main(link)
     ]
     main: dict[int, dict[tuple[str, str], dict[str, _Link]]] = {}
-    for link in sorted(onward, key=lambda link: ports[link[2:]]):
+    for link in onward:
         outputs = main.setdefault(_lower(link, bands), {})
         outputs.setdefault(link[:2], {}).setdefault(link.target, link)
 

@@ -252,10 +252,9 @@ def folded(picture: Picture) -> Picture:
 
     These are boxes of the report that no other box reads. Those that read the same outputs share
     a port. With fewer than two such boxes, they stay. A graph that is used as a node is one box.
-    Alternatives that several boxes have are listed at the first. Of arrows from one output to a
-    box, that to a row of it which names the output is left out.
+    Alternatives that several boxes have are listed at the first.
     """
-    picture = _with_arrows_once(_with_alternatives_once(_graphs_as_boxes(picture)))
+    picture = _with_alternatives_once(_graphs_as_boxes(picture))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
         arrow.source
@@ -332,25 +331,6 @@ def _with_alternatives_once(picture: Picture) -> Picture:
             box = replace(box, alternatives=(row,))
         boxes.append(box)
     return replace(picture, boxes=tuple(boxes))
-
-
-def _with_arrows_once(picture: Picture) -> Picture:
-    named = {
-        (box.name, source)
-        for box in picture.boxes
-        for row in box.alternatives
-        for source in row.source.split(", ")
-    }
-    into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
-    both = Counter((arrow.source, arrow.source_port, arrow.target) for arrow in picture.arrows)
-    arrows = (
-        arrow
-        for arrow, origin in zip(picture.arrows, origins(picture), strict=True)
-        if into[arrow.target, arrow.target_port] < 2
-        or both[arrow.source, arrow.source_port, arrow.target] < 2
-        or (arrow.target, origin) not in named
-    )
-    return replace(picture, arrows=tuple(arrows))
 
 
 def _graphs_as_boxes(picture: Picture) -> Picture:

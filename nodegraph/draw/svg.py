@@ -39,7 +39,6 @@ _LOOK = {
     "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
     "port": 'font-size="12"',
     "note": 'font-size="11" fill="#0b63c4"',
-    "note truth": 'font-size="11" fill="#a04a00"',
     "label": 'font-size="13" font-weight="650" fill="#5b6675"',
     "chip alternative": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="0.8"',
     "chip axis": 'fill="#e8f1fc"',
@@ -141,11 +140,9 @@ def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
             look = _LOOK[f"wire {kind}"]
             path = f'<path class="wire" {look} d="M0 0L30 0"/>'
             samples.append((f'<g class="{kind}">{path}</g>', text))
-    named = {*picture.arrows} - {*drawn}
-    if named:
-        samples.append((_sample("note", "from x"), "read from box x"))
-    if any(arrow.truth for arrow in named) and not any(arrow.truth for arrow in drawn):
-        samples.append((_sample("note truth", "from x"), "truth"))
+    if len(drawn) < len(picture.arrows):
+        text = f'<text class="note" {_LOOK["note"]} x="-4" y="4">from a</text>'
+        samples.append((text, "read from box a"))
     if any(box.axes for box in picture.boxes):
         rect = f'<rect {_LOOK["chip axis"]} x="2" y="-7" width="26" height="14" rx="7"/>'
         samples.append((f'<g class="chip axis">{rect}</g>', "what is varied"))
@@ -159,10 +156,6 @@ def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
             rect = f'<rect class="frame" {_LOOK[f"frame {kind}"]} {place}/>'
             samples.append((f'<g class="box-{kind}">{rect}</g>', text))
     return samples
-
-
-def _sample(look: str, text: str) -> str:
-    return f'<text class="{look}" {_LOOK[look]} x="-2" y="4">{text}</text>'
 
 
 def _types(picture: Picture, marks: Mapping[str, int]) -> _Samples:
@@ -231,17 +224,17 @@ def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str
     ValueError
         If arrows form a cycle.
     """
-    drawing = layout(picture, states=sockets)
-    arrows = [
-        _arrow(arrow, lines) for arrow, lines in zip(picture.arrows, drawing.routes, strict=True)
-    ]
-    frames = [_frame(*frame) for frame in drawing.frames]
+    shapes, placed, routes = layout(picture, states=sockets)
+    arrows = [_arrow(arrow, lines) for arrow, lines in zip(picture.arrows, routes, strict=True)]
+    frames = [_frame(*frame) for frame in placed.frames]
     marks = _marks(picture) if sockets else {}
-    boxes = [_box(shape, x, y, marks) for shape, (x, y) in drawing.boxes]
-    drawn = [arrow for arrow, lines in zip(picture.arrows, drawing.routes, strict=True) if lines]
+    boxes = [
+        _box(shape, *corner, marks) for shape, corner in zip(shapes, placed.corners, strict=True)
+    ]
+    drawn = [arrow for arrow, lines in zip(picture.arrows, routes, strict=True) if lines]
     samples = _styles(picture, drawn), _types(picture, marks)
-    explained, wide, high = _legend(samples, max(drawing.width, _LEGEND), drawing.height + 18.0)
-    wide = max(drawing.width, wide)
+    explained, wide, high = _legend(samples, max(placed.width, _LEGEND), placed.height + 18.0)
+    wide = max(placed.width, wide)
     above = _heading(picture, max(wide, _LEGEND)) if heading else []
     return _document(
         picture, [*above, *frames, *arrows, *boxes, explained], wide, high, _LINE * len(above)

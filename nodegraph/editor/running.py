@@ -209,7 +209,7 @@ class Running:
         data["message"] = condition.message
         if condition.state is RunState.FINISHED:
             data["has_report"] = True
-            data["answer"] = run.study().first_answer
+            data["answer"] = next(iter(run.study().short_answer(1)), "")
         return data
 
     @property

@@ -283,15 +283,12 @@ def _ambiguous(graph: Graph, name: str, outputs: Collection[str]) -> str:
 
 
 def _live_relatives(graph: Graph, node: Node) -> str:
-    """Return which nodes of the family run on a stream, and take and give the same, as a hint."""
-    takes = {port.type for port in node.inputs}
+    """Return which nodes of the family run on a stream and give the same, as a hint."""
     family = graph.registry.family(node.family).values()
     names = [
         each.node.name
         for each in family
-        if each.node.live is not None
-        and each.node.outputs[0].type == node.outputs[0].type
-        and takes.issuperset(port.type for port in each.node.inputs if not port.optional)
+        if each.node.live is not None and each.node.outputs[0].type == node.outputs[0].type
     ]
     return (
         f"in place of {node.name}, use one that runs on a stream: {listed(names)}" if names else ""
