@@ -193,8 +193,8 @@ def run_graph(
     how: HowToRun,
     *,
     store: Store | None,
-    until: Iterable[str] = (),
-    listeners: Iterable[Listener] = (),
+    until: Iterable[str],
+    listeners: Iterable[Listener],
 ) -> Run:
     """Run a graph with an open store, or without one."""
     nodes = list(until)

@@ -6,7 +6,7 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -135,6 +135,29 @@ def plan(graph: Graph) -> Plan:
     return planner.plan()
 
 
+class _Gathering(NamedTuple):
+    """A gathering port.
+
+    Attributes
+    ----------
+    names : mapping of str to str
+        The axes that it gathers, with the names under which the node sees them.
+    empty : Across
+        What is the same at every combination.
+    """
+
+    names: Mapping[str, str]
+    empty: Across[Output]
+
+
+class _Call(NamedTuple):
+    """A method, the texts of its settings, and its gathering ports."""
+
+    method: Method
+    texts: Mapping[Combination, str]
+    gathered: Mapping[str, _Gathering]
+
+
 class _Planner:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -143,11 +166,9 @@ class _Planner:
         self._by_call: dict[tuple[object, ...], int] = {}
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
-        self._known_labels: dict[tuple[str, ...], tuple[Label, ...]] = {}
-        self._source_axes: dict[str, frozenset[str]] = {}
-        self._read: dict[str, _Read] = {}
-        self._units: dict[str, str] = {}
-        self._methods: dict[str, Mapping[Label, Declared]] = {}
+        # each is needed for every node that gathers along the axis
+        self._unit = cache(lambda axis: axis_text(graph, axis).unit)
+        self._methods = cache(lambda axis: _methods_of(graph, axis))
 
     def add(self, node: GraphNode) -> None:
         """Add the steps of a node; those of the nodes that feed it must be there."""
@@ -159,15 +180,11 @@ class _Planner:
             for rule in self._graph.spec.skip
             if rule.labels.keys() <= set(node.axes)
         ]
-        # equal texts are equal settings
-        texts = {
-            label: {row: repr(sorted(values.items())) for row, values in m.settings.values.items()}
-            for label, m in node.methods.items()
-        }
+        calls = {label: self._call(node, method) for label, method in node.methods.items()}
         for combination in itertools.product(*(self._labels(axis) for axis in node.axes)):
             labels = dict(zip(node.axes, combination, strict=True))
             reasons = [why for why, of in rules if all([labels[axis] in at for axis, at in of])]
-            step = reasons[0] if reasons else self._step(node, labels, texts)
+            step = reasons[0] if reasons else self._step(node, labels, calls)
             if isinstance(step, str):
                 skipped[combination] = step
             else:
@@ -188,15 +205,23 @@ class _Planner:
         }
         return Plan(self._graph, steps, cells, self._skipped)
 
+    def _call(self, node: GraphNode, method: Method) -> _Call:
+        """Return what is the same of the calls of a method at every combination."""
+        # equal texts are equal settings
+        rows = method.settings.values.items()
+        texts = {row: repr(sorted(values.items())) for row, values in rows}
+        gathered = {
+            port: self._gathering(node, feed)
+            for port, feed in method.inputs.items()
+            if isinstance(feed, Gather)
+        }
+        return _Call(method, texts, gathered)
+
     def _step(
-        self,
-        node: GraphNode,
-        labels: Mapping[str, Label],
-        texts: Mapping[str, Mapping[Combination, str]],
+        self, node: GraphNode, labels: Mapping[str, Label], calls: Mapping[str, _Call]
     ) -> int | str:
         """Return the step of one combination, or why there is none."""
-        label = str(labels[node.name]) if node.has_alternatives else ""
-        method = node.methods[label]
+        method, texts, gathered = calls[str(labels[node.name]) if node.has_alternatives else ""]
         inputs: dict[str, StepInput] = {}
         needed: dict[int, None] = {}
         for port, feed in method.inputs.items():
@@ -204,7 +229,7 @@ class _Planner:
             if isinstance(feed, Reference):
                 source = self._output(feed, labels)
             else:
-                source = self._gathered(node, feed, labels)
+                source = self._gathered(node, feed, gathered[port], labels)
             if isinstance(source, str):
                 return source
             inputs[port] = source
@@ -213,11 +238,8 @@ class _Planner:
             else:
                 needed |= dict.fromkeys([output.step for output in source.values()])
         row = tuple([labels[axis] for axis in method.settings.axes])
-        fed = [
-            (port, source if isinstance(source, Output) else _comparable(source))
-            for port, source in inputs.items()
-        ]
-        call = (method.plugin, method.node.name, texts[label][row], *fed)
+        fed = inputs.items() if not gathered else _comparable(inputs)
+        call = (method.plugin, method.node.name, texts[row], *fed)
         index = self._by_call.setdefault(call, len(self._steps))
         if index == len(self._steps):
             values, shown = method.settings.values[row], method.settings.shown[row]
@@ -225,105 +247,72 @@ class _Planner:
             self._steps.append(step)
         return index
 
+    def _gathering(self, node: GraphNode, feed: Gather) -> _Gathering:
+        """Return what a gathering port takes, but for the sources at one combination."""
+        graph, sources = self._graph, [source.node for source in feed.sources.values()]
+        free = {axis for source in feed.sources.values() for axis in self._free_axes(node, source)}
+        axes = [axis for axis in node.gathered if axis in free]
+        known = {axis: self._labels(axis) for axis in axes}
+        differing = {axis for source in sources for axis in graph.source_axes(source)}
+        if feed.axis:
+            axes.insert(0, feed.axis)
+            known[feed.axis] = self._labels_like(tuple(feed.sources))
+            is_one = len(set(map(graph.sources, sources))) == 1
+            differing = differing - {feed.axis} if is_one else differing | {feed.axis}
+        # a node inside a graph used as a node sees its axes under the names that they have there
+        names = {axis: node.local_name(axis) for axis in axes}
+        read = [self._data_of(source) for source in sources]
+        empty: Across[Output] = Across(
+            tuple(names.values()),
+            (),
+            known={name: known[axis] for axis, name in names.items()},
+            sources=tuple(name for axis, name in names.items() if axis in differing),
+            methods={name: of for axis, name in names.items() if (of := self._methods(axis))},
+            fields={
+                f"{name}.{field}": of
+                for axis, name in names.items()
+                if axis in graph.axes
+                for field, of in graph.axes[axis].fields.items()
+            },
+            synthetic=all(each.synthetic for each in read),
+            units={name: unit for axis, name in names.items() if (unit := self._unit(axis))},
+            files=tuple(dict.fromkeys(file for each in read for file in each.files)),
+        )
+        return _Gathering(names, empty)
+
     def _gathered(
-        self, node: GraphNode, feed: Gather, labels: Mapping[str, Label]
+        self, node: GraphNode, feed: Gather, gathering: _Gathering, labels: Mapping[str, Label]
     ) -> Across[Output] | str:
         """Return the sources of a gathering port at one combination, or why it has none."""
-        axes = self._gathered_axes(node, feed)
-        entries: list[tuple[Combination, Output]] = []
-        absent: list[tuple[Combination, str]] = []
+        names, empty = gathering
+        entries: list[tuple[dict[str, Label], Output]] = []
+        absent: list[Absent] = []
         for label, source in feed.sources.items():
             free = self._free_axes(node, source)
-            for combination in itertools.product(*(self._labels(axis) for axis in free)):
+            for combination in itertools.product(*map(self._labels, free)):
                 at = dict(zip(free, combination, strict=True))
                 output = self._output(source, {**labels, **at})
                 at[feed.axis] = label
-                row = tuple(at.get(axis, "") for axis in axes)
+                seen = {name: at.get(axis, "") for axis, name in names.items()}
                 if isinstance(output, str):
-                    absent.append((row, output))
+                    absent.append(Absent(seen, State.SKIPPED.value, output))
                 else:
-                    entries.append((row, output))
+                    entries.append((seen, output))
         if not entries:
             return "everything that it gathers is left out"
-        # a node inside a graph used as a node sees its axes under the names that they have there
-        names = tuple(map(node.local_name, axes))
-        known = {
-            name: self._labels_like(tuple(feed.sources))
-            if axis == feed.axis
-            else self._labels(axis)
-            for name, axis in zip(names, axes, strict=True)
-        }
-        sources = tuple(
-            name for name, axis in zip(names, axes, strict=True) if self._feeds_source(axis, feed)
-        )
-        unused = _unused_axes(names, entries)
-        methods = {
-            name: declared
-            for name, axis in zip(names, axes, strict=True)
-            if (declared := self._declared(axis))
-        }
-        fields = {
-            f"{name}.{field}": of
-            for name, axis in zip(names, axes, strict=True)
-            if axis in self._graph.axes
-            for field, of in self._graph.axes[axis].fields.items()
-        }
-        read = [self._data_of(source.node) for source in feed.sources.values()]
-        units = {name: self._unit(axis) for name, axis in zip(names, axes, strict=True)}
-        return Across(
-            names,
-            tuple((dict(zip(names, row, strict=True)), output) for row, output in entries),
-            tuple(
-                Absent(dict(zip(names, row, strict=True)), State.SKIPPED.value, reason)
-                for row, reason in absent
-            ),
-            known,
-            sources,
-            unused,
-            methods,
-            fields,
-            all(each.synthetic for each in read),
-            {name: unit for name, unit in units.items() if unit},
-            tuple(dict.fromkeys(file for each in read for file in each.files)),
-        )
-
-    def _declared(self, axis: str) -> Mapping[Label, Declared]:
-        """Return the declarations of the alternatives of an axis; empty for other axes."""
-        if axis not in self._methods:  # needed for every combination of a node
-            node = self._graph.nodes.get(axis)
-            known = node.methods.values() if node is not None and node.has_alternatives else ()
-            self._methods[axis] = {method.label: _declared(method) for method in known}
-        return self._methods[axis]
-
-    def _feeds_source(self, axis: str, feed: Gather) -> bool:
-        """Whether the data differ along a gathered axis, or among a port's own labels."""
-        nodes = [source.node for source in feed.sources.values()]
-        if axis == feed.axis:
-            return len({self._graph.sources(node) for node in nodes}) > 1
-        return any(axis in self._axes_of_sources(node) for node in nodes)
+        unused = _unused_axes(entries)
+        return replace(empty, entries=tuple(entries), absent=tuple(absent), unused=unused)
 
     def _data_of(self, node: str) -> _Read:
         """Return what the nodes say of themselves that a node has its data from."""
-        if node not in self._read:  # needed for every combination of a node
-            indices = {
-                index for name in self._graph.sources(node) for index in self._cells[name].values()
-            }
-            steps = [self._steps[index] for index in sorted(indices)]
-            self._read[node] = _Read(
-                all(step.method.node.is_synthetic(step.settings) for step in steps),
-                tuple(dict.fromkeys(name for step in steps for name in _file_names(step))),
-            )
-        return self._read[node]
-
-    def _unit(self, axis: str) -> str:
-        if axis not in self._units:  # needed for every combination of a node
-            self._units[axis] = axis_text(self._graph, axis).unit
-        return self._units[axis]
-
-    def _axes_of_sources(self, node: str) -> frozenset[str]:
-        if node not in self._source_axes:  # needed for every combination of a node
-            self._source_axes[node] = self._graph.source_axes(node)
-        return self._source_axes[node]
+        indices = {
+            index for name in self._graph.sources(node) for index in self._cells[name].values()
+        }
+        steps = [self._steps[index] for index in sorted(indices)]
+        return _Read(
+            all(step.method.node.is_synthetic(step.settings) for step in steps),
+            tuple(dict.fromkeys(name for step in steps for name in _file_names(step))),
+        )
 
     def _output(self, source: Reference, labels: Mapping[str, Label]) -> Output | str:
         fixed, axes = source.at, self._graph.nodes[source.node].axes
@@ -336,11 +325,6 @@ class _Planner:
         outputs = self._steps[step].method.node.outputs
         return Output(step, [port.name for port in outputs].index(source.port))
 
-    def _gathered_axes(self, node: GraphNode, feed: Gather) -> tuple[str, ...]:
-        free = {axis for source in feed.sources.values() for axis in self._free_axes(node, source)}
-        axes = tuple(axis for axis in node.gathered if axis in free)
-        return (feed.axis, *axes) if feed.axis else axes
-
     def _free_axes(self, node: GraphNode, source: Reference) -> tuple[str, ...]:
         """Return the axes of a source that the node gathers."""
         axes = self._graph.nodes[source.node].axes
@@ -351,11 +335,8 @@ class _Planner:
 
     def _labels_like(self, own: tuple[str, ...]) -> tuple[Label, ...]:
         """Return the labels of the first axis that has all of a port's own labels, else these."""
-        if own not in self._known_labels:  # needed for every combination of a node
-            axes = (axis.labels for axis in self._graph.axes.values())
-            like = (labels for labels in axes if set(own) <= set(map(str, labels)))
-            self._known_labels[own] = next(like, own)
-        return self._known_labels[own]
+        axes = (axis.labels for axis in self._graph.axes.values())
+        return next((labels for labels in axes if set(own) <= set(map(str, labels))), own)
 
 
 def skip_reason(item: SkipSpec) -> str:
@@ -364,23 +345,29 @@ def skip_reason(item: SkipSpec) -> str:
     return f"skip: {', '.join(labels)}"
 
 
-def _comparable(source: Across[Output]) -> object:
-    """Return what two calls have in common that gather alike at a port; it can be hashed."""
-    entries = tuple((*labels.values(), output) for labels, output in source)
-    absent = tuple((*each.labels.values(), each.reason) for each in source.absent)
-    return source.axes, entries, absent, tuple(source.known.values()), source.sources, source.unused
+def _comparable(inputs: Mapping[str, StepInput]) -> Iterator[tuple[str, object]]:
+    """Yield what two calls have in common that gather alike at their ports; it can be hashed."""
+    for port, source in inputs.items():
+        if isinstance(source, Output):
+            yield port, source
+        else:
+            entries = tuple([(*labels.values(), output) for labels, output in source])
+            absent = tuple([(*each.labels.values(), each.reason) for each in source.absent])
+            known = tuple(source.known.values())
+            yield port, (source.axes, entries, absent, known, source.sources, source.unused)
 
 
 def _unused_axes(
-    axes: tuple[str, ...], entries: Sequence[tuple[Combination, Output]]
+    entries: Sequence[tuple[Mapping[str, Label], Output]],
 ) -> tuple[tuple[str, ...], ...]:
     """Return for each entry the axes that it does not depend on; see `Across.unused`."""
     if len({output for _, output in entries}) == len(entries):
         return ()
     unused: list[list[str]] = [[] for _ in entries]
-    for position, axis in enumerate(axes):
+    rows = [tuple(labels.values()) for labels, _ in entries]
+    for position, axis in enumerate(entries[0][0]):
         alike: dict[Combination, list[int]] = {}
-        for index, (row, _) in enumerate(entries):
+        for index, row in enumerate(rows):
             alike.setdefault((*row[:position], *row[position + 1 :]), []).append(index)
         for indices in alike.values():
             if len(indices) > 1 and len({entries[index][1] for index in indices}) == 1:
@@ -401,6 +388,13 @@ def _file_names(step: Step) -> Iterator[str]:
     for setting in step.method.node.settings.values():
         if setting.is_file and step.settings[setting.name] is not None:
             yield PurePath(str(step.settings[setting.name])).name
+
+
+def _methods_of(graph: Graph, axis: str) -> Mapping[Label, Declared]:
+    """Return the declarations of the alternatives of an axis; empty for other axes."""
+    node = graph.nodes.get(axis)
+    known = node.methods.values() if node is not None and node.has_alternatives else ()
+    return {method.label: _declared(method) for method in known}
 
 
 def _declared(method: Method) -> Declared:
@@ -448,11 +442,17 @@ def _depth_first_order(needed: Sequence[tuple[int, ...]]) -> list[int]:
 
 def _renumbered(step: Step, indices: Sequence[int]) -> Step:
     """Return a step with the final indices of itself and of those that feed it."""
-    index, needed = indices[step.index], tuple([indices[each] for each in step.needed])
-    if index == step.index and needed == step.needed:
-        return step
-    inputs = {port: _renumbered_input(source, indices) for port, source in step.inputs.items()}
-    return step._replace(index=index, inputs=inputs, needed=needed)
+    _, node, method, labels, settings, shown, inputs, needed = step
+    return Step(
+        indices[step.index],
+        node,
+        method,
+        labels,
+        settings,
+        shown,
+        {port: _renumbered_input(source, indices) for port, source in inputs.items()},
+        tuple([indices[each] for each in needed]),
+    )
 
 
 def _renumbered_input(source: StepInput, indices: Sequence[int]) -> StepInput:

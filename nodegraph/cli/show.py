@@ -126,10 +126,10 @@ def _print_json(word: str, registry: Registry, *, is_node: bool) -> None:
 
 
 def _list(word: str, registry: Registry) -> str:
-    from nodegraph.node.description import summary_of
+    from nodegraph.node.description import plain_summary_of
 
     entries = _matches(word, registry)
-    return columns([(each.node.name, summary_of(each.node), each.plugin) for each in entries])
+    return columns([(each.node.name, plain_summary_of(each.node), each.plugin) for each in entries])
 
 
 def _matches(word: str, registry: Registry) -> list[Registered]:

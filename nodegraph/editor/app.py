@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import partial, wraps
+from functools import partial
 from http import HTTPStatus
 from threading import RLock
 from typing import Any
@@ -27,7 +27,7 @@ from nodegraph.editor.view import Places, problems_of_files, unchecked_view_of, 
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.plugin.registry import Registry
-from nodegraph.serve.app import routes
+from nodegraph.serve.app import as_data, refused, routes, text_of
 from nodegraph.serve.pages import events_response
 
 _NOT_UNDERSTOOD = (ValueError, LookupError, TypeError, OverflowError, RecursionError)
@@ -45,32 +45,21 @@ def application(file: EditedFile, registry: Registry, running: Running) -> Starl
     page = _Page(file, registry, running)
     return Starlette(
         routes=[
-            Route("/view", _as_data(page.view)),
-            Route("/revision", _as_data(page.revision)),
-            Route("/files", _as_data(page.files)),
+            Route("/view", as_data(page.view)),
+            Route("/revision", as_data(page.revision)),
+            Route("/files", as_data(page.files)),
             Route("/options", _at_place(page.options), methods=["POST"]),
             Route("/about", _at_place(page.about), methods=["POST"]),
-            Route("/node", _as_data(page.node)),
-            Route("/nodes", _as_data(page.nodes)),
-            Route("/targets", _as_data(page.targets)),
-            Route("/axes", _as_data(page.axes)),
+            Route("/node", as_data(page.node)),
+            Route("/nodes", as_data(page.nodes)),
+            Route("/targets", as_data(page.targets)),
+            Route("/axes", as_data(page.axes)),
             Route("/edit", page.edit, methods=["POST"]),
-            Route("/preview", _as_data(page.preview)),
+            Route("/preview", as_data(page.preview)),
             Route("/running", page.running),
             *routes(running.runs),
         ]
     )
-
-
-def _as_data(answer: Callable[[Request], object]) -> Callable[[Request], Response]:
-    @wraps(answer)
-    def endpoint(request: Request) -> Response:
-        try:
-            return JSONResponse(answer(request))
-        except Exception as error:
-            return JSONResponse({"message": _text(error)}, HTTPStatus.CONFLICT)
-
-    return endpoint
 
 
 def _at_place(answer: Callable[[str, int], object]) -> Callable[..., Awaitable[Response]]:
@@ -86,17 +75,9 @@ def _at_place(answer: Callable[[str, int], object]) -> Callable[..., Awaitable[R
         try:
             return JSONResponse(await run_in_threadpool(answer, text, index))
         except Exception as error:
-            return JSONResponse({"message": _text(error)}, HTTPStatus.CONFLICT)
+            return refused(error)
 
     return endpoint
-
-
-def _text(error: Exception) -> str:
-    if isinstance(error, GraphError):
-        return "; ".join(map(str, error.problems))
-    if isinstance(error, (NodegraphError, OSError)):
-        return str(error)
-    return f"internal error; please report it: {type(error).__name__}: {error}"
 
 
 class _Page:
@@ -244,7 +225,7 @@ class _Page:
             try:
                 edit()
             except Exception as error:
-                answer = {**self._shown(), "refused": _text(error)}
+                answer = {**self._shown(), "refused": text_of(error)}
                 return JSONResponse(answer, HTTPStatus.UNPROCESSABLE_ENTITY)
             return JSONResponse(self._shown())
 

@@ -20,7 +20,7 @@ from nodegraph.graphfile.keys import (
 from nodegraph.graphfile.schema import about_node, names_of
 from nodegraph.graphfile.settings_schema import settings_schema
 from nodegraph.node.decorator import Node
-from nodegraph.node.description import meanings
+from nodegraph.node.description import meanings, plain_summary_of
 from nodegraph.plugin.registry import Registered, Registry
 
 _IN_BRACKETS = re.compile(r"[\w$.*]*(?:[:-][\w$.*]+)*")
@@ -216,7 +216,7 @@ def _about_uses(used: list[Registered]) -> Iterator[str]:
         yield from about_node(used[0])
     else:
         for each in used:
-            yield f"{each.node.name}: {each.node.summary}"
+            yield f"{each.node.name}: {plain_summary_of(each.node)}"
 
 
 def _keys(keys: Mapping[str, Key]) -> Iterator[Option]:

@@ -15,7 +15,7 @@ from nodegraph.graphfile.nodes import label_of
 from nodegraph.graphfile.schema import about_node, names_of
 from nodegraph.graphfile.settings_schema import settings_schema
 from nodegraph.node.decorator import Node
-from nodegraph.node.description import meanings
+from nodegraph.node.description import meanings, plain_summary_of
 from nodegraph.plugin.registry import Registry
 
 
@@ -137,7 +137,7 @@ class _Panel:
             }
             for name, form in forms.items()
         ]
-        about = [used[0].name, used[0].summary] if len(used) == 1 else []
+        about = [used[0].name, plain_summary_of(used[0])] if len(used) == 1 else []
         if mapping(entry).get("use") == PASS:
             about = [PASS, ABOUT_PASS]
         return {
@@ -170,7 +170,7 @@ class _Panel:
         return [
             {
                 "use": name,
-                "about": each.node.summary,
+                "about": plain_summary_of(each.node),
                 "is_used": each.node.name in used,
                 "reason": self._misfit(each.node),
             }

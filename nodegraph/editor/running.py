@@ -66,8 +66,8 @@ class Running:
         graph: Path,
         folder: Path,
         registry: Registry,
-        store: Path | None = None,
-        plugins: Sequence[Path] = (),
+        store: Path | None,
+        plugins: Sequence[Path],
     ) -> None:
         self._folder = folder
         self.store = store
@@ -209,7 +209,7 @@ class Running:
         data["message"] = condition.message
         if condition.state is RunState.FINISHED:
             data["has_report"] = True
-            data["answer"] = next(iter(run.study().short_answer(1)), "")
+            data["answer"] = run.study().first_answer
         return data
 
     @property

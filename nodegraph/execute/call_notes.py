@@ -24,8 +24,9 @@ _BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threa
 """Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
-_CHANGES = ("os.putenv", "os.unsetenv", "os.chdir", "os.rename", "os.rmdir")
-"""What changes a variable, or the working directory."""
+_CHANGES = ("os.putenv", "os.unsetenv", "os.chdir")
+_MOVES = ("os.rename", "os.rmdir")
+"""What may be done to the working directory in a call; outside of one, results are stored so."""
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
 """The notes of the call that is being made."""
@@ -181,5 +182,5 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
     global _changes
     if event in _EVENTS and (notes := notes_of_call.get()):
         notes.note(event, *arguments)
-    elif event in _CHANGES:
+    elif event in _CHANGES or (event in _MOVES and notes_of_call.get()):
         _changes += 1

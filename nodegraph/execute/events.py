@@ -92,7 +92,7 @@ class EventLog:
         self,
         listeners: tuple[Listener, ...],
         plan: Plan,
-        about: Mapping[str, object] = MappingProxyType({}),
+        about: Mapping[str, object],
     ) -> None:
         self.listeners = listeners
         self._start = time.perf_counter()

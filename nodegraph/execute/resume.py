@@ -96,7 +96,7 @@ class StoredSteps:
         """Return the key of a step whose inputs have ended; empty if it has none."""
         return step_key(self._digests.of(step).digest, step.inputs, outcomes)
 
-    def look_again(self, step: Step, key: str, *, whole: bool = False) -> Outcome | None:
+    def look_again(self, step: Step, key: str, *, whole: bool) -> Outcome | None:
         """Return the outcome of a step, if its final key is stored and was not looked up at first.
 
         Parameters

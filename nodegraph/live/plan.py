@@ -133,7 +133,7 @@ class LivePlan:
 
 def live_plan(
     graph: Graph,
-    source: str = "",
+    source: str,
     *,
     sinks: Collection[str] = (),
     hold: Collection[str] = (),
@@ -283,12 +283,15 @@ def _ambiguous(graph: Graph, name: str, outputs: Collection[str]) -> str:
 
 
 def _live_relatives(graph: Graph, node: Node) -> str:
-    """Return which nodes of the family run on a stream and give the same, as a hint."""
+    """Return which nodes of the family run on a stream, and take and give the same, as a hint."""
+    takes = {port.type for port in node.inputs}
     family = graph.registry.family(node.family).values()
     names = [
         each.node.name
         for each in family
-        if each.node.live is not None and each.node.outputs[0].type == node.outputs[0].type
+        if each.node.live is not None
+        and each.node.outputs[0].type == node.outputs[0].type
+        and takes.issuperset(port.type for port in each.node.inputs if not port.optional)
     ]
     return (
         f"in place of {node.name}, use one that runs on a stream: {listed(names)}" if names else ""

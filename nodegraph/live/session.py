@@ -184,9 +184,9 @@ class Session:
         address: str,
         outlets: Sequence[Outlet],
         *,
-        policy: Policy = "every",
-        record: PacketFileWriter | None = None,
-        announce: Callable[[str], None] = lambda text: None,
+        policy: Policy,
+        record: PacketFileWriter | None,
+        announce: Callable[[str], None],
     ) -> None:
         self.counts = Counts()
         self.plan = plan

@@ -67,6 +67,11 @@ def summary_of(node: Node) -> str:
     return _with_deprecation(node.deprecated, node.summary)
 
 
+def plain_summary_of(node: Node) -> str:
+    """Return the same without marks, for a reader of text."""
+    return summary_of(node).replace("``", "")
+
+
 def describe_declaration(
     node: Node, settings: Iterable[Mapping[str, object]] | None = None
 ) -> tuple[str, ...]:

@@ -76,9 +76,7 @@ class HookSource:
 
         return guarded
 
-    def warning(
-        self, what: str, function: Function, default: Function, outcome: str = "it is left out"
-    ) -> Function:
+    def warning(self, what: str, function: Function, default: Function, outcome: str) -> Function:
         """Return a function that warns where another fails, and returns a default.
 
         Parameters

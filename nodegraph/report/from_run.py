@@ -103,7 +103,7 @@ def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
 
 
 def first_answer(run: Run) -> str:
-    """Return the sentence that answers at a glance, before the run has ended.
+    """Return what answers at a glance, and what it holds for, before the run has ended.
 
     It is empty as long as a result is missing that stands before it in the report.
     """
@@ -116,7 +116,7 @@ def first_answer(run: Run) -> str:
         origin = RunOrigin(run, result.node, result.labels, entry.caption, entry.answer)
         rendered = render_in_run(value, str(result), origin)
         if rendered is not None and rendered.lead:
-            return next(iter(Section("", rendered, result.combination).answer), "")
+            return " ".join(Section("", rendered, result.combination).answer[:2])
     return ""
 
 

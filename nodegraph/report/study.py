@@ -344,6 +344,15 @@ class Study:
         return tuple(sorted([*first][:most], key=first.__getitem__))
 
     @property
+    def first_answer(self) -> str:
+        """What the first value answers that answers at a glance, and what that holds for.
+
+        Without such a value, the first of all sentences.
+        """
+        leads = (each.answer[:2] for each in self.sections if each.rendered.lead)
+        return " ".join(next(leads, self.answer[:1]))
+
+    @property
     def kinds_of_files(self) -> tuple[str, ...]:
         """How many files of each kind belong to results: ``3 CSV``, ``1 C3D``."""
         paths = [PurePath(link.path) for section in self.sections for link in section.files]

@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from nodegraph.errors import NodegraphError, listed, nearest
+from nodegraph.errors import GraphError, NodegraphError, listed, nearest
 from nodegraph.execute import NotStored, Run
 from nodegraph.formatting import labels_of
 from nodegraph.report import page
@@ -62,8 +62,8 @@ def routes(runs: OpenRuns) -> list[Route]:
         Route("/download", _as_page(pages.download)),
         Route("/files/{number:int}/{name:path}", _as_page(pages.file)),
         Route("/progress", pages.progress),
-        Route("/detail", _as_data(pages.detail)),
-        Route("/flow", _as_data(pages.flow)),
+        Route("/detail", as_data(pages.detail)),
+        Route("/flow", as_data(pages.flow)),
         Route("/compute", pages.compute, methods=["POST"]),
     ]
 
@@ -77,13 +77,13 @@ def _as_page(answer: Callable[[Request], Response]) -> _Endpoint:
             return answer(request)
         except Exception as error:
             return page_response(
-                "message.html", _status(error), title="Not shown", message=_text(error)
+                "message.html", _status(error), title="Not shown", message=text_of(error)
             )
 
     return endpoint
 
 
-def _as_data(answer: Callable[[Request], object]) -> _Endpoint:
+def as_data(answer: Callable[[Request], object]) -> _Endpoint:
     """Return an endpoint that gives JSON, errors too."""
 
     @wraps(answer)
@@ -93,9 +93,14 @@ def _as_data(answer: Callable[[Request], object]) -> _Endpoint:
         except NotComputed as error:
             return JSONResponse(error.data, HTTPStatus.ACCEPTED)
         except Exception as error:
-            return JSONResponse({"message": _text(error)}, _status(error))
+            return refused(error)
 
     return endpoint
+
+
+def refused(error: Exception) -> Response:
+    """Return an error as data."""
+    return JSONResponse({"message": text_of(error)}, _status(error))
 
 
 def _status(error: Exception) -> HTTPStatus:
@@ -105,7 +110,10 @@ def _status(error: Exception) -> HTTPStatus:
     return HTTPStatus.CONFLICT if expected else HTTPStatus.INTERNAL_SERVER_ERROR
 
 
-def _text(error: Exception) -> str:
+def text_of(error: Exception) -> str:
+    """Return what an error says to the user, in one line."""
+    if isinstance(error, GraphError):
+        return "; ".join(map(str, error.problems))
     if isinstance(error, (NodegraphError, OSError)):
         return str(error)
     return f"internal error; please report it: {type(error).__name__}: {error}"
@@ -137,7 +145,7 @@ def _changes(run: Run, record: Record | None, steps: Sequence[int]) -> list[str]
 class _Pages:
     def __init__(self, runs: OpenRuns) -> None:
         self._runs = runs
-        self._computing = Computing(_text)
+        self._computing = Computing(text_of)
 
     def report(self, request: Request) -> Response:
         """Show the report of runs, or their graphs while it is not there."""
@@ -250,7 +258,7 @@ class _Pages:
         try:
             runs = await run_in_threadpool(self._named, request.query_params.getlist("run"))
         except NodegraphError as error:
-            return JSONResponse({"message": str(error)}, _status(error))
+            return refused(error)
         return events_response(
             lambda: {run.name: run.snapshot() for run in runs},
             lambda data: all(each["state"].is_final for each in data.values()),
@@ -264,7 +272,7 @@ class _Pages:
             values, record = await run_in_threadpool(self._values, run, query)
             steps = await run_in_threadpool(_missing, wanted, values, record, query)
         except Exception as error:
-            return JSONResponse({"message": _text(error)}, _status(error))
+            return refused(error)
         lines = (f"{json.dumps(line)}\n" async for line in self._computing.lines(values, steps))
         return StreamingResponse(lines, media_type="application/x-ndjson")
 

@@ -5,7 +5,6 @@ It is made once, of verdicts; whatever shows an answer draws it from this.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from typing import TYPE_CHECKING, Literal
 
@@ -26,7 +25,7 @@ from nodegraph_compare.words import (
     method_words,
     number_name,
     plain_names,
-    reason_text,
+    reasons_of,
     scope_text,
     tied_text,
     units_text,
@@ -48,7 +47,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import difference_text, number_text, percent, span_text
+from nodegraph_tables.numbers import apart_text, number_text, percent, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -161,7 +160,7 @@ def _sentence(verdicts: Verdicts) -> Text:
 
 def _undecided(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
     """Return why there is no verdict, and which methods come first all the same."""
-    reasons = list(dict.fromkeys(_reason(verdicts, group) for group in known))
+    reasons = reasons_of(verdicts, known)
     others = len(reasons) - 1
     more = f" (and {others} more reason{'s' * (others > 1)})" if others else ""
     what = f"what each {verdicts.compare} does" if verdicts.is_sequence else "which is best"
@@ -169,10 +168,6 @@ def _undecided(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
     if verdicts.is_sequence:
         return (why,)
     return say(f"{HERE}. {why}", _firsts(verdicts, known))
-
-
-def _reason(verdicts: Verdicts, group: Verdict) -> str:
-    return "no difference is clear" if group.stands else reason_text(verdicts, group)
 
 
 def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
@@ -232,7 +227,7 @@ def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdic
     texts.append(_besides(verdicts, told))
     rest = [group for group in known if group not in told]
     if rest:
-        reasons = dict.fromkeys(_reason(verdicts, group) for group in rest)
+        reasons = reasons_of(verdicts, rest)
         where = _where(verdicts, rest) if len(rest) <= _MOST_CLAUSES else f"{len(rest)} groups"
         # where there are no cards, a reader finds which come first in the table
         is_short = len(known) <= MOST_CARDS
@@ -296,7 +291,7 @@ def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
         nearest = percent(min(abs(other / mean - 1.0) for other, mean in far))
     else:
         pair = min(far, key=lambda means: abs(means[0] - means[1]))
-        nearest = difference_text([(max(pair), min(pair))], unit)
+        nearest = apart_text(pair, unit)
     others = "the other" if all(len(group.behind) == 1 for group in told) else "every other"
     more = " or more" * (len(far) > 1)
     return say(f"{others} is clearly behind, by {HERE}{more}", Word(nearest, "number"))
@@ -423,47 +418,36 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
 def _why(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
+    count = len(groups)
     worst = say(
-        f"never more than {HERE} the best of a group", _far(verdicts, verdicts.worst_of(take))
+        f"at most {HERE} behind the best of a group", _far(verdicts, verdicts.worst_of(take))
     )
     if all(take in group.best for group in groups):
         worst = ("best in each",)
     if of_all is not None and take == verdicts.best_over_all:
-        first = f"{EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
+        first = f"{EXTREME[verdicts.metric.better]} over all {count} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
-        then = [_claim(verdicts, of_all, place) for place in rest]
+        claims = ["clearly behind, by" if place in of_all.behind else MAY_BE for place in rest]
+        far = [_far(verdicts, of_all.distance(place)) for place in rest]
     else:
-        first = f"clearly behind in {verdicts.behind_in(take) or 'none'} of {len(groups)} groups"
+        first = f"clearly behind in {verdicts.behind_in(take) or 'none'} of {count} groups"
         rest = [place for place in verdicts.least_behind if place != take][:1]
-        then = [
-            say(
-                f"in {verdicts.behind_in(place) or 'none'}, up to {HERE}",
-                _far(verdicts, verdicts.worst_of(place)),
-            )
-            for place in rest
-        ]
-    names = method_words(verdicts, rest)
-    after = [say(f"next {HERE}: {HERE}", *parts) for parts in zip(names, then, strict=True)]
+        claims = [f"in {verdicts.behind_in(place) or 'none'} of {count}, at most" for place in rest]
+        far = [_far(verdicts, verdicts.worst_of(place)) for place in rest]
+    after = [
+        say(f"next {HERE}: {claim}{',' * (claim == MAY_BE)} {HERE}", name, size)
+        for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
+    ]
     reason = joined("; ", [joined(", ", [first, worst]), *after])
     return say(f"Why {HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
 
 
-def _claim(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return whether a method is clearly behind the best of a group, and how far it is."""
-    distance = group.distance(place)
-    size = percent(distance - 1.0) if verdicts.ratio else number_text(distance)
-    claim = f"clearly behind, by {HERE}" if place in group.behind else f"{MAY_BE} ({HERE} behind)"
-    return say(claim, Word(size, "number"))
-
-
-def _far(verdicts: Verdicts, distance: float) -> Text:
-    """Return how far a method is from the best: ``12 % behind``; see `Verdict.distance`."""
+def _far(verdicts: Verdicts, distance: float) -> Word:
+    """Return how far a method is from the best; see `Verdict.distance`."""
     if not verdicts.ratio:
-        return (Word(number_text(distance), "number"), " behind")
-    if distance < 2:
-        percents = math.ceil(100 * (distance - 1))  # `never more than`
-        return (Word(f"{percents} %", "number"), " behind")
-    return (Word(f"{distance:.1f} times", "number"),)
+        return Word(number_text(distance), "number")
+    of_best = 1.0 / distance if verdicts.metric.better == "higher" else distance
+    return Word(percent(abs(of_best - 1.0)), "number")
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:

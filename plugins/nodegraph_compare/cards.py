@@ -21,6 +21,7 @@ from nodegraph_compare.words import (
     nearest_first,
     plain_names,
     reason_text,
+    reasons_of,
     scope_text,
     standing_text,
     uncertain_text,
@@ -44,7 +45,7 @@ from nodegraph_tables.answer import (
 from nodegraph_tables.answer import line_of as line_through
 from nodegraph_tables.numbers import (
     MINUS,
-    difference_text,
+    apart_text,
     is_seen,
     number_text,
     span_text,
@@ -123,11 +124,12 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
         return _told(verdicts, group, rows)
     if group.stands:
         return Card((), ("none clearly best",), rows=rows)
-    reason = reason_text(verdicts, group)
-    others = [each for each in verdicts.groups if each.known and each is not group]
-    reasons = {None if each.told or each.stands else reason_text(verdicts, each) for each in others}
+    every = [each for each in verdicts.groups if each.known]
+    reasons = reasons_of(verdicts, (each for each in every if not each.stands))
     # a reason that all cards share stands once, in the answer above them
-    return Card((), ("no verdict",), aside=() if reasons == {reason} else (reason,), rows=rows)
+    is_shared = len(every) > 1 == len(reasons) and not any(each.stands for each in every)
+    reason = () if is_shared else (reason_text(verdicts, group),)
+    return Card((), ("no verdict",), aside=reason, rows=rows)
 
 
 def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
@@ -300,8 +302,8 @@ def _suspect(verdicts: Verdicts, group: Verdict, other: Verdict) -> Text:
     names = listing(method_words(verdicts, other.best))
     if group.suspects_decide:
         (before,) = plain_names(verdicts, group.best[:1])
-        ends = sorted(float(other.mean[each]) for each in (group.best[0], other.best[0]))
-        ahead = Word(difference_text([(ends[1], ends[0])], verdicts.metric.unit), "number")
+        means = [float(other.mean[each]) for each in (group.best[0], other.best[0])]
+        ahead = Word(apart_text(means, verdicts.metric.unit), "number")
         text = f"{HERE}; without them {HERE} {HERE}, {HERE} ahead of {before}"
         return say(text, count, names, mean, ahead)
     end = EXTREME[verdicts.metric.better]

@@ -152,9 +152,27 @@ def rule_text(rule: Rule, blocks: str) -> str:
 
 def reason_text(verdicts: Verdicts, group: Verdict) -> str:
     """Return why a group has no verdict."""
+    if group.stands:
+        return "no difference is clear"
     if objection := _objection(verdicts, group):
         return f"the rules for missing blocks disagree: {objection}"
     return caution_text(group.scope)
+
+
+def reasons_of(verdicts: Verdicts, groups: Iterable[Verdict]) -> list[str]:
+    """Return why groups have no verdict, each reason once; of shortages of a kind the largest."""
+    largest: dict[str, Verdict] = {}
+    for group in groups:
+        shortage = None if group.objections else group.scope.shortage
+        kind = reason_text(verdicts, group) if shortage is None else shortage.of
+        if kind not in largest or _lack(group) > _lack(largest[kind]):
+            largest[kind] = group
+    return [reason_text(verdicts, group) for group in largest.values()]
+
+
+def _lack(group: Verdict) -> float:
+    shortage = group.scope.shortage
+    return 0.0 if shortage is None else shortage.needed - shortage.there
 
 
 def _objection(verdicts: Verdicts, group: Verdict) -> str:

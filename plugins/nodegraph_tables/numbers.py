@@ -60,6 +60,11 @@ def difference_text(pairs: Sequence[tuple[float, float]], unit: str = "") -> str
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 
+def apart_text(values: Sequence[float], unit: str = "") -> str:
+    """Return by how much the larger of two numbers is above the other."""
+    return difference_text([(max(values), min(values))], unit)
+
+
 def is_seen(value: float, to: float, unit: str = "") -> bool:
     """Whether numbers, as these are shown, are more than one apart in their last digit.
 

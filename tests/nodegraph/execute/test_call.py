@@ -7,6 +7,7 @@ import threading
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -354,6 +355,9 @@ def test_state_that_is_changed_after_a_call_was_given_up_stays(
         lambda: np.random.standard_normal(),  # noqa: NPY002
         lambda: np.random.seed(1),  # noqa: NPY002
         lambda: np.random.set_bit_generator(np.random.PCG64(1)),  # type: ignore[attr-defined]
+        # as many words as a state has, after which its position is the same
+        lambda: random.getrandbits(32 * 624),
+        lambda: np.random.bytes(4 * 624),  # noqa: NPY002
     ],
 )
 @pytest.mark.parametrize("before", [0, 1], ids=["", "the second of a pair"])
@@ -378,6 +382,22 @@ def test_every_change_of_global_random_states_is_seen_and_put_back(
     ] * 2
     assert now == (own, numpy)
     assert perform(foreign(plain)).warnings == ()
+
+
+def test_a_working_directory_that_a_call_renames_is_put_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+
+    def renames() -> float:
+        folder.rename(tmp_path / "there")
+        return 1.0
+
+    (warning,) = perform(foreign(renames)).warnings
+    assert warning.startswith("it changes the working directory, which is put back")
+    assert Path.cwd() == folder
 
 
 def test_other_warnings_are_shown_as_before() -> None:

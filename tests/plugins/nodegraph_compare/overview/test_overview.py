@@ -20,7 +20,7 @@ from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
-from nodegraph_tables.answer import html_of
+from nodegraph_tables.answer import html_of, plain
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 
@@ -162,9 +162,7 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     text = text_of(lead)
     assert "<script" not in lead
     assert text.startswith("It depends on heat. One method for all: rich . Best: plain for 180 K (")
-    assert (
-        "Why rich : lowest over all 2 groups together, never more than 41 % behind the best" in text
-    )
+    assert "Why rich : lowest over all 2 groups together, at most 40 % behind the best" in text
     assert "plain : Bake with &lt;flour&gt; alone." in text
     assert "Bake for long" not in text
     # on every name, to hover
@@ -232,8 +230,9 @@ def test_the_compromise_is_by_the_ratio_that_judges_the_best(better: BetterEnd) 
                 entries.append((labels, cakes(waste, better=better)))
     scores = Across(("kitchen", "heat", "recipe"), tuple(entries), sources=("kitchen",))
     text = text_of(rendered(compared(scores, within=("heat",)).overview).lead)
-    behind = (4.0 * 1.2**7) ** (1 / 8) - 1  # 39.5 %; of the plain means, 294 % or 74 %
-    assert f", never more than {np.ceil(100 * behind):.0f} % behind the best of a group" in text
+    ratio = (4.0 * 1.2**7) ** (1 / 8)  # 1.395; of the plain means, 3.94 or 1.74
+    behind = abs((ratio if better == "lower" else 1 / ratio) - 1)
+    assert f", at most {100 * behind:.0f} % behind the best of a group" in text
 
 
 def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None:
@@ -247,7 +246,7 @@ def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None
     sentence, scope, why, *cards = section.answer
     assert sentence.startswith("It depends on heat. One method for all: rich. ")
     assert why.startswith(
-        "Why rich: lowest over all 6 groups together, never more than 40 % behind"
+        "Why rich: lowest over all 6 groups together, at most 39\N{NO-BREAK SPACE}% behind"
     )
     assert " Best: plain for 180" in sentence
     assert scope.startswith("5 kitchens: holds for further kitchens.")
@@ -319,7 +318,25 @@ def test_the_one_to_take_is_clearly_behind_in_few_groups_and_marked_on_every_car
     lead = rendered(overview).lead
     marked = re.findall(r'<tr data-method="rich" class="(?:best )?for-all">', lead)
     assert len(marked) == len(wastes) * bool(where)
-    assert (f"Why rich : clearly behind {where} groups, never" in text_of(lead)) == bool(where)
+    assert (f"Why rich : clearly behind {where} groups, at most" in text_of(lead)) == bool(where)
+
+
+@pytest.mark.parametrize(("more", "kind"), [(0.01, "behind"), (0.02, "worse")])
+def test_what_is_worse_by_no_more_than_the_last_digit_has_no_colour(more: float, kind: str) -> None:
+    random = np.random.default_rng(1)
+    entries: Any = tuple(
+        (
+            {"kitchen": kitchen, "oven": oven, "recipe": recipe},
+            cakes(random.uniform(0.9999, 1.0001, 4) * mean),
+        )
+        for kitchen in range(8)
+        for oven, mean_of_plain in (("gas", 1.0), ("coal", 3.0))
+        for recipe, mean in (("plain", mean_of_plain), ("rich", 1.0 + more))
+    )
+    scores = Across(("kitchen", "oven", "recipe"), entries, sources=("kitchen",))
+    gas, coal = compared(scores, within=("oven",)).overview.answer.cards
+    assert (gas.kind, coal.kind) == (kind, "best")
+    assert "clearly behind" in plain(gas.status)
 
 
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
