@@ -26,7 +26,6 @@ from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.value import Overview
 from nodegraph_tables import Answer, info_of
 from nodegraph_tables.answer import plain
-from nodegraph_tables.numbers import is_seen
 from nodegraph_tables.style import BEST
 from tests import odd_studies
 from tests.browser import load
@@ -195,15 +194,10 @@ def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> N
         # the headline is the best, or the method to take with how it stands beside the best
         named = {part.method for part in card.headline if not isinstance(part, str)}
         kinds = {"best": best, "tied": tied, "worse": {*found.behind}}
-        is_slight = card.kind == "behind"
-        kind = "worse" if is_slight else card.kind
-        assert kind == next((kind for kind, of in kinds.items() if named & of), "rest")
-        assert (kind != "rest") == bool(best)
-        assert ("clearly behind" in plain(card.status)) == (kind == "worse")
-        if kind == "worse":
-            behind, first = (float(found.mean[min(of)]) for of in (named, best))
-            assert is_slight != is_seen(behind, first, found.unit)
-        if kind in ("tied", "worse"):
+        assert card.kind == next((kind for kind, of in kinds.items() if named & of), "rest")
+        assert (card.kind != "rest") == bool(best)
+        assert ("clearly behind" in plain(card.status)) == (card.kind == "worse")
+        if card.kind in ("tied", "worse"):
             assert {part.text for part in card.status if not isinstance(part, str)} & best
         if card.rows is None or overview.verdicts.is_sequence:
             continue

@@ -1,4 +1,4 @@
-"""How few markers tell the same expressions: command line to curves and faces."""
+"""How many markers give the same expressions as all 60: command line to curves and faces."""
 
 from __future__ import annotations
 

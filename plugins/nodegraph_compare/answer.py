@@ -66,6 +66,7 @@ _MOST_CLAUSES = 6
 _MOST_TIED = 2
 _MOST_LABELS = 5
 _ALIKE = "not clearly different"
+_MANY_TIMES = 2.0
 
 
 def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
@@ -418,36 +419,37 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
 def _why(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
-    count = len(groups)
-    worst = say(
-        f"at most {HERE} behind the best of a group", _far(verdicts, verdicts.worst_of(take))
-    )
+    worst = say(f"at most {HERE} the best of a group", _far(verdicts, verdicts.worst_of(take)))
     if all(take in group.best for group in groups):
         worst = ("best in each",)
     if of_all is not None and take == verdicts.best_over_all:
-        first = f"{EXTREME[verdicts.metric.better]} over all {count} groups together"
+        first = f"{EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
-        claims = ["clearly behind, by" if place in of_all.behind else MAY_BE for place in rest]
+        claims = ["is clearly" if place in of_all.behind else f"{MAY_BE}," for place in rest]
         far = [_far(verdicts, of_all.distance(place)) for place in rest]
     else:
-        first = f"clearly behind in {verdicts.behind_in(take) or 'none'} of {count} groups"
+        counts = [f"{verdicts.behind_in(place) or 'none'}" for place in verdicts.least_behind]
+        first = f"clearly behind in the fewest groups ({counts[0]} of {len(groups)})"
         rest = [place for place in verdicts.least_behind if place != take][:1]
-        claims = [f"in {verdicts.behind_in(place) or 'none'} of {count}, at most" for place in rest]
+        claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place)) for place in rest]
     after = [
-        say(f"next {HERE}: {claim}{',' * (claim == MAY_BE)} {HERE}", name, size)
+        say(f"next, {HERE} {claim} {HERE} the best", name, size)
         for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
     ]
     reason = joined("; ", [joined(", ", [first, worst]), *after])
     return say(f"Why {HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
 
 
-def _far(verdicts: Verdicts, distance: float) -> Word:
-    """Return how far a method is from the best; see `Verdict.distance`."""
+def _far(verdicts: Verdicts, distance: float) -> Text:
+    """Return how far a method is from the best, as `Verdict.distance` has it: ``12 % behind``."""
     if not verdicts.ratio:
-        return Word(number_text(distance), "number")
-    of_best = 1.0 / distance if verdicts.metric.better == "higher" else distance
-    return Word(percent(abs(of_best - 1.0)), "number")
+        return (Word(number_text(distance), "number"), " behind")
+    is_higher = verdicts.metric.better == "higher"
+    if distance >= _MANY_TIMES and not is_higher:
+        return (Word(f"{distance:.1f} times", "number"),)
+    of_best = 1.0 / distance if is_higher else distance
+    return (Word(percent(abs(of_best - 1.0)), "number"), " behind")
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:

@@ -114,7 +114,9 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     rows = _rows(verdicts, group, line)
     if verdicts.is_sequence:
         first, last = known[0], known[-1]
-        change = (Word(_change(verdicts, group, first, last), "number"),)
+        change: Text = (Word(_change(verdicts, group, first, last), "number"),)
+        if not _is_seen(verdicts, group, last, first):
+            change = ("hardly changed",)
         ends = span_text([group.mean[first], group.mean[last]], verdicts.metric.unit)
         aside = say(f"from {HERE} to {HERE}", *method_words(verdicts, [first, last]))
         return Card((), change, (Word(ends, "number"),), aside, rows=rows)
@@ -136,9 +138,7 @@ def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
     """Return the method to take, or else the best of the group, and how it stands there."""
     take = verdicts.for_all
     shown = group.best if take is None or take in group.best else (take,)
-    kind: Kind = group.marks.get(shown[0], "rest")
-    if shown[0] in group.behind:
-        kind = "worse" if _is_seen(verdicts, group, shown[0], group.best[0]) else "behind"
+    kind: Kind = "worse" if {*shown} & {*group.behind} else group.marks.get(shown[0], "rest")
     value, interval = _value(verdicts, group, shown[0])
     names = say(f"{'take ' * (take is not None)}{HERE}", listing(method_words(verdicts, shown)))
     status = standing_text(_bare(verdicts), group, shown[0])

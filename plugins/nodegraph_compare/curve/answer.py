@@ -299,6 +299,7 @@ def _picture(curves: Curves) -> str:
         "\N{RIGHTWARDS ARROW}</text>",
         *(_path(points, scales) for points in drawn),
         *_names(drawn, scales),
+        *_last(curves, scales),
         *(
             _mark(points, curves, scales)
             for points in drawn
@@ -324,6 +325,17 @@ def _names(drawn: Sequence[Points], scales: _Scales) -> Iterator[str]:
             f'<line class="grid" x1="{x:.1f}" x2="{_RIGHT + 8:g}" y1="{y:.1f}" y2="{above:.1f}"/>'
             f'<text x="{_RIGHT + 11:g}" y="{above + 4:.1f}">{escape(name)}</text>'
         )
+
+
+def _last(curves: Curves, scales: _Scales) -> Iterator[str]:
+    """Yield the name of the curve, of many, that takes the most to be small enough."""
+    if len(curves.drawn) <= ONE_ROW or _of_all(curves) is None:
+        return
+    places = curves.marked.places
+    points = max(curves.drawn, key=lambda each: each.x[places[each.label]])
+    at = places[points.label]
+    x, y = float(scales.x(points.x)[at]), float(scales.y(points.value)[at])
+    yield f'<text class="end" x="{x - 8:.1f}" y="{y + 14:.1f}">{escape(str(points.label))}</text>'
 
 
 def _mark(points: Points, curves: Curves, scales: _Scales) -> str:

@@ -78,8 +78,9 @@ def answer_html(
 
 
 def _described(answer: Answer, does: Mapping[str, str]) -> str:
-    """Return what each method does that the sentence names."""
-    named = [word.method for word in answer.sentence if isinstance(word, Word)]
+    """Return what each method does that the sentence names, and why it says so."""
+    words = (*answer.sentence, *answer.why)
+    named = [word.method or word.text for word in words if isinstance(word, Word)]
     texts = [
         say(f"{HERE}: {does[label]}", Word(label, "method"))
         for label in dict.fromkeys(named)
@@ -177,7 +178,7 @@ def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
         first = html_of(listing(method_words(verdicts, group.best)))
-        return f"<small>{why}; first: {first} {escape(mean)}</small>{more}"
+        return f"{first} <small>{escape(mean)}; {why}</small>{more}"
     names = html_of(listing(best_words(verdicts, group.best)))
     return f"{names} <small>{escape(mean)}</small>{more}"
 
@@ -237,7 +238,9 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
         parts.append("line: 95 % interval")
     if verdicts.is_sequence:
         parts.append("%: change to the one before")
-    axis = ["logarithmic"] if line is not None and line.log else []
+    axis = []
+    if line is not None and line.log:
+        axis.append("logarithmic, but 0 at its left end" if line.least else "logarithmic")
     if line is not None and len(verdicts.groups) > ONE_ROW:
         unit = verdicts.metric.unit
         ends = (tick_text(line.low, unit), tick_text(line.high, unit, with_unit=True))

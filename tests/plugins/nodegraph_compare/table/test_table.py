@@ -107,7 +107,9 @@ def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> No
     assert far["ratio"] == pytest.approx(np.exp(d.mean()))
     assert far["mean"] == pytest.approx(np.exp(logs["far"].mean()))
     assert far["p"] <= 0.05
-    assert words(frame)[2].startswith("Why near: clearly behind in none of 2 groups, best in each")
+    assert words(frame)[2].startswith(
+        "Why near: clearly behind in the fewest groups (none of 2), best in each"
+    )
     # too few units for any group have none over all of them, nor has a single group
     for few in (trials(2), trials(8, lengths=(5,))):
         assert table(few, within=("length",)).table["length"].notna().all()
