@@ -419,7 +419,7 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
 def _why(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
-    worst = say(f"at most {HERE} the best of a group", _far(verdicts, verdicts.worst_of(take)))
+    worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take)))
     if all(take in group.best for group in groups):
         worst = ("best in each",)
     if of_all is not None and take == verdicts.best_over_all:
@@ -434,7 +434,7 @@ def _why(verdicts: Verdicts, take: int) -> Text:
         claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place)) for place in rest]
     after = [
-        say(f"next, {HERE} {claim} {HERE} the best", name, size)
+        say(f"next, {HERE} {claim} {HERE}", name, size)
         for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
     ]
     reason = joined("; ", [joined(", ", [first, worst]), *after])
@@ -447,7 +447,7 @@ def _far(verdicts: Verdicts, distance: float) -> Text:
         return (Word(number_text(distance), "number"), " behind")
     is_higher = verdicts.metric.better == "higher"
     if distance >= _MANY_TIMES and not is_higher:
-        return (Word(f"{distance:.1f} times", "number"),)
+        return (Word(f"{distance:.1f} times", "number"), " the best")
     of_best = 1.0 / distance if is_higher else distance
     return (Word(percent(abs(of_best - 1.0)), "number"), " behind")
 

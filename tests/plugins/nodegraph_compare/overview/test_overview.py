@@ -162,7 +162,9 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     text = text_of(lead)
     assert "<script" not in lead
     assert text.startswith("It depends on heat. One method for all: rich . Best: plain for 180 K (")
-    assert "Why rich : lowest over all 2 groups together, at most 40 % behind the best" in text
+    assert (
+        "Why rich : lowest over all 2 groups together, at most 40 % behind in any; next, " in text
+    )
     assert "plain : Bake with &lt;flour&gt; alone." in text
     assert "Bake for long" not in text
     # on every name, to hover
@@ -232,7 +234,7 @@ def test_the_compromise_is_by_the_ratio_that_judges_the_best(better: BetterEnd) 
     text = text_of(rendered(compared(scores, within=("heat",)).overview).lead)
     ratio = (4.0 * 1.2**7) ** (1 / 8)  # 1.395; of the plain means, 3.94 or 1.74
     behind = abs((ratio if better == "lower" else 1 / ratio) - 1)
-    assert f", at most {100 * behind:.0f} % behind the best of a group" in text
+    assert f", at most {100 * behind:.0f} % behind in any; next, " in text
 
 
 def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None:
