@@ -118,11 +118,11 @@ class StepDigests:
         self._code = code
         self._files = files
         self._distrust = distrust
-        self._known: dict[tuple[int, int], StepDigest] = {}
+        self._known: dict[tuple[str, str, int], StepDigest] = {}
 
     def of(self, step: Step) -> StepDigest:
         """Return the digest of a step itself."""
-        at = (id(step.method.node), id(step.settings))
+        at = (step.node, step.method.label, id(step.settings))
         known = self._known.get(at)
         if known is None:
             known = self._known[at] = self._computed(step)

@@ -51,7 +51,7 @@ class StateBefore:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._calls: set[int] = set()
+        self._calls: set[object] = set()
         self._marks: tuple[object, ...] = ()
         self._files: list[tuple[int, int] | None] = []
         self._before: list[object] = []
@@ -70,14 +70,14 @@ class StateBefore:
                 self._marks, self._files = marks, _files()
                 self._before = [state.read() for state in SHARED]
                 _copy_descriptors()
-            self._calls.add(id(call))
+            self._calls.add(call)
 
     def put_back(self, call: object) -> list[str]:
         """Put back what has changed when a call ends or is given up; return a warning for each."""
         with self._lock:
-            if id(call) not in self._calls:
+            if call not in self._calls:
                 return []
-            self._calls.remove(id(call))
+            self._calls.remove(call)
             if _marks() == self._marks and _files() == self._files:
                 return []
             return list(self._put_back())
