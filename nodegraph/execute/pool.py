@@ -61,20 +61,18 @@ class Pool:
         ]
 
     def take(self, reader: Step, outcomes: Mapping[int, Outcome]) -> dict[str, object]:
-        """Return the inputs of a step, and drop what it alone reads: it has a copy."""
+        """Return the inputs of a step, and drop what no other step is to read: it has a copy."""
         inputs = {
             port: self._lend(source)
             if isinstance(source, Output)
             else self._gather(source, outcomes)
             for port, source in reader.inputs.items()
         }
-        for needed in reader.needed:
-            if self._unread[needed] == 1 and needed not in self.keep:
-                self.drop(needed)
+        self.release(reader)
         return inputs
 
     def release(self, reader: Step) -> None:
-        """Drop what no other step reads than this, which has ended."""
+        """Drop what no step is to read any more, now that this one does not."""
         for needed in reader.needed:
             if unread := self._unread.get(needed):
                 self._unread[needed] = unread - 1

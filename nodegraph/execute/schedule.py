@@ -211,6 +211,8 @@ class Schedule:
                 known = self._cache.look_again(step, key, whole=index in self._recompute)
         if known is None:
             heapq.heappush(self._ready, (index, key))
+        else:
+            self._pool.release(step)
         return known
 
     def _wait(self, reader: int, needed: Collection[int]) -> None:
@@ -243,10 +245,8 @@ class Schedule:
             self._pool.add(index, outcome.values)
             outcome.values = ()  # else they would live as long as the outcome
         self.outcomes[index] = outcome
-        step = self.plan.steps[index]
-        self._pool.release(step)
         if self._observer is not None:
-            self._observer.settled(step, outcome)
+            self._observer.settled(self.plan.steps[index], outcome)
 
 
 def _last_steps(plan: Plan) -> Iterator[int]:
