@@ -39,7 +39,6 @@ _MOST_VALUES = 6
 _MOST_METHODS = 24
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 32
-_LONGEST_NAMES = 48
 _LONGEST_SERIES = 24
 _NUMBERED = re.compile(r"(\D*)\d+")
 
@@ -110,7 +109,7 @@ def _seen_in_the_end(graph: Graph, wires: Mapping[_Ends, Sequence[Reference]]) -
     """Return the axes of what the report shows, or of what no other node reads."""
     last = {name for name, node in graph.nodes.items() if _kind(graph, node) == "report"}
     last |= {*graph.nodes} - {source for source, *_ in wires}
-    return {
+    return {axis for name in last for axis in graph.nodes[name].axes} | {
         axis
         for (source, _, target, _), references in wires.items()
         for reference in references
@@ -336,7 +335,8 @@ class _Along(NamedTuple):
     def __str__(self) -> str:
         texts = [text for _, text in self.values]
         is_short = len(" / ".join(texts)) <= _LONGEST
-        return labels_text(texts if is_short else [*dict.fromkeys(texts)], _LONGEST, " / ")
+        text = labels_text(texts if is_short else [*dict.fromkeys(texts)], _LONGEST, " / ")
+        return f"{text} over {self.axis}"
 
 
 _Setting = str | _Along
@@ -355,7 +355,8 @@ def _settings(method: Method) -> dict[str, _Setting]:
             for labels, settings in method.settings.shown.items()
         }
         texts = tuple(dict.fromkeys(shown.values()))
-        value = next(iter(method.settings.values.values()))[name]
+        values = [each[name] for each in method.settings.values.values()]
+        value = next((each for each in values if each is not None), None)
         if len(texts) == 1:
             if value != method.node.settings[name].default:
                 found[name] = texts[0]
@@ -383,11 +384,9 @@ def _with_values(settings: Mapping[str, _Setting]) -> tuple[Axis, ...]:
             named.setdefault(each.axis, {})[name] = each
     axes = []
     for axis, several in named.items():
-        labels_at: dict[tuple[str, ...], list[Label]] = {}
-        for at in zip(*(each.values for each in several.values()), strict=True):
-            labels_at.setdefault(tuple([text for _, text in at]), []).append(at[0][0])
-        if sum(map(len, labels_at.values())) <= _MOST_VALUES:
-            values = [(labels_text(each, _LONGEST_NAMES), *row) for row, each in labels_at.items()]
+        at_each = [*zip(*(each.values for each in several.values()), strict=True)]
+        if len(at_each) <= _MOST_VALUES:
+            values = [(labels_text([at[0][0]]), *(text for _, text in at)) for at in at_each]
             axes.append(Axis(axis, settings=tuple(several), values=tuple(values)))
     return tuple(axes)
 

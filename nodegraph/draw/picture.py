@@ -97,7 +97,7 @@ class Axis(NamedTuple):
     settings : tuple of str
         Those for which its labels stand: ``("sigma", "cutoff")``.
     values : tuple of (tuple of str)
-        Of each label, or of several alike, and after it the values of `settings`.
+        Each label, and after it the values of `settings`.
     """
 
     name: str

@@ -137,7 +137,33 @@ def test_the_settings_that_few_labels_stand_for_are_a_table(
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
     assert boxes["each"].lines == boxes["plain"].lines == ("fill.scale",)
-    values = (("none, heavy", "9"), ("usual", "3"), ("last", "4"))
+    values = (("none", "9"), ("usual", "3"), ("heavy", "9"), ("last", "4"))
     assert boxes["each"].axes == (Axis("damage", "none, usual, heavy, last", ("power",), values),)
     assert [*map(str, boxes["plain"].axes)] == ["k: 1, 2, 3"]
-    assert boxes["many"].lines == ("fill.scale", "power: 0 / 1 / 2 / 3 / 4 / 5")
+    assert boxes["many"].lines == ("fill.scale", "power: 0 / 1 / 2 / 3 / 4 / 5 over condition")
+
+
+def test_axes_that_are_seen_in_the_end_are_multiplied_where_a_node_has_them_at_once(
+    graph_of: Callable[..., Graph],
+) -> None:
+    text = """
+    axes: {trial: {count: 20}, other: [1, 2], unseen: [1, 2]}
+    nodes:
+      capture: {use: read.number}
+      scaled:
+        in: capture
+        alternatives:
+          twice: {use: fill.scale, with: {power: $trial}}
+          same: {use: pass}
+      held: {use: fill.scale, in: capture, with: {power: $other}}
+      aside: {use: fill.scale, in: capture, with: {power: $unseen}}
+      first: {use: fill.hold, in: {from: aside, at: {unseen: 1}}}
+    report:
+      - {show: scaled, title: How far?}
+      - {show: held}
+      - {show: first}
+    """
+    picture = picture_of(graph_of(text))
+    assert picture.combinations == "20 trial \N{MULTIPLICATION SIGN} 2 scaled; 2 other"
+    titles = {box.name: box.title for box in picture.boxes if box.kind == "report"}
+    assert titles == {"scaled": "How far?", "held": "", "first": ""}

@@ -113,3 +113,19 @@ def test_ports_of_a_graph_that_are_called_the_same_are_told_apart() -> None:
     assert table == boxes[-1]
     assert [socket.name for socket in moved.outputs] == ["all", "chosen"]
     assert [socket.text for socket in moved.inputs] == ["all.weights", "chosen.weights"]
+
+
+def test_the_report_lists_titles_in_place_of_names_and_methods() -> None:
+    port = (Socket("scores"),)
+    boxes = (
+        Box("score", outputs=port),
+        Box("far", ("compare.table", "metric: rmse"), port, kind="report", title="How far?"),
+        Box("near", ("compare.table", "metric: rmse"), port, kind="report"),
+    )
+    arrows = tuple(Arrow("score", "scores", name, "scores") for name in ("far", "near"))
+    ((socket,),) = (box.inputs for box in folded(Picture("", boxes, arrows)).boxes[1:])
+    dot = " \N{MIDDLE DOT} "
+    assert socket.items == (
+        f"How far?{dot}metric: rmse",
+        f"near{dot}compare.table{dot}metric: rmse",
+    )

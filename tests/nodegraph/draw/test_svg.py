@@ -306,6 +306,36 @@ def test_parts_that_share_only_their_data_and_the_report_stand_one_below_the_oth
     placed = rectangles(check(Picture("", tuple(boxes), arrows)))
     first, second = ([placed[name] for name in part] for part in parts)
     assert max(bottom for *_, bottom in first) < min(top for _, top, *_ in second)
+    boxes[-1] = replace(boxes[-1], kind="report")
+    root = check(Picture("", tuple(boxes), arrows))
+    (up,) = (group for group in arrows_of(root) if group.get("data-arrow") == "b3.x end.x")
+    ((begin, *_, end),) = lines(up)
+    assert begin[1] > end[1]
+    assert rectangles(root)["end"][3] < rectangles(root)["b3"][1]
+
+
+def test_two_outputs_of_a_row_lead_to_boxes_of_the_next_without_a_crossing() -> None:
+    port, both = (Socket("x"),), (Socket("x"), Socket("y"))
+    wide = ("x" * 42,)
+    boxes = (
+        Box("take", wide, (), port),
+        Box("align", wide, port, both),
+        Box("one", wide, port, port),
+        Box("two", wide, port, port),
+        Box("end", wide, both),
+    )
+    ways = (("take", "x", "align"), ("align", "x", "one"), ("align", "y", "two"))
+    arrows = (
+        *(Arrow(source, output, target, "x") for source, output, target in ways),
+        Arrow("one", "x", "end", "x"),
+        Arrow("two", "x", "end", "y"),
+    )
+    root = check(Picture("", boxes, arrows))
+    _, upper, lower, *_ = (lines(group)[0] for group in arrows_of(root))
+    right, left = (choose(x for x, _ in upper) for choose in (max, min))
+    assert max(x for x, _ in lower) < right
+    assert min(x for x, _ in lower) < left
+    assert rectangles(root)["one"][3] < rectangles(root)["two"][1]
 
 
 def test_the_arrow_of_an_alternative_with_its_own_source_ends_at_its_row() -> None:
@@ -550,6 +580,20 @@ def test_arrows_say_what_they_are() -> None:
     assert wide > 1.7 * plain_line
     title = drawn["fill.recording faces.recordings"].findtext(f"{SVG}title")
     assert title == "fill.recording to faces.recordings (at trial=0, gathers)"
+
+
+def test_the_title_and_the_combinations_stand_above_the_boxes() -> None:
+    asked = "Which of three ways to fill the gaps of a face comes nearest to the truth?"
+    counts = "8 actor \N{MULTIPLICATION SIGN} 3 fill"
+    picture = replace(fill(), title=asked, combinations=counts)
+    root = check(picture)
+    above = [text for text in root.iter(f"{SVG}text") if float(text.attrib["y"]) < 0]
+    assert " ".join(text.text or "" for text in above) == f"{asked} {counts}"
+    heights = [float(text.attrib["y"]) for text in above]
+    assert heights == sorted(heights)
+    within = ElementTree.fromstring(svg(picture, heading=False))
+    assert float(root.attrib["height"]) > float(within.attrib["height"])
+    assert counts not in {text.text for text in within.iter(f"{SVG}text")}
 
 
 def test_alternatives_axes_ports_and_fixed_labels_are_written() -> None:
