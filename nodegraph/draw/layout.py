@@ -158,24 +158,21 @@ def _parts(area: Area) -> list[list[Cell]]:
 
     A beginning stands with the first part that reads it, an end with the largest that it reads.
     """
-    network: nx.DiGraph[Cell] = nx.DiGraph()
-    network.add_nodes_from(area.sizes)
-    network.add_edges_from((source, target) for (source, _), (target, _) in area.wires)
-    between = {
-        cell: at for at, cell in enumerate(network) if network.pred[cell] and network.succ[cell]
-    }
-    several = [
-        part for part in nx.weakly_connected_components(network.subgraph(between)) if len(part) > 1
-    ]
+    net: nx.DiGraph[Cell] = nx.DiGraph()
+    net.add_nodes_from(area.sizes)
+    net.add_edges_from((source, target) for (source, _), (target, _) in area.wires)
+    between = {cell: at for at, cell in enumerate(net) if net.pred[cell] and net.succ[cell]}
+    linked = nx.weakly_connected_components(net.subgraph(between))
+    several = [part for part in linked if len(part) > 1]
     several.sort(key=lambda part: min(map(between.__getitem__, part)))
     part_of = {cell: at for at, part in enumerate(several) for cell in part}
 
     def part(cell: Cell) -> int:
-        after = [part_of[reader] for reader in network.succ[cell] if reader in part_of]
-        before = {part_of[source] for source in network.pred[cell] if source in part_of}
+        after = [part_of[reader] for reader in net.succ[cell] if reader in part_of]
+        before = {part_of[source] for source in net.pred[cell] if source in part_of}
         return min(after, default=max(before, key=lambda at: len(several[at]), default=0))
 
-    parts: list[list[Cell]] = [[] for _ in several or "1"]
+    parts: list[list[Cell]] = [[] for _ in several or [()]]
     for cell in area.sizes:
         parts[part_of[cell] if cell in part_of else part(cell)].append(cell)
     return parts
@@ -717,10 +714,8 @@ def _placed(
     def room(output: tuple[int, str, str]) -> tuple[float, float]:
         """Return how far to the right an output's line goes down, and from how far up."""
         band, name, port = output
-        is_below = bands["box", name] == band
-        return _free(areas[()], bands, ("box", name), up=is_below), -corners[name][1] - outputs[
-            name
-        ][port]
+        free = _free(areas[()], bands, ("box", name), up=bands["box", name] == band)
+        return free, -corners[name][1] - outputs[name][port]
 
     lanes: dict[tuple[int, str, str], tuple[int, float]] = {}
     for band in {band for band, *_ in outputs_led}:
@@ -820,9 +815,8 @@ def _free(area: Area, bands: _Bands, source: Cell, *, up: bool) -> float:
     is_alone = all(left <= x or top > y + size.height for left, top in beside.values())
     begins = {target: area.corners[begin][0] for (begin, _), (target, _) in area.wires if is_alone}
     for cell, (left, top) in sorted(beside.items(), key=lambda item: item[1]):
-        if (top < y if up else top > y) and min(
-            left, begins.get(cell, left)
-        ) < reach + _BETWEEN_COLUMNS:
+        near = min(left, begins.get(cell, left)) < reach + _BETWEEN_COLUMNS
+        if near and (top < y if up else top > y):
             reach = max(reach, left + area.sizes[cell].width)
     return reach
 
@@ -851,11 +845,9 @@ def _led(
     """Return the links that run from one band to the next: of two outputs, each one to each box.
 
     It is the box's first input, if that reads one value, or where nothing in its own band leads to
-    the box, another of its rows and inputs; in the report, what reads nothing else, or what a part
-    below it leads to. Of several
-    outputs that one is led which the report lists, or which most boxes have as their first input;
-    then another, to other boxes, or from a box that nothing else leads on from. The truth stays
-    aside.
+    the box, another of its rows and inputs; in the report, what reads nothing else, or a band below
+    it. Of several outputs that one is led which the report lists, or which most boxes have as their
+    first input; then another, to other boxes or from one that no line leaves. No truth is led.
     """
     first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
     reports = {box.name for box in picture.boxes if box.kind == "report"}
@@ -897,11 +889,7 @@ def _led(
         led.update(most.values())
         whole.update(link.source for link in led)
         rest = [
-            {
-                name: link
-                for name, link in each.items()
-                if name not in most or link.source not in whole
-            }
+            {to: link for to, link in each.items() if to not in most or link.source not in whole}
             for each in others
         ]
         led.update(max(rest, key=rank, default={}).values())

@@ -190,15 +190,7 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A whole drawing.
-
-    Attributes
-    ----------
-    title : str
-    boxes : tuple of Box
-    arrows : tuple of Arrow
-    combinations : str
-        Those that the report shows: ``8 actor x 3 data x 6 align``.
+    """A whole drawing, with the combinations in the report: ``8 actor x 3 data x 6 align``.
 
     Raises
     ------

@@ -225,13 +225,13 @@ def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str
         If arrows form a cycle.
     """
     shapes, placed, routes = layout(picture, states=sockets)
-    arrows = [_arrow(arrow, lines) for arrow, lines in zip(picture.arrows, routes, strict=True)]
+    lines_of = [*zip(picture.arrows, routes, strict=True)]
+    arrows = [_arrow(*each) for each in lines_of]
     frames = [_frame(*frame) for frame in placed.frames]
     marks = _marks(picture) if sockets else {}
-    boxes = [
-        _box(shape, *corner, marks) for shape, corner in zip(shapes, placed.corners, strict=True)
-    ]
-    drawn = [arrow for arrow, lines in zip(picture.arrows, routes, strict=True) if lines]
+    corners = zip(shapes, placed.corners, strict=True)
+    boxes = [_box(shape, *corner, marks) for shape, corner in corners]
+    drawn = [arrow for arrow, lines in lines_of if lines]
     samples = _styles(picture, drawn), _types(picture, marks)
     explained, wide, high = _legend(samples, max(placed.width, _LEGEND), placed.height + 18.0)
     wide = max(placed.width, wide)
