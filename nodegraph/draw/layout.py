@@ -172,7 +172,7 @@ def _parts(area: Area) -> list[list[Cell]]:
         before = {part_of[source] for source in net.pred[cell] if source in part_of}
         return min(after, default=max(before, key=lambda at: len(several[at]), default=0))
 
-    parts: list[list[Cell]] = [[] for _ in several or [()]]
+    parts: list[list[Cell]] = [[] for _ in several or "1"]
     for cell in area.sizes:
         parts[part_of[cell] if cell in part_of else part(cell)].append(cell)
     return parts
