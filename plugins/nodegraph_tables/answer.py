@@ -9,10 +9,10 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar, cast
 
 from markupsafe import Markup, escape
 
@@ -75,11 +75,19 @@ class Word(Value):
         conclusion.
     method : str
         The label of a method that stands out, or whose text says more.
+    does : str
+        What the method does, in a sentence.
     """
 
     text: str
     kind: Literal["strong", "suspect", "method", "number"] = "strong"
     method: str = ""
+    does: str = ""
+
+    @property
+    def label(self) -> str:
+        """The label of the method that it names; empty where it names none."""
+        return self.text if self.kind == "method" and not self.method else self.method
 
 
 MAY_BE = "may be as good"
@@ -143,10 +151,14 @@ def _part_html(part: str | Word) -> Markup:
     if part.kind == "number":
         return Markup(f'<span class="lead-number">{escape(part.text)}</span>')
     tag = "span" if part.kind == "method" else "strong"
-    label = part.text if part.kind == "method" and not part.method else part.method
-    method = f' data-method="{escape(label)}"' if label else ""
+    method = _of_method(part.label, part.does) if part.label else ""
     suspect = ' class="suspect"' if part.kind == "suspect" else ""
     return Markup(f"<{tag}{method}{suspect}>{escape(part.text)}</{tag}>")
+
+
+def _of_method(label: str, does: str) -> str:
+    """Return the attributes of an element that names a method."""
+    return f' data-method="{escape(label)}"' + (f' title="{escape(does)}"' if does else "")
 
 
 @dataclass(frozen=True)
@@ -285,6 +297,8 @@ class Row(Value):
         What is said of it beside its number.
     for_all : bool
         Whether it is the one to take, whichever the card is.
+    does : str
+        What it does, in a sentence.
     """
 
     name: str
@@ -294,6 +308,12 @@ class Row(Value):
     kind: Kind = "rest"
     note: Text = ()
     for_all: bool = False
+    does: str = ""
+
+    @property
+    def label(self) -> str:
+        """The label of the method, which is its name."""
+        return self.name
 
 
 @dataclass(frozen=True)
@@ -506,6 +526,26 @@ class Answer(Value):
     def in_words(self) -> Answer:
         """The same without cards, their words among the further sentences."""
         return replace(self, cards=(), more=(*(card.line for card in self.cards), *self.more))
+
+
+def with_descriptions(part: _T, does: Mapping[str, str]) -> _T:
+    """Return an answer, or a part of one, in which methods say what they do.
+
+    Parameters
+    ----------
+    part
+    does
+        A sentence for each label.
+    """
+    if isinstance(part, tuple):
+        return cast("_T", tuple(with_descriptions(each, does) for each in part))
+    if not isinstance(part, (Answer, Card, Rows, Row, Word)):
+        return part
+    parts = {each.name: getattr(part, each.name) for each in fields(part)}
+    parts = {name: with_descriptions(value, does) for name, value in parts.items()}
+    if isinstance(part, (Row, Word)):
+        parts["does"] = does.get(part.label, "")
+    return replace(part, **parts)
 
 
 def in_authors_words(answer: Answer, parts: Sequence[str | Placeholder]) -> Answer:
@@ -786,7 +826,7 @@ def _headline(text: Text) -> Markup:
 
 def _rows_html(rows: Rows, *, judged: bool) -> str:
     body = "".join(
-        f'<tr data-method="{escape(row.name)}"{_classes(row)}>'
+        f"<tr{_of_method(row.name, row.does)}{_classes(row)}>"
         f'<th scope="row">{escape(row.name)}</th>'
         f"<td>{_strip([row], rows)}</td><td>{escape(rows.number(row))}</td></tr>"
         + (f'<tr{_classes(row)}><td colspan="3">{html_of(row.note)}</td></tr>' if row.note else "")
@@ -817,7 +857,7 @@ def _strip(of: Sequence[Row], rows: Rows) -> str:
             parts.append(f'<line class="reach" x1="{low}" x2="{high}" y1="8" y2="8"/>')
         radius = 4 if row.kind == "rest" else 5
         name = escape(f"{row.name} {rows.number(row)}")
-        of_method = f' data-method="{escape(row.name)}"' if len(of) > 1 else ""
+        of_method = _of_method(row.name, row.does) if len(of) > 1 else ""
         parts.append(
             f'<circle class="{row.kind}" cx="{x}" cy="8" r="{radius}"{of_method}>'
             f"<title>{name}</title></circle>"

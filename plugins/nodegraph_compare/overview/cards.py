@@ -32,6 +32,7 @@ from nodegraph_tables.answer import (
     listing,
     say,
     tick_text,
+    with_descriptions,
 )
 from nodegraph_tables.numbers import span_text
 
@@ -46,7 +47,6 @@ _MOST_COLUMNS = 6
 _MOST_NAMES = 3
 _MOST_ROWS = 60
 _SOURCE = re.compile(r" \([^()]*\)\.$")
-_NAMED = re.compile(r'data-method="([^"]*)"')
 
 
 def answer_html(
@@ -66,43 +66,35 @@ def answer_html(
     summaries
         What methods do, by their labels, in a sentence.
     """
+    does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
+    told = with_descriptions(answer, does)
     if line_of(verdicts) is None:
         inside = ""
     elif len(verdicts.groups) > MOST_CARDS:
-        inside = _grid(verdicts)
+        inside = _grid(verdicts, does)
     else:
-        inside = f"{key(verdicts, answer.cards)}{cards_html(answer.cards)}"
-    does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
-    html = lead_of_parts(answer, inside + _described(answer, does), legend(verdicts))
-    return Markup(_NAMED.sub(lambda name: _titled(name, does), html))
+        inside = f"{key(verdicts, told.cards)}{cards_html(told.cards)}"
+    return lead_of_parts(told, inside + _described(told), legend(verdicts))
 
 
-def _described(answer: Answer, does: Mapping[str, str]) -> str:
+def _described(answer: Answer) -> str:
     """Return what each method does that the sentence names, and why it says so."""
     words = (*answer.sentence, *answer.why)
-    named = [word.method or word.text for word in words if isinstance(word, Word)]
+    does = {word.label: word.does for word in words if isinstance(word, Word) and word.does}
     texts = [
-        say(f"{HERE}: {does[label]}", Word(label, "method"))
-        for label in dict.fromkeys(named)
-        if label in does
+        say(f"{HERE}: {text}", Word(label, "method", does=text)) for label, text in does.items()
     ]
     inside = html_of(joined(" ", texts))
     return f'<p class="lead-methods">{inside}</p>' if texts else ""
 
 
-def _titled(name: re.Match[str], does: Mapping[str, str]) -> str:
-    """Return the attribute that names a method, with what it does to hover."""
-    label = str(Markup(name[1]).unescape())
-    return f'{name[0]} title="{escape(does[label])}"' if label in does else name[0]
-
-
-def _grid(verdicts: Verdicts) -> str:
+def _grid(verdicts: Verdicts, does: Mapping[str, str]) -> str:
     """Return the best of every group in rows and columns, where there are many groups."""
     axes = varying(verdicts)
     last = axes[-1]
     tops = list(dict.fromkeys(group.labels[last] for group in verdicts.groups))
     if len(axes) < 2 or len(tops) > _MOST_COLUMNS:
-        return _list(verdicts)
+        return _list(verdicts, does)
     cells = {
         (tuple(group.labels[axis] for axis in axes[:-1]), group.labels[last]): group
         for group in verdicts.groups
@@ -124,7 +116,7 @@ def _grid(verdicts: Verdicts) -> str:
         )
         + "".join(
             f'<td data-head="{title}"{_mark(verdicts, cells.get((side, top)))}>'
-            f"{_cell(verdicts, cells.get((side, top)))}</td>"
+            f"{_cell(verdicts, cells.get((side, top)), does)}</td>"
             for top, title in titles.items()
         )
         for side in sides
@@ -135,12 +127,12 @@ def _grid(verdicts: Verdicts) -> str:
             f'<th scope="row" data-head="all" colspan="{len(names)}">'
             f"{len(verdicts.groups)} groups together</th>"
             f'<td data-head="best" colspan="{len(titles)}"{_mark(verdicts, verdicts.overall)}>'
-            f"{take}{_cell(verdicts, verdicts.overall)}</td>"
+            f"{take}{_cell(verdicts, verdicts.overall, does)}</td>"
         )
     return _table(heads, rows)
 
 
-def _list(verdicts: Verdicts) -> str:
+def _list(verdicts: Verdicts, does: Mapping[str, str]) -> str:
     names = (
         ", ".join(verdicts.within[axis] for axis in varying(verdicts)),
         "best",
@@ -149,16 +141,19 @@ def _list(verdicts: Verdicts) -> str:
     heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
     rows = [
         f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
-        f"<td{_mark(verdicts, group)}>{_cell(verdicts, group)}</td>"
-        f"<td>{_others(verdicts, group)}</td>"
+        f"<td{_mark(verdicts, group)}>{_cell(verdicts, group, does)}</td>"
+        f"<td>{_html(_others(verdicts, group), does)}</td>"
         for group in verdicts.groups
     ]
     return _table(heads, rows)
 
 
-def _others(verdicts: Verdicts, group: Verdict) -> str:
-    tied = group.tied if group.told else []
-    return html_of(few(method_words(verdicts, tied), _MOST_NAMES))
+def _others(verdicts: Verdicts, group: Verdict) -> Text:
+    return few(method_words(verdicts, group.tied if group.told else []), _MOST_NAMES)
+
+
+def _html(text: Text, does: Mapping[str, str]) -> Markup:
+    return html_of(with_descriptions(text, does))
 
 
 def _mark(verdicts: Verdicts, group: Verdict | None) -> str:
@@ -167,19 +162,20 @@ def _mark(verdicts: Verdicts, group: Verdict | None) -> str:
     return ' class="for-all"' if verdicts.for_all in best else ""
 
 
-def _cell(verdicts: Verdicts, group: Verdict | None) -> str:
+def _cell(verdicts: Verdicts, group: Verdict | None, does: Mapping[str, str]) -> str:
     if group is None or not group.known:
         return "\N{EN DASH}"
     unit = verdicts.metric.unit
     if not group.best:
         return escape(span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit))
     mean = span_text([group.mean[group.best[0]]], unit)
-    more = "".join(f"<div><small>{html_of(text)}</small></div>" for text in _more(verdicts, group))
+    texts = [_html(text, does) for text in _more(verdicts, group)]
+    more = "".join(f"<div><small>{text}</small></div>" for text in texts)
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
-        first = html_of(listing(method_words(verdicts, group.best)))
+        first = _html(listing(method_words(verdicts, group.best)), does)
         return f"{first} <small>{escape(mean)}; {why}</small>{more}"
-    names = html_of(listing(best_words(verdicts, group.best)))
+    names = _html(listing(best_words(verdicts, group.best)), does)
     return f"{names} <small>{escape(mean)}</small>{more}"
 
 
