@@ -617,7 +617,11 @@ def test_what_cannot_be_a_stream_is_answered_with_what_can(folder: Path, tmp_pat
     )
     with pytest.raises(NodegraphError, match=r"needs the whole take: noise \(noise\.add\)$"):
         session_of(ng.load(file), ("", "replay:take.npz"))
-    edit(file, "noise.add", "gaps.cut")
+    edit(file, "noise.add", "score.realism")
+    # other scores run on a stream, of an estimate and its truth
+    with pytest.raises(NodegraphError, match=r"noise \(score\.realism\)$"):
+        session_of(ng.load(file), ("", "replay:take.npz"))
+    edit(file, "score.realism", "gaps.cut")
     for source in ("", "face.captured"):
         with pytest.raises(NodegraphError, match=r"gaps\.cut, .* on a stream: gaps\.dropout"):
             session_of(ng.load(file), (source, "replay:take.npz"), [("noise", "file:a.npz")])

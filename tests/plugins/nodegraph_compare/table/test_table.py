@@ -208,6 +208,27 @@ def test_a_recording_without_enough_segments_is_said_to_lack_what_it_lacks(
     assert "nothing is said for further gaps in it." in scope
 
 
+def test_a_shortage_of_several_groups_is_said_once_by_the_largest() -> None:
+    random = np.random.default_rng(0)
+    entries = tuple(
+        (
+            {"length": length, "fill": name},
+            with_info(
+                scored(random.lognormal(size=20)).assign(start=np.arange(20) * 7, frames=length),
+                TableInfo(take=Take(300, correlation=10.0)),
+            ),
+        )
+        for length in (15, 20)
+        for name in ("a", "b")
+    )
+    scores = Across(("length", "fill"), entries)
+    sentence, _, *cards = words(table_of(scores, within=("length",)).table)
+    assert sentence.count("fewer than three") == 1
+    assert "300 frames where 1,440 are needed" in sentence
+    assert "more reason" not in sentence
+    assert not any("fewer than three" in card for card in cards)
+
+
 def test_the_answer_names_who_is_not_clearly_behind() -> None:
     near = [1.0, 1.2, 0.9, 1.1, 1.2, 1.0, 0.9, 1.1]
     tables = {"a": near, "b": [1.3, 1.0, 0.9, 1.2] * 2, "far": [9.0, 9.1, 9.2, 9.0] * 2, "a2": near}
