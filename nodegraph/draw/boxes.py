@@ -69,7 +69,7 @@ _CHIP_GAP = 5.0
 _ROW_GAP = 2.0
 _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
-_LONGEST_IN_ROW = 50
+_LONGEST_IN_ROW = 40
 _MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
@@ -317,8 +317,7 @@ def _port(socket: Socket) -> Iterator[tuple[str, str, float, float]]:
     for at, item in enumerate(socket.items or (socket.text,)):
         for number, line in enumerate(_wrapped(item, _LONGEST_ITEM) or ("",)):
             gap = _BETWEEN_ITEMS * (at > 0 and number == 0)
-            text = line.strip(" \N{MIDDLE DOT}")
-            yield "port", text, _INDENT * (number > 0), _LEADING["port"] + gap
+            yield "port", line, _INDENT * (number > 0), _LEADING["port"] + gap
 
 
 def _wide(style: str, text: str) -> float:
@@ -407,7 +406,8 @@ def _wrapped(text: str, longest: int) -> tuple[str, ...]:
         break_on_hyphens=False,
         break_long_words=False,
     )
-    return tuple([line.replace("\N{NO-BREAK SPACE}", " ") for line in lines])
+    whole = (line.replace("\N{NO-BREAK SPACE}", " ") for line in lines)
+    return tuple([line.strip(" \N{MIDDLE DOT}") for line in whole])
 
 
 def _widest(lines: Iterable[tuple[str, str]]) -> float:

@@ -40,7 +40,7 @@ def test_lines_end_between_labels_and_settings() -> None:
     texts = [[text for text, *_ in chip.texts] for chip in drawn.chips]
     assert texts == [
         ["occlusion: 1 marker, 4 markers,", "12 markers"],
-        ["pca", "strategy: together, weight_missing: 1e-06,", "singular_values: 1"],
+        ["pca", "strategy: together,", "weight_missing: 1e-06,", "singular_values: 1"],
     ]
     assert [text.text for text in drawn.texts if text.style == "line"] == [
         *("cut", "strategy: together,", "weight_missing: 1e-06,", "singular_values: 1"),
