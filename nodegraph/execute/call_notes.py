@@ -24,9 +24,7 @@ _BETWEEN = ("os", "collections.abc", "pathlib", "pathlib._local", "glob", "threa
 """Modules between this one and a line that reads a variable, lists a folder, starts a thread."""
 _LISTINGS = ("os.listdir", "os.scandir")
 _EVENTS = frozenset({"open", "os.mkdir", *_LISTINGS})
-_CHANGES = ("os.putenv", "os.unsetenv", "os.chdir")
-_MOVES = ("os.rename", "os.rmdir")
-"""What may be done to the working directory in a call; outside of one, results are stored so."""
+_CHANGES = ("os.putenv", "os.unsetenv")
 
 notes_of_call: ContextVar[Notes | None] = ContextVar("notes_of_call", default=None)
 """The notes of the call that is being made."""
@@ -173,8 +171,8 @@ def _install() -> None:
 _changes = 0
 
 
-def process_changes() -> int:
-    """Return how often variables and the folder may have changed since reads are noted."""
+def environment_changes() -> int:
+    """Return the number of changes of environment variables since reads are noted."""
     return _changes
 
 
@@ -182,5 +180,5 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
     global _changes
     if event in _EVENTS and (notes := notes_of_call.get()):
         notes.note(event, *arguments)
-    elif event in _CHANGES or (event in _MOVES and notes_of_call.get()):
+    elif event in _CHANGES:
         _changes += 1

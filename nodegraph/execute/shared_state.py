@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from nodegraph.execute.call_notes import process_changes
+from nodegraph.execute.call_notes import environment_changes
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,8 @@ def _marks() -> tuple[object, ...]:
         _PYTHON.gauss_next,
         errors.get(),
         printing.get(),
-        process_changes(),
+        environment_changes(),
+        _folder(),
         sys.path.copy(),
         sys.getrecursionlimit(),
         sys.stdin,

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import ctypes
 import os
 import random
 import sys
@@ -384,18 +385,26 @@ def test_every_change_of_global_random_states_is_seen_and_put_back(
     assert perform(foreign(plain)).warnings == ()
 
 
-def test_a_working_directory_that_a_call_renames_is_put_back(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda folder: Path(folder).rename(f"{folder}_renamed"),
+        lambda folder: ctypes.CDLL(None).chdir(b"/"),
+    ],
+    ids=["renamed", "left in C"],
+)
+def test_a_working_directory_that_a_call_changes_is_put_back(
+    change: Callable[[str], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "here"
     folder.mkdir()
     monkeypatch.chdir(folder)
 
-    def renames() -> float:
-        folder.rename(tmp_path / "there")
+    def changes() -> float:
+        change(str(folder))
         return 1.0
 
-    (warning,) = perform(foreign(renames)).warnings
+    (warning,) = perform(foreign(changes)).warnings
     assert warning.startswith("it changes the working directory, which is put back")
     assert Path.cwd() == folder
 
