@@ -278,10 +278,12 @@ def _sides(into: _Ports, out: _Ports, least: float) -> tuple[float, _Side, _Side
     def inside(sides: tuple[_Side, _Side]) -> float:
         return max(least, _beside(*(side.lines for side in sides)))
 
+    has_notes = any(any(notes) for _, notes in (*into, *out))
+    choices = (_LONGEST_BESIDE, 0) if has_notes else (0,)
     sides = min(
         product(
-            [_side(into, longest) for longest in (_LONGEST_BESIDE, 0)],
-            [_side(out, longest, at_end=True) for longest in (_LONGEST_BESIDE, 0)],
+            [_side(into, longest) for longest in choices],
+            [_side(out, longest, at_end=True) for longest in choices],
         ),
         key=lambda sides: inside(sides) + _HEIGHT * max(side.height for side in sides),
     )

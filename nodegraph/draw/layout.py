@@ -694,7 +694,8 @@ def _placed(
     ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
     outputs_led = dict.fromkeys((_lower(link, bands), *link[:2]) for link in led)
-    gaps = _stack_bands(areas[()], bands, Counter(band for band, *_ in outputs_led))
+    count = Counter(band for band, *_ in outputs_led)
+    gaps = _stack_bands(areas[()], bands, count)
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
     drawn: list[tuple[Frame, Point, Point]] = []
     for frame in list(areas)[1:]:
@@ -711,19 +712,19 @@ def _placed(
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
 
-    def room(output: tuple[int, str, str]) -> tuple[float, float]:
+    def room(band: int, name: str, port: str) -> tuple[float, float]:
         """Return how far to the right an output's line goes down, and from how far up."""
-        band, name, port = output
         free = _free(areas[()], bands, ("box", name), up=bands["box", name] == band)
         return free, -corners[name][1] - outputs[name][port]
 
+    rooms = {output: room(*output) for output in outputs_led}
     lanes: dict[tuple[int, str, str], tuple[int, float]] = {}
-    for band in {band for band, *_ in outputs_led}:
-        right = 0.0
-        beside = sorted((each for each in outputs_led if each[0] == band), key=room)
-        for lane, output in zip(range(len(beside), 0, -1), beside, strict=True):
-            right = max(right + _LANE, room(output)[0] + _AFTER)
-            lanes[output] = lane, right
+    reach: dict[int, float] = {}
+    for output in sorted(rooms, key=rooms.__getitem__):
+        band, *_ = output
+        reach[band] = max(reach.get(band, 0.0) + _LANE, rooms[output][0] + _AFTER)
+        lanes[output] = count[band], reach[band]
+        count[band] -= 1
 
     def line(link: _Link) -> list[Point]:
         if link in ways:
@@ -917,9 +918,11 @@ def _shapes(
         if into[box.name, socket.name] > 1
         for each in box.alternatives
     }
-    known = _fixed_before(picture)
+    known = _fixed_before(picture) if any(arrow.fixed for arrow in picture.arrows) else {}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
-        labels = [each for each in arrow.fixed.split(", ") if each not in known[arrow.target]]
+        labels = [
+            each for each in arrow.fixed.split(", ") if each not in known.get(arrow.target, "")
+        ]
         if any(labels):
             fixed[arrow.target].append((arrow.target_port, ", ".join(labels)))
         if (arrow.source, arrow.source_port) not in begins:
