@@ -429,7 +429,8 @@ def _why(verdicts: Verdicts, take: int) -> Text:
         far = [_far(verdicts, of_all.distance(place)) for place in rest]
     else:
         counts = [f"{verdicts.behind_in(place) or 'none'}" for place in verdicts.least_behind]
-        first = f"clearly behind in the fewest groups ({counts[0]} of {len(groups)})"
+        fewest = ", no other in fewer" * (counts[0] != "none")
+        first = f"clearly behind in {counts[0]} of {len(groups)} groups{fewest}"
         rest = [place for place in verdicts.least_behind if place != take][:1]
         claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place)) for place in rest]
@@ -444,7 +445,7 @@ def _why(verdicts: Verdicts, take: int) -> Text:
 def _far(verdicts: Verdicts, distance: float) -> Text:
     """Return how far a method is from the best, as `Verdict.distance` has it: ``12 % behind``."""
     if not verdicts.ratio:
-        return (Word(number_text(distance), "number"), " behind")
+        return (Word(number_text(distance, verdicts.metric.unit), "number"), " behind")
     is_higher = verdicts.metric.better == "higher"
     if distance >= _MANY_TIMES and not is_higher:
         return (Word(f"{distance:.1f} times", "number"), " the best")
@@ -635,7 +636,7 @@ def scope_words(verdicts: Verdicts) -> Text:
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
             f"{number_name(verdicts, unit)}{geometric}{end}.",
-            "Each verdict is wrong in up to 5 % of such studies." * several,
+            "Clearly: by paired tests, wrong in up to 5 % of such studies." * several,
         ],
     )
 

@@ -351,13 +351,16 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     paired = group.to_best
     assert paired is not None
     of, losses, wins = group.scope.units, int(paired.losses[place]), int(paired.wins[place])
-    count = Word(f"{losses} of {of}", "number")
+    claim, count = "worse", losses
+    if 2 * losses <= of:  # of a mean that is worse, a reader expects it worse in most
+        claim, count = ("though better", wins) if wins else ("equal", of - losses)
     units = units_name(group.scope).removeprefix("synthetic ")
-    start = say(f"{HERE}, worse in {HERE} {units}", _distance(verdicts, group, place), count)
+    start = say(
+        f"{HERE}, {claim} in {HERE} {units}",
+        _distance(verdicts, group, place), Word(f"{count} of {of}", "number"),
+    )  # fmt: skip
     if losses < of:
-        # of a mean that is worse, a reader expects it worse in most
-        rest = f", better in {wins}" if wins else f", equal in {of - losses}"
-        return (*start, rest * (2 * losses <= of))
+        return start
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
     if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:

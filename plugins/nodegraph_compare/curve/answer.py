@@ -259,7 +259,7 @@ def _fact(points: Points, curves: Curves) -> Text:
 
 def _picture(curves: Curves) -> str:
     """Return all curves over one another, with a circle at each mark."""
-    axes, drawn, scales = curves.axes, curves.drawn, _scales(curves)
+    axes, drawn, scales, last = curves.axes, curves.drawn, _scales(curves), _last(curves)
     floors = [floor for points in drawn if math.isfinite(floor := curves.floor(points))]
     parts: list[str] = []
     if floors:
@@ -297,9 +297,9 @@ def _picture(curves: Curves) -> str:
         f"{f' ({escape(unit)})' if unit else ''}</text>",
         f'<text class="end" x="{_RIGHT:g}" y="{_HEIGHT - 2:g}">{escape(axes.x)} '
         "\N{RIGHTWARDS ARROW}</text>",
-        *(_path(points, scales) for points in drawn),
+        *(_path(points, scales, is_last=points is last) for points in drawn),
         *_names(drawn, scales),
-        *_last(curves, scales),
+        *([] if last is None else [_name(last, curves, scales)]),
         *(
             _mark(points, curves, scales)
             for points in drawn
@@ -327,15 +327,19 @@ def _names(drawn: Sequence[Points], scales: _Scales) -> Iterator[str]:
         )
 
 
-def _last(curves: Curves, scales: _Scales) -> Iterator[str]:
-    """Yield the name of the curve, of many, that takes the most to be small enough."""
+def _last(curves: Curves) -> Points | None:
+    """Return the curve, of many, that takes the most to be small enough."""
     if len(curves.drawn) <= ONE_ROW or _of_all(curves) is None:
-        return
+        return None
     places = curves.marked.places
-    points = max(curves.drawn, key=lambda each: each.x[places[each.label]])
-    at = places[points.label]
+    return max(curves.drawn, key=lambda points: points.x[places[points.label]])
+
+
+def _name(points: Points, curves: Curves, scales: _Scales) -> str:
+    """Return the name of a curve, beside its mark."""
+    at = curves.marked.places[points.label]
     x, y = float(scales.x(points.x)[at]), float(scales.y(points.value)[at])
-    yield f'<text class="end" x="{x - 8:.1f}" y="{y + 14:.1f}">{escape(str(points.label))}</text>'
+    return f'<text class="end" x="{x - 8:.1f}" y="{y + 14:.1f}">{escape(str(points.label))}</text>'
 
 
 def _mark(points: Points, curves: Curves, scales: _Scales) -> str:
@@ -345,10 +349,11 @@ def _mark(points: Points, curves: Curves, scales: _Scales) -> str:
     return dot(round(float(x), 1), round(float(y), 1), "before", name, 5.0)
 
 
-def _path(points: Points, scales: _Scales) -> str:
+def _path(points: Points, scales: _Scales, *, is_last: bool) -> str:
     x, y = scales.x(points.x[points.curve]), scales.y(points.value[points.curve])
     pairs = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-    return f'<path d="M{pairs}"><title>{escape(str(points.label))}</title></path>'
+    last = ' class="last"' * is_last
+    return f'<path{last} d="M{pairs}"><title>{escape(str(points.label))}</title></path>'
 
 
 def _scales(curves: Curves) -> _Scales:

@@ -265,4 +265,4 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
     if verdicts.baseline is not None:
-        yield "before", str(verdicts.baseline)
+        yield "before", f"{verdicts.baseline} (reference)"
