@@ -54,9 +54,10 @@ def difference_text(pairs: Sequence[tuple[float, float]], unit: str = "") -> str
     --------
     >>> difference_text([(0.333, 0.3114)]), difference_text([(12.34, 9.876)])
     ('0.022', '2.4')
+    >>> difference_text([(30, 12)])
+    '18'
     """
-    texts = dict.fromkeys(_difference(scale_of(unit) * value, scale_of(unit) * to, unit)
-                          for value, to in pairs)  # fmt: skip
+    texts = dict.fromkeys(_difference(*_scaled(pair, unit), unit) for pair in pairs)
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
 
@@ -73,7 +74,7 @@ def is_seen(value: float, to: float, unit: str = "") -> bool:
     >>> is_seen(0.128, 0.126), is_seen(0.1953, 0.1944)
     (True, False)
     """
-    value, to = scale_of(unit) * value, scale_of(unit) * to
+    value, to = _scaled((value, to), unit)
     decimals = _common_decimals(value, to, unit)
     if decimals is None:
         return value != to
@@ -137,6 +138,12 @@ def _digits(value: float) -> str:
 
 def _decimals(size: float) -> int:
     return 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
+
+
+def _scaled(pair: tuple[float, float], unit: str) -> tuple[float, float]:
+    """Return two numbers in their unit; counts, which are of type int, as they are."""
+    value, to = (each if isinstance(each, int) else scale_of(unit) * each for each in pair)
+    return value, to
 
 
 def _common_decimals(value: float, to: float, unit: str) -> int | None:
