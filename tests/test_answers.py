@@ -114,6 +114,10 @@ def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
         each.data for each in answer.results if (each.node, each.output) == ("table", "table")
     )
     yield "JSON of the table", str(data["answer"]["sentence"])  # type: ignore[index]
+    why = plain(shown.answer.why)
+    assert data["answer"]["why"] == why  # type: ignore[index]
+    assert why in unescape(re.sub(r"<[^>]*>", "", html))
+    assert why in answer.answer or not why
     notebook = re.search(r'<p class="answer">(.*?)</p>', run_html(run), re.S)
     assert notebook is not None
     yield "notebook", unescape(notebook[1])

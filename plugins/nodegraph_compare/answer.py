@@ -429,7 +429,7 @@ def _why(verdicts: Verdicts, take: int) -> Text:
         far = [_far(verdicts, of_all.distance(place)) for place in rest]
     else:
         counts = [f"{verdicts.behind_in(place) or 'none'}" for place in verdicts.least_behind]
-        fewest = ", no other in fewer" * (counts[0] != "none")
+        fewest = ", no other in fewer" * (counts[0] != "none" and counts[0] in counts[1:2])
         first = f"clearly behind in {counts[0]} of {len(groups)} groups{fewest}"
         rest = [place for place in verdicts.least_behind if place != take][:1]
         claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
