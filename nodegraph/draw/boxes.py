@@ -278,8 +278,7 @@ def _sides(into: _Ports, out: _Ports, least: float) -> tuple[float, _Side, _Side
     def inside(sides: tuple[_Side, _Side]) -> float:
         return max(least, _beside(*(side.lines for side in sides)))
 
-    has_notes = any(any(notes) for _, notes in (*into, *out))
-    choices = (_LONGEST_BESIDE, 0) if has_notes else (0,)
+    choices = (_LONGEST_BESIDE, 0) if any(any(notes) for _, notes in (*into, *out)) else (0,)
     sides = min(
         product(
             [_side(into, longest) for longest in choices],
