@@ -90,34 +90,40 @@ def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) 
     tools.mkdir()
     for name in ("chromium", "npm", "tar", "apt-get"):
         (tools / name).write_text("#!/bin/sh\n")
+    (tools / "install").write_text('#!/bin/sh\necho install >>"$ran"\n')
     python = tmp_path / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.write_text('#!/bin/sh\necho "$2" >>"$ran"; exit $tools\n')
     page, ran = README, tmp_path / "ran"
     for name, mark in (("first", "the first run"), ("tests", "the tests")):
         command = README.partition(f"<!-- {mark} -->\n```sh\n")[2].partition("\n```")[0]
-        page = page.replace(command, name)
-        (tools / name).write_text(f'#!/bin/sh\necho {name} >>"$ran"; exit ${name}\n')
+        page = page.replace(command, f"install && {name}" if name == "tests" else name)
+        (tools / name).write_text(f'#!/bin/sh\necho {name} >>"$ran"; exit $status_{name}\n')
     for tool in (*tools.iterdir(), python):
         tool.chmod(0o755)
     (tmp_path / "README.md").write_text(page)
     environment = {**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"}
-    every = ["first", "tests", "ruff", "ruff", "mypy"]
-    for first, tests, checks, expected in (
-        (0, 0, 0, every),
-        (0, 0, 7, every[:3]),
-        (0, 7, 0, every[:2]),
-        (7, 0, 0, every[:2]),
+    for first, tests, checks, of_checks in (
+        (0, 0, 0, ["ruff", "ruff", "mypy"]),
+        (0, 0, 1, ["ruff"]),
+        (0, 7, 0, ["ruff", "ruff", "mypy"]),
+        (7, 0, 0, ["ruff", "ruff", "mypy"]),
     ):
         ran.write_text("")
-        words = {"first": str(first), "tests": str(tests), "tools": str(checks), "ran": str(ran)}
+        words = {"status_first": str(first), "status_tests": str(tests), "tools": str(checks)}
+        words["ran"] = str(ran)
         result = subprocess.run(
             ["bash", ".ci/run"], cwd=tmp_path, env=environment | words, check=False
         )
         assert result.returncode == max(first, tests, checks)
-        # the first two run side by side
-        begun, then = ran.read_text().split()[:2], ran.read_text().split()[2:]
-        assert [*sorted(begun), *then] == expected
+        order = ran.read_text().split()
+        assert sorted(order) == sorted(["first", "install", "tests", *of_checks])
+        # the first command runs beside the others, and the tools beside the tests
+        assert [name for name in order if name in {"install", *of_checks}] == [
+            "install",
+            *of_checks,
+        ]
+        assert order.index("install") < order.index("tests")
 
 
 def test_the_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
