@@ -172,7 +172,7 @@ def _parts(area: Area) -> list[list[Cell]]:
         before = {part_of[source] for source in net.pred[cell] if source in part_of}
         return min(after, default=max(before, key=lambda at: len(several[at]), default=0))
 
-    parts: list[list[Cell]] = [[] for _ in several or "1"]
+    parts: list[list[Cell]] = [[] for _ in range(max(len(several), 1))]
     for cell in area.sizes:
         parts[part_of[cell] if cell in part_of else part(cell)].append(cell)
     return parts
@@ -654,9 +654,9 @@ def _bands(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Bands:
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
     area = _framed(outlines, frames, [_way(link, frames) for link in links])[()]
     bands = _bands_of(area, area.sizes)
-    if max(bands.values(), default=0):
+    if max(bands.values(), default=0) and len(parts := _parts(area)) > 1:
         first = 0
-        for part in _parts(area):
+        for part in parts:
             bands |= {cell: first + band for cell, band in _bands_of(area, part).items()}
             first = max(bands[cell] for cell in part) + 1
     return bands

@@ -116,7 +116,7 @@ def first_answer(run: Run) -> str:
         origin = RunOrigin(run, result.node, result.labels, entry.caption, entry.answer)
         rendered = render_in_run(value, str(result), origin)
         if rendered is not None and rendered.lead:
-            return " ".join(Section("", rendered, result.combination).answer[:2])
+            return Section("", rendered, result.combination).first_answer
     return ""
 
 

@@ -87,6 +87,11 @@ class Section:
         return tuple(f"{place}{sentence}" for sentence in self.rendered.answer)
 
     @property
+    def first_answer(self) -> str:
+        """What the value answers at a glance, and what that holds for."""
+        return " ".join(self.answer[:2])
+
+    @property
     def where(self) -> str:
         """The run and the combination, as far as there are several."""
         labels = ", ".join(part.replace("=", " ", 1) for part in self.labels.split(", "))
@@ -349,8 +354,8 @@ class Study:
 
         Without such a value, the first of all sentences.
         """
-        leads = (each.answer[:2] for each in self.sections if each.rendered.lead)
-        return " ".join(next(leads, self.answer[:1]))
+        leads = (each.first_answer for each in self.sections if each.rendered.lead)
+        return next(leads, "".join(self.answer[:1]))
 
     @property
     def kinds_of_files(self) -> tuple[str, ...]:
