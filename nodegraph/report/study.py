@@ -89,7 +89,7 @@ class Section:
     @property
     def first_answer(self) -> str:
         """What the value answers at a glance, and what that holds for."""
-        return " ".join(self.answer[:2])
+        return " ".join((*self.answer[:1], *self.rendered.answer[1:2]))
 
     @property
     def where(self) -> str:

@@ -25,7 +25,6 @@ from nodegraph_tables.answer import (
     ONE_ROW,
     Word,
     cards_html,
-    few,
     html_of,
     joined,
     lead_of_parts,
@@ -43,9 +42,11 @@ if TYPE_CHECKING:
     from nodegraph_compare.verdict import Verdict, Verdicts
     from nodegraph_tables.answer import Answer, Card, Kind, Text
 
+    _Cell = tuple[Text, ...]
+
 _MOST_COLUMNS = 6
-_MOST_NAMES = 3
 _MOST_ROWS = 60
+_NONE: _Cell = (("\N{EN DASH}",), ())
 _SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
@@ -71,7 +72,8 @@ def answer_html(
     if line_of(verdicts) is None:
         inside = ""
     elif len(verdicts.groups) > MOST_CARDS:
-        inside = _grid(verdicts, does)
+        cells = tuple(_cell(verdicts, group) for group in verdicts.every)
+        inside = _grid(verdicts, with_descriptions(cells, does))
     else:
         inside = f"{key(verdicts, told.cards)}{cards_html(told.cards)}"
     return lead_of_parts(told, inside + _described(told), legend(verdicts))
@@ -88,20 +90,19 @@ def _described(answer: Answer) -> str:
     return f'<p class="lead-methods">{inside}</p>' if texts else ""
 
 
-def _grid(verdicts: Verdicts, does: Mapping[str, str]) -> str:
+def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
     """Return the best of every group in rows and columns, where there are many groups."""
     axes = varying(verdicts)
     last = axes[-1]
     tops = list(dict.fromkeys(group.labels[last] for group in verdicts.groups))
     if len(axes) < 2 or len(tops) > _MOST_COLUMNS:
-        return _list(verdicts, does)
+        return _list(verdicts, texts)
     cells = {
-        (tuple(group.labels[axis] for axis in axes[:-1]), group.labels[last]): group
-        for group in verdicts.groups
+        (tuple(group.labels[axis] for axis in axes[:-1]), group.labels[last]): (group, text)
+        for group, text in zip(verdicts.groups, texts, strict=False)
     }
     sides = list(dict.fromkeys(side for side, _ in cells))
     names = [verdicts.within[axis] for axis in axes[:-1]]
-    titles = {top: escape(f"{verdicts.within[last]} {top}") for top in tops}
     sides_heads = "".join(f'<th scope="col" rowspan="2">{escape(name)}</th>' for name in names)
     top_heads = "".join(f'<th scope="col">{escape(str(top))}</th>' for top in tops)
     heads = (
@@ -115,68 +116,57 @@ def _grid(verdicts: Verdicts, does: Mapping[str, str]) -> str:
             for name, label in zip(names, side, strict=True)
         )
         + "".join(
-            f'<td data-head="{title}"{_mark(verdicts, cells.get((side, top)))}>'
-            f"{_cell(verdicts, cells.get((side, top)), does)}</td>"
-            for top, title in titles.items()
+            f'<td data-head="{escape(f"{verdicts.within[last]} {top}")}"'
+            f"{_filled(verdicts, *cells.get((side, top), (None, _NONE)))}"
+            for top in tops
         )
         for side in sides
     ]
     if verdicts.overall is not None:
-        take = "take " * (verdicts.for_all in verdicts.overall.best)
         rows.append(
             f'<th scope="row" data-head="all" colspan="{len(names)}">'
             f"{len(verdicts.groups)} groups together</th>"
-            f'<td data-head="best" colspan="{len(titles)}"{_mark(verdicts, verdicts.overall)}>'
-            f"{take}{_cell(verdicts, verdicts.overall, does)}</td>"
+            f'<td data-head="best" colspan="{len(tops)}"'
+            f"{_filled(verdicts, verdicts.overall, texts[-1])}"
         )
     return _table(heads, rows)
 
 
-def _list(verdicts: Verdicts, does: Mapping[str, str]) -> str:
-    names = (
-        ", ".join(verdicts.within[axis] for axis in varying(verdicts)),
-        "best",
-        MAY_BE,
-    )
+def _list(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
+    names = (", ".join(verdicts.within[axis] for axis in varying(verdicts)), "best")
     heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
     rows = [
         f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
-        f"<td{_mark(verdicts, group)}>{_cell(verdicts, group, does)}</td>"
-        f"<td>{_html(_others(verdicts, group), does)}</td>"
-        for group in verdicts.groups
+        f"<td{_filled(verdicts, group, text)}"
+        for group, text in zip(verdicts.groups, texts, strict=False)
     ]
     return _table(heads, rows)
 
 
-def _others(verdicts: Verdicts, group: Verdict) -> Text:
-    return few(method_words(verdicts, group.tied if group.told else []), _MOST_NAMES)
-
-
-def _html(text: Text, does: Mapping[str, str]) -> Markup:
-    return html_of(with_descriptions(text, does))
-
-
-def _mark(verdicts: Verdicts, group: Verdict | None) -> str:
-    """Return the class of a cell whose best method is the one to take for all groups."""
+def _filled(verdicts: Verdicts, group: Verdict | None, text: _Cell) -> str:
+    """Return the rest of a cell; it is tinted where the best method is the one to take."""
     best = () if group is None or not group.told else group.best
-    return ' class="for-all"' if verdicts.for_all in best else ""
+    tint = ' class="for-all"' if verdicts.for_all in best else ""
+    first, number, *more = map(html_of, text)
+    rest = "".join(f"<div><small>{each}</small></div>" for each in more)
+    return f"{tint}>{first}{number and Markup(' <small>{}</small>').format(number)}{rest}</td>"
 
 
-def _cell(verdicts: Verdicts, group: Verdict | None, does: Mapping[str, str]) -> str:
-    if group is None or not group.known:
-        return "\N{EN DASH}"
+def _cell(verdicts: Verdicts, group: Verdict) -> _Cell:
+    """Return the best of a group, its mean, and what else is said of them."""
+    if not group.known:
+        return _NONE
     unit = verdicts.metric.unit
     if not group.best:
-        return escape(span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit))
+        return ((span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit),), ())
     mean = span_text([group.mean[group.best[0]]], unit)
-    texts = [_html(text, does) for text in _more(verdicts, group)]
-    more = "".join(f"<div><small>{text}</small></div>" for text in texts)
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
-        first = _html(listing(method_words(verdicts, group.best)), does)
-        return f"{first} <small>{escape(mean)}; {why}</small>{more}"
-    names = _html(listing(best_words(verdicts, group.best)), does)
-    return f"{names} <small>{escape(mean)}</small>{more}"
+        names = listing(method_words(verdicts, group.best))
+        return (names, (f"{mean}; {why}",), *_more(verdicts, group))
+    take = "take " * (group is verdicts.overall and verdicts.for_all in group.best)
+    names = joined("", [take, listing(best_words(verdicts, group.best))])
+    return (names, (mean,), *_more(verdicts, group))
 
 
 def _more(verdicts: Verdicts, group: Verdict) -> Iterator[Text]:

@@ -183,19 +183,22 @@ def test_an_output_is_found_by_its_name_in_every_alternative() -> None:
 
 
 class Size(float):
-    """A number whose renderer states an answer."""
+    """A number whose renderer states an answer, and what it holds for."""
 
 
 @hookimpl
 def nodegraph_kinds() -> list[Kind]:
-    return [Kind(Size, lambda size, title: Rendered("", answer=(f"It is {size:.0f}.",)))]
+    return [Kind(Size, lambda size, title: Rendered("", answer=(f"It is {size:.0f}.", "Here.")))]
 
 
 @pytest.mark.parametrize(
     ("value", "answer"),
-    [("3", ("It is 3.",)), ("$size", ("size 5: It is 5.", "size 15: It is 15."))],
+    [
+        ("3", ["It is 3.", "Here."]),
+        ("$size", ["size 5: It is 5.", "size 5: Here.", "size 15: It is 15.", "size 15: Here."]),
+    ],
 )
-def test_the_answer_says_which_combination_it_is_about(value: str, answer: tuple[str, ...]) -> None:
+def test_the_answer_says_which_combination_it_is_about(value: str, answer: list[str]) -> None:
     @node("read.size")
     def read(*, size: int) -> Size:
         return Size(size)
@@ -208,7 +211,9 @@ def test_the_answer_says_which_combination_it_is_about(value: str, answer: tuple
     registry = Registry.of([read])
     registry.loaded.append(Plugin("sizes", sys.modules[__name__]))
     study = _study(execute(plan(build(read_graph_text(text, "toy.yaml", Path()), registry))))
-    assert study.answer == answer
+    assert list(study.answer) == answer
+    first = [section.first_answer for section in study.sections]
+    assert first == [f"{sentence} Here." for sentence in answer[::2]]
 
 
 def test_stored_steps_are_counted_as_such(run_of: Callable[..., Run], tmp_path: Path) -> None:
