@@ -47,7 +47,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import apart_text, number_text, percent, span_text
+from nodegraph_tables.numbers import apart_text, percent_apart, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -282,14 +282,11 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
 
 def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     """Return that all methods but the best are behind, and how far the nearest of them is."""
-    far = [
-        (float(group.mean[place]), float(group.mean[group.best[0]]))
-        for group in told
-        for place in group.behind
-    ]
+    far = [_means(group, place) for group in told for place in group.behind]
     unit = verdicts.metric.unit
     if verdicts.ratio and unit != SHARE and all(mean > 0 for _, mean in far):
-        nearest = percent(min(abs(other / mean - 1.0) for other, mean in far))
+        pair = min(far, key=lambda means: abs(means[0] / means[1] - 1.0))
+        nearest = percent_apart(*pair, unit)
     else:
         pair = min(far, key=lambda means: abs(means[0] - means[1]))
         nearest = apart_text(pair, unit)
@@ -419,21 +416,21 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
 def _why(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
-    worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take)))
+    worst = say(f"at most {HERE} in any", _at_worst(verdicts, take))
     if all(take in group.best for group in groups):
         worst = ("best in each",)
     if of_all is not None and take == verdicts.best_over_all:
         first = f"{EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
         claims = ["is clearly" if place in of_all.behind else f"{MAY_BE}," for place in rest]
-        far = [_far(verdicts, of_all.distance(place)) for place in rest]
+        far = [_far(verdicts, of_all, place) for place in rest]
     else:
         counts = [f"{verdicts.behind_in(place) or 'none'}" for place in verdicts.least_behind]
         fewest = ", no other in fewer" * (counts[0] != "none" and counts[0] in counts[1:2])
         first = f"clearly behind in {counts[0]} of {len(groups)} groups{fewest}"
         rest = [place for place in verdicts.least_behind if place != take][:1]
         claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
-        far = [_far(verdicts, verdicts.worst_of(place)) for place in rest]
+        far = [_at_worst(verdicts, place) for place in rest]
     after = [
         say(f"next, {HERE} {claim} {HERE}", name, size)
         for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
@@ -442,15 +439,24 @@ def _why(verdicts: Verdicts, take: int) -> Text:
     return say(f"Why {HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
 
 
-def _far(verdicts: Verdicts, distance: float) -> Text:
-    """Return how far a method is from the best, as `Verdict.distance` has it: ``12 % behind``."""
+def _at_worst(verdicts: Verdicts, place: int) -> Text:
+    """Return how far a method is from the best of a group at most."""
+    return _far(verdicts, max(verdicts.groups, key=lambda group: group.distance(place)), place)
+
+
+def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return how far a method is from the best of a group: ``12 % behind``."""
+    means, unit, distance = _means(group, place), verdicts.metric.unit, group.distance(place)
     if not verdicts.ratio:
-        return (Word(number_text(distance, verdicts.metric.unit), "number"), " behind")
-    is_higher = verdicts.metric.better == "higher"
-    if distance >= _MANY_TIMES and not is_higher:
+        return (Word(apart_text(means, unit), "number"), " behind")
+    if distance >= _MANY_TIMES and verdicts.metric.better != "higher":
         return (Word(f"{distance:.1f} times", "number"), " the best")
-    of_best = 1.0 / distance if is_higher else distance
-    return (Word(percent(abs(of_best - 1.0)), "number"), " behind")
+    return (Word(percent_apart(*means, unit), "number"), " behind")
+
+
+def _means(group: Verdict, place: int) -> tuple[float, float]:
+    """Return the mean of a method, and that of the best."""
+    return float(group.mean[place]), float(group.mean[group.best[0]])
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:

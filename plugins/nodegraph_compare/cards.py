@@ -222,13 +222,13 @@ def _bare(verdicts: Verdicts) -> Verdicts:
 
 def _step_notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:
     """Return the effect of each step on the mean."""
-    return {
-        step: (
-            Word(_change(verdicts, group, before, step), "number"),
-            ", not clearly" * (verb == UNCLEAR),
-        )
-        for step, (before, verb) in changes(group).items()
-    }
+    notes: dict[int, Text] = {}
+    for step, (before, verb) in changes(group).items():
+        size = Word(_change(verdicts, group, before, step), "number")
+        notes[step] = (size, ", not clearly" * (verb == UNCLEAR))
+        if not _is_seen(verdicts, group, step, before):
+            notes[step] = ("hardly changed",)
+    return notes
 
 
 def _change(verdicts: Verdicts, group: Verdict, before: int, step: int) -> str:

@@ -15,7 +15,7 @@ from nodegraph_tables.numbers import (
     MINUS,
     SPACE,
     difference_text,
-    percent,
+    percent_apart,
     shares_text,
     span_text,
     to_digits_of,
@@ -351,14 +351,11 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     paired = group.to_best
     assert paired is not None
     of, losses, wins = group.scope.units, int(paired.losses[place]), int(paired.wins[place])
-    claim, count = "worse", losses
-    if 2 * losses <= of:  # of a mean that is worse, a reader expects it worse in most
-        claim, count = ("though better", wins) if wins else ("equal", of - losses)
+    counts = [("worse", losses), *[("equal", equal) for equal in [of - losses - wins] if equal]]
+    claims = [say(f"{claim} in {HERE}", Word(f"{count}", "number")) for claim, count in counts]
     units = units_name(group.scope).removeprefix("synthetic ")
-    start = say(
-        f"{HERE}, {claim} in {HERE} {units}",
-        _distance(verdicts, group, place), Word(f"{count} of {of}", "number"),
-    )  # fmt: skip
+    start = say(f"{HERE}, {HERE} of {of} {units}", _distance(verdicts, group, place),
+                listing(claims))  # fmt: skip
     if losses < of:
         return start
     if place in group.worse_than_best:
@@ -403,10 +400,10 @@ def others_text(verdicts: Verdicts, group: Verdict) -> Text:
 
 def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
-    difference, mean = group.to_best_of(place), float(group.mean[group.best[0]])
+    best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
     text = _to_best(verdicts, group, place)
-    is_share = mean > 0 and verdicts.ratio and not text.startswith("under")
-    share = f" ({percent(abs(difference / mean))})" if is_share else ""
+    is_share = best > 0 and verdicts.ratio and not text.startswith("under")
+    share = f" ({percent_apart(mean, best, verdicts.metric.unit)})" if is_share else ""
     return (Word(f"{text}{share}", "number"),)
 
 
@@ -435,7 +432,7 @@ def change_text(verdicts: Verdicts, group: Verdict, before: int, step: int) -> s
     """Return the distance between the means of two steps: ``36 %``, or ``0.12 mm``."""
     first, second = float(group.mean[before]), float(group.mean[step])
     if verdicts.ratio and first > 0:
-        return percent(abs(second / first - 1))
+        return percent_apart(second, first, verdicts.metric.unit)
     return span_text([abs(second - first)], verdicts.metric.unit)
 
 

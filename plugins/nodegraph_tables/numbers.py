@@ -66,6 +66,22 @@ def apart_text(values: Sequence[float], unit: str = "") -> str:
     return difference_text([(max(values), min(values))], unit)
 
 
+def percent_apart(value: float, to: float, unit: str = "") -> str:
+    r"""Return how far a number is from one above 0 in percent, to agree with both as shown.
+
+    Where they look the same, it is that of the numbers themselves.
+
+    Examples
+    --------
+    >>> percent_apart(0.1306, 0.1204), percent_apart(0.1953, 0.1952)
+    ('9\xa0%', '0.1\xa0%')
+    """
+    near, near_to = _as_shown(value, unit), _as_shown(to, unit)
+    if near == near_to or not near_to:
+        near, near_to = value, to
+    return percent(abs(near / near_to - 1.0))
+
+
 def is_seen(value: float, to: float, unit: str = "") -> bool:
     """Whether numbers, as these are shown, are more than one apart in their last digit.
 
@@ -144,6 +160,13 @@ def _scaled(pair: tuple[float, float], unit: str) -> tuple[float, float]:
     """Return two numbers in their unit; counts, which are of type int, as they are."""
     value, to = (each if isinstance(each, int) else scale_of(unit) * each for each in pair)
     return value, to
+
+
+def _as_shown(value: float, unit: str) -> float:
+    """Return a number in its unit without the digits that a reader does not see."""
+    (shown, _) = _scaled((value, 0), unit)
+    decimals = _common_decimals(shown, 0, unit)
+    return shown if decimals is None else round(shown, decimals)
 
 
 def _common_decimals(value: float, to: float, unit: str) -> int | None:
