@@ -374,7 +374,7 @@ def _checked(layout: ByteLayout, size: int) -> ByteLayout:
             raise ValueError(f"it announces {layout}, {ends}: it was cut short, or is damaged")
         warnings.warn(
             f"the file was cut short: it announces {layout}, {ends}; its first {whole} frames are "
-            "read",
+            "read, which are wrong from where it lacks bytes, if that is not its end",
             stacklevel=2,
         )
         return replace(layout, frames=whole)
