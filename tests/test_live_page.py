@@ -92,7 +92,7 @@ def nodegraph_kinds():
 def nodegraph_sources():
     return {"fed": Fed}
 '''
-FILLS = ["muscle", "guenter", "lin_ouhyoung", "linear_15_frames_late"]
+FILLS = ["muscle", "guenter", "lin_ouhyoung", "linear"]
 PICTURES = "[...document.querySelectorAll('.playback')].map((figure) => figure.playback.state)"
 COUNTS = """Object.fromEntries([...document.querySelectorAll("[data-count]")]
   .map((row) => [row.dataset.count, Number(row.querySelector("td").textContent)]))"""
@@ -133,7 +133,8 @@ def fed(folder: Path) -> Iterator[Fed]:
     with subprocess.Popen(
         [
             *(sys.executable, "-m", "nodegraph.cli.main", *words),
-            *("--plugin", str(plugin), "--only", "trial=0", "--open", "--json"),
+            *("--plugin", str(plugin), "--only", "trial=0", "--only", "wait=15_frames", "--open"),
+            "--json",
         ],
         text=True,
         stdin=subprocess.PIPE,

@@ -15,9 +15,11 @@ from nodegraph_mocap import Trajectories
 from tests.studies import ROOT, Studies
 
 GRAPH = ROOT / "graphs" / "live.yaml"
-FILLS = ("muscle", "guenter", "lin_ouhyoung", "linear_15_frames_late")
-WAIT = {"linear_15_frames_late": 15}
+FILLS = ("muscle", "guenter", "lin_ouhyoung", "linear")
+WAIT = {"linear": 15}
 """Frames until the end of a gap."""
+STREAM = {"trial": [0], "wait": ["15_frames"]}
+ONLY = [text for axis, (label,) in STREAM.items() for text in ("--only", f"{axis}={label}")]
 
 
 def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -> None:
@@ -25,14 +27,14 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         "live",
         str(GRAPH),
         *("--source", "recording=replay:sample:face@0", "--sink", "still=file:{fill}.npz"),
-        *("--sink", "error=file:{fill}.csv", "--out", "live", "--only", "trial=0"),
+        *("--sink", "error=file:{fill}.csv", "--out", "live", *ONLY),
         folder=tmp_path,
     )
     assert ended.status == 0, ended.err
     counts = json.loads((tmp_path / "live" / "live.json").read_text())
     assert (counts["received"], counts["computed"], counts["dropped"]) == (600, 600, 0)
 
-    run = ng.run(GRAPH, only={"trial": [0]}, store=studies.store)
+    run = ng.run(GRAPH, only=STREAM, store=studies.store)
     for fill in FILLS:
         streamed = get_node("read.recording")(path=str(tmp_path / f"{fill}.npz"))
         whole: Trajectories = run["still"].at(fill=fill)
@@ -45,7 +47,7 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         rows = list(csv.DictReader((tmp_path / f"{fill}.csv").read_text().splitlines()))
         errors = run["error"].at(fill=fill)
         for name, column in (("rmse", "rmse (mm)"), ("max", "max (mm)"), ("jump", "jump (mm)")):
-            last = counts["running"][f"error(trial=0, fill={fill})"][name]
+            last = counts["running"][f"error(trial=0, wait=15_frames, fill={fill})"][name]
             assert float(rows[-1][column]) == last
             assert last == pytest.approx(errors[name].mean(), rel=1e-9)
         assert len(rows) == 600
@@ -55,8 +57,7 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
 def test_on_a_stream_it_is_two_frames_behind_and_what_a_fill_waits(
     studies: Studies, tmp_path: Path
 ) -> None:
-    words = ("--only", "trial=0", "--live", "60")
-    ended = studies.command("check", str(GRAPH), *words, folder=tmp_path)
+    ended = studies.command("check", str(GRAPH), *ONLY, "--live", "60", folder=tmp_path)
     paths = [line for line in ended.out.splitlines() if line.startswith("points > ")]
     assert len(paths) == 2 * len(FILLS)
     for line in paths:

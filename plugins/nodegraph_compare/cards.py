@@ -201,17 +201,23 @@ def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
 
 
 def _notes(verdicts: Verdicts, group: Verdict, most: int) -> dict[int, Text]:
-    """Return how far the nearest methods are from the best that are not certain to be worse."""
+    """Return how far the nearest methods are from the best that are not certain to be worse.
+
+    Where there is no best, how far they are from a baseline.
+    """
     if verdicts.is_sequence:
         return _step_notes(verdicts, group)
-    if not group.stands or verdicts.metric.better == "none":
+    bare, paired = _bare(verdicts), group.to_best if group.best else group.to_baseline
+    if paired is None or (group.best and not group.stands):
         return {}
-    bare = _bare(verdicts)
-    tied = nearest_first(group, group.tied)[:most]
-    if not group.told:
-        start = f"from the {EXTREME[verdicts.metric.better]}: {HERE}"
-        return {place: say(start, within_text(bare, group, place)) for place in tied}
-    return {place: uncertain_text(bare, group, place) for place in tied}
+    others = [place for place in group.known if place != paired.reference]
+    start = f"than {verdicts.methods[paired.reference]}: {HERE}"
+    if group.best:
+        others = nearest_first(group, group.tied)
+        start = f"from the {EXTREME[group.better]}: {HERE}"
+    if group.told:
+        return {place: uncertain_text(bare, group, place) for place in others[:most]}
+    return {place: say(start, within_text(bare, group, place, paired)) for place in others[:most]}
 
 
 def _bare(verdicts: Verdicts) -> Verdicts:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from nodegraph import Label
     from nodegraph_compare.question import Question
     from nodegraph_compare.units import Shortage
-    from nodegraph_compare.verdict import Metric, Rule, Scope, Verdict, Verdicts
+    from nodegraph_compare.verdict import Metric, Paired, Rule, Scope, Verdict, Verdicts
     from nodegraph_tables.answer import Text
 
 UNCLEAR = "with no clear change"
@@ -354,25 +354,21 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     counts = [("worse", losses), *[("equal", equal) for equal in [of - losses - wins] if equal]]
     claims = [say(f"{claim} in {HERE}", Word(f"{count}", "number")) for claim, count in counts]
     units = units_name(group.scope).removeprefix("synthetic ")
-    start = say(f"{HERE}, {HERE} of {of} {units}", _distance(verdicts, group, place),
-                listing(claims))  # fmt: skip
+    far = Word(_above(verdicts, group, place, group.best[0]), "number")
+    start = say(f"{HERE}, {HERE} of {of} {units}", far, listing(claims))
     if losses < of:
         return start
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
     if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:
-        return within_text(verdicts, group, place)
+        return within_text(verdicts, group, place, paired)
     return (*start, f", which may be chance among {len(group.known)} methods")
 
 
-def _distance(verdicts: Verdicts, group: Verdict, place: int) -> Word:
-    return Word(_to_best(verdicts, group, place), "number")
-
-
-def _to_best(verdicts: Verdicts, group: Verdict, place: int) -> str:
-    """Return by how much a mean is above that of the best, with its sign."""
-    best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
-    text = difference_text([(mean, best)], verdicts.metric.unit)
+def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:
+    """Return by how much the mean of a method is above that of another, with its sign."""
+    means = (float(group.mean[place]), float(group.mean[to]))
+    text = difference_text([means], verdicts.metric.unit)
     return text if text.startswith((MINUS, "under")) else f"+{text}"
 
 
@@ -401,22 +397,21 @@ def others_text(verdicts: Verdicts, group: Verdict) -> Text:
 def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
     best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
-    text = _to_best(verdicts, group, place)
+    text = _above(verdicts, group, place, group.best[0])
     is_share = best > 0 and verdicts.ratio and not text.startswith("under")
     share = f" ({percent_apart(mean, best, verdicts.metric.unit)})" if is_share else ""
     return (Word(f"{text}{share}", "number"),)
 
 
-def within_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return how far a method is from the best, and the interval of that."""
-    paired = group.to_best
-    assert paired is not None
-    unit, mean = verdicts.metric.unit, float(group.mean[group.best[0]])
+def within_text(verdicts: Verdicts, group: Verdict, place: int, paired: Paired) -> Text:
+    """Return how far a method is from the one that it is paired with, and the interval of that."""
+    unit, mean = verdicts.metric.unit, float(group.mean[paired.reference])
     ends = to_digits_of(
         mean, [float(paired.difference_low[place]), float(paired.difference_high[place])]
     )
     between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
-    return say(f"{HERE} ({HERE})", _distance(verdicts, group, place), between)
+    far = Word(_above(verdicts, group, place, paired.reference), "number")
+    return say(f"{HERE} ({HERE})", far, between)
 
 
 def changes(group: Verdict) -> dict[int, tuple[int, str]]:

@@ -253,6 +253,6 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
     yield "best", "best"
     yield "tied", MAY_BE
     if any(group.behind for group in groups):
-        yield "rest", "clearly behind"
+        yield "rest", "clearly behind" + ", or not told apart" * any(not g.told for g in groups)
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"

@@ -144,6 +144,22 @@ def test_means_of_steps_stand_in_a_row() -> None:
     assert "falls from 213 (original) to 30 (shifted)" in text(answer)
 
 
+def test_without_a_better_end_others_are_held_against_a_baseline() -> None:
+    scores = gathered(0.5)
+    answer = lead(table(scores, clusters=("take",), better="none", baseline="ridge"))
+    ((rows,),) = ([card.rows] for card in answer.cards)
+    assert rows is not None
+    (finding,) = answer.findings
+    assert finding.reference == "ridge"
+    for row in rows.rows:
+        low, high = finding.apart.get(row.name, (0.0, 0.0))
+        ends = f"95 %: {low:.3f}".replace("-", "\N{MINUS SIGN}")
+        note = plain(row.note)
+        assert note.startswith("than ridge: +") == (row.name != "ridge")
+        assert (ends in note) == (row.name != "ridge")
+        assert low <= row.value - finding.mean["ridge"] <= high
+
+
 def test_a_comparison_with_a_better_end_leaves_its_cards_to_its_overview() -> None:
     result = table(gathered(0.5), clusters=("take",))
     answer = info_of(result.table).answer
