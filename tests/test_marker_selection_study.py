@@ -208,5 +208,5 @@ def test_three_performers_have_their_curves_floors_and_marks(
         for step in steps
         if step["labels"] == {"actor": "B"}
     }
-    assert "stable landmarks" in sentences["this_actor.marked"]
-    assert sentences["face"] == ""  # three frames without markers are closed before
+    assert "stable landmarks" in sentences["face.take.marked"]
+    assert sentences["face.still"] == ""  # three frames without markers are closed before

@@ -70,13 +70,14 @@ _ROW_GAP = 2.0
 _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
 _LONGEST_IN_ROW = 40
+_LONGEST_BESIDE_LABEL = 54
 _MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
-_LONGEST_NOTE = 36
+_LONGEST_NOTE = 28
 _LONGEST_SETTINGS = 30
 _LONGEST_AXIS = 34
-_LONGEST_VALUE = 16
+_LONGEST_VALUE = 18
 _LINE = 14.0
 _BASELINE = 13.3
 _MOST_LINES = 5
@@ -84,7 +85,7 @@ _LONGEST_AT_PORT = 26
 _LONGEST_BESIDE = 32
 _HEIGHT = 3.0
 """Widths that a height is worth, where notes stand beside ports or below them."""
-_LONGEST_ITEM = 29
+_LONGEST_ITEM = 26
 _INDENT = 10.0
 _BETWEEN_ITEMS = 4.0
 _BETWEEN_SIDES = 18.0
@@ -298,9 +299,11 @@ def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
         heights[socket.name] = y + _LEADING["port"] / 2
         own = [*filter(None, dict.fromkeys(notes))]
         hint = "; ".join([str(socket), *own])
-        below = [line for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
+        most = _LONGEST_BESIDE if socket.items else _LONGEST_AT_PORT
+        below = [line for text in own for line in _wrapped(text, most)]
         texts = [*_port(socket)] if socket.items or socket.text or not own else []
-        texts += [("note", line, 0.0, _LEADING["note"]) for line in below]
+        told = [("note", line, 0.0, _LEADING["note"]) for line in below]
+        texts = [*told, *texts] if socket.items else [*texts, *told]
         if socket.text and own and len(f"{socket.text} {own[0]}") <= longest:
             shift = _CHIP_GAP + _wide(*texts[at_end][:2])
             begin, end = (-shift, 0.0) if at_end else (0.0, shift)
@@ -338,15 +341,20 @@ def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
 
 
 def _row(alternative: Alternative, *, states: bool) -> tuple[_Parts, float, float]:
-    """Return the texts of the row of an alternative, and how wide and how high it is."""
+    """Return the texts of the row of an alternative, and how wide and how high it is.
+
+    Details that are long stand below the label.
+    """
     label = shortened(alternative.label)
-    x = _CHIP_INSET + width(label, _SIZES["chip"]) + _CHIP_GAP
+    beside = _CHIP_INSET + width(label, _SIZES["chip"]) + _CHIP_GAP
     details = _wrapped(alternative.details, _LONGEST_IN_ROW)
-    parts = [(text, x, _BASELINE + at * _LINE, False) for at, text in enumerate(details)]
-    wide = max([0.0, *(width(text, _SIZES["chip"]) + _CHIP_GAP for text in details)])
-    high = CHIP_HEIGHT + max(len(details) - 1, 0) * _LINE
+    is_long = len(f"{label} {alternative.details}") > _LONGEST_BESIDE_LABEL
+    x = 2.0 * _CHIP_INSET if is_long else beside
+    parts = [(text, x, _BASELINE + at * _LINE, False) for at, text in enumerate(details, is_long)]
+    wide = max([beside, *(x + width(text, _SIZES["chip"]) for text in details)])
+    high = CHIP_HEIGHT + (len(details) - 1 + is_long) * _LINE * bool(details)
     name = label, _CHIP_INSET, _BASELINE, True
-    return (name, *parts), x + wide + (_STATE if states else _CHIP_GAP), high
+    return (name, *parts), wide + (_STATE if states else _CHIP_GAP), high
 
 
 def _axis(axis: Axis) -> tuple[_Parts, float, int]:

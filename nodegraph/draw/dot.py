@@ -84,6 +84,5 @@ def _edge(arrow: Arrow, numbers: Mapping[str, int], boxes: Mapping[str, Box]) ->
     end = f"n{numbers[arrow.target]}:i{inputs.index(arrow.target_port)}:n"
     styles = ["style=dashed"] * arrow.truth + ["penwidth=3"] * arrow.gathers
     notes = [f"at {arrow.fixed}"] if arrow.fixed else []
-    notes += [arrow.gathered] if arrow.gathered else []
     styles += [f"label={_quoted('; '.join(notes))}"] if notes else []
     return f"  {begin} -> {end}" + (f" [{', '.join(styles)}]" if styles else "") + ";"

@@ -19,12 +19,14 @@ from nodegraph.draw.picture import (
     Kind,
     Picture,
     Socket,
+    answering,
     folded,
     origins,
 )
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
+from nodegraph.graph.axis_text import axis_text
 from nodegraph.graph.methods import PASS
 from nodegraph.graph.model import Method
 from nodegraph.graph.pass_through import PassThrough
@@ -37,9 +39,12 @@ _LONGEST = 28
 _MOST_VALUES = 6
 """Labels of an axis that are drawn with the settings for which they stand."""
 _MOST_METHODS = 24
+_SHORT = 3
+"""Characters of a unit that is a word, which the name of a setting tells."""
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 32
 _LONGEST_SERIES = 24
+_UNCHANGED = "unchanged"
 _NUMBERED = re.compile(r"(\D*)\d+")
 
 _Ends = tuple[str, str, str, str]
@@ -91,18 +96,20 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         box = _box(graph, node, read, fed, whole=whole)
         tables = {axis.name: axis for axis in box.axes}
         axes = [
-            tables.get(axis, Axis(axis))._replace(
-                labels="" if axis in said else labels_text(graph.axes[axis].labels)
-            )
+            _told_again(tables.get(axis, Axis(axis)))
+            if axis in said
+            else tables.get(axis, Axis(axis))._replace(labels=_labels(graph, axis))
             for axis in own
             if axis in tables or axis not in said & brought[node.name]
         ]
         said.update(own)
         compares = node.has_alternatives and node.name in seen
         boxes.append(replace(box, axes=tuple(axes), compares=compares))
-    combinations = _combinations(graph, seen)
-    picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()), combinations)
-    return replace(picture, boxes=tuple(_with_sources(graph, picture)))
+    places = {entry.node: at for at, entry in enumerate(reversed(graph.spec.report), 1)}
+    boxes.sort(key=lambda box: -places.get(box.name, len(places) + 1))
+    picture = Picture(graph.title, tuple(boxes), tuple(arrows.values()))
+    picture = replace(picture, boxes=tuple(_with_sources(graph, picture)))
+    return replace(picture, combinations=_combinations(graph, seen, picture))
 
 
 def _seen_in_the_end(graph: Graph, wires: Mapping[_Ends, Sequence[Reference]]) -> set[str]:
@@ -118,18 +125,28 @@ def _seen_in_the_end(graph: Graph, wires: Mapping[_Ends, Sequence[Reference]]) -
     }
 
 
-def _combinations(graph: Graph, seen: Collection[str]) -> str:
-    """Return the axes that have several labels, with their numbers, as nodes have them at once."""
+def _combinations(graph: Graph, seen: Collection[str], picture: Picture) -> str:
+    """Return which alternatives the answers compare, and for the labels of which axes."""
+    main = answering(picture)
+    boxes = {box.name: box for box in picture.boxes if box.name in main}
     several = [axis for axis in graph.axes if axis in seen and len(graph.axes[axis].labels) > 1]
-    at_once = [{*several} & {*node.axes} for node in graph.nodes.values()]
-    most = [axes for axes in at_once if axes and not any(axes < other for other in at_once)]
-    texts = (
-        " \N{MULTIPLICATION SIGN} ".join(
-            f"{len(graph.axes[axis].labels)} {axis}" for axis in several if axis in axes
-        )
-        for axes in most
-    )
-    return "; ".join(dict.fromkeys(texts))
+    at_once = {name: frozenset(several) & {*graph.nodes[name].axes} for name in boxes}
+    texts = []
+    sets = dict.fromkeys(at_once.values())
+    for axes in sets:
+        if any(axes < other for other in sets):
+            continue
+        counts = {axis: len(graph.axes[axis].labels) for axis in several if axis in axes}
+        compared = {axis: counts.pop(axis) for axis in [*counts] if axis in graph.nodes}
+        compared |= {
+            name: len(box.alternatives)
+            for name, box in boxes.items()
+            if box.compares and box.kind == "node" and at_once[name] == axes
+        }
+        ways = " and ".join(f"{count} alternatives of {name}" for name, count in compared.items())
+        each = ", ".join(f"{axis} ({count})" for axis, count in counts.items())
+        texts.append(f"{ways}, for each {each}" if ways and each else ways or each)
+    return "; ".join(filter(None, texts))
 
 
 def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
@@ -170,7 +187,11 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         if usual and 2 * usual[0][1] > len(sources):
             sources = {label: text for label, text in sources.items() if text != usual[0][0]}
         alternatives = [
-            each._replace(source=sources.get(each.label, "")) for each in box.alternatives
+            each._replace(
+                settings=each.settings.removeprefix(_UNCHANGED * bool(source)), source=source
+            )
+            for each in box.alternatives
+            for source in [sources.get(each.label, "")]
         ]
         yield replace(box, alternatives=tuple(alternatives))
 
@@ -194,6 +215,11 @@ def labels_text(labels: Sequence[Label], longest: int = 90, between: str = ", ")
     return f"{short[0]} … {short[-1]} ({len(short)})"
 
 
+def _labels(graph: Graph, axis: str) -> str:
+    unit = axis_text(graph, axis).unit
+    return f"{labels_text(graph.axes[axis].labels)}{f' {unit}' * (unit not in ('', axis))}"
+
+
 def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
     source, output, target, port = ends
     feed = graph.nodes[target].first.inputs.get(port)
@@ -205,30 +231,13 @@ def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
         fixed=labels_of(
             {axis: label for axis, label in references[0].at.items() if (axis, label) in common}
         ),
-        gathered=_gathered(graph, ends, feed) if isinstance(feed, Gather) else "",
     )
-
-
-def _gathered(graph: Graph, ends: _Ends, feed: Gather) -> str:
-    """Return the number and the kind of the values that an arrow brings to a gathering port."""
-    source, output, target, _ = ends
-    own = {
-        label: reference
-        for label, reference in feed.sources.items()
-        if (reference.node, graph.output_name(reference)) == (source, output)
-    }
-    return _counted(graph, graph.nodes[target], Gather(feed.axis, own), ", ".join(own))
 
 
 def _received(graph: Graph, node: GraphNode, feed: Reference | Gather | None) -> str:
     """Return the number and the kind of the values of a gathering port; empty for other ports."""
     if not isinstance(feed, Gather):
         return ""
-    named = f"{len(feed.sources)}: {', '.join(feed.sources)}" if node.has_alternatives else ""
-    return _counted(graph, node, feed, named)
-
-
-def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
     free = {
         axis
         for source in feed.sources.values()
@@ -239,7 +248,9 @@ def _counted(graph: Graph, node: GraphNode, feed: Gather, named: str) -> str:
     counts = [f"{size} {axis}" for axis, size in sizes.items() if size > 1]
     if len(counts) == 1 and not feed.axis:
         return f"all {counts[0]}"
-    return " \N{MULTIPLICATION SIGN} ".join(filter(None, [named * bool(feed.axis), *counts]))
+    if feed.axis and node.has_alternatives:
+        counts.insert(0, f"{len(feed.sources)}: {', '.join(feed.sources)}")
+    return " \N{MULTIPLICATION SIGN} ".join(counts)
 
 
 def _box(
@@ -259,12 +270,13 @@ def _box(
     outputs = [socket_of(port) for port in described.outputs if (node.name, port.name) in read]
     if not whole:
         outputs = [_without_usual_name(socket, inputs) for socket in outputs]
-    settings = {label: _settings(method) for label, method in node.methods.items()}
-    own = [settings[label] for label, method in node.methods.items() if method.node.name != PASS]
+    kept = {label: _kept(graph, node, label) for label in node.methods}
+    settings = {label: _settings(method, kept[label]) for label, method in node.methods.items()}
+    used = [settings[label] for label, method in node.methods.items() if method.node.name != PASS]
     common = {
         name: value
-        for name, value in next(iter(own), {}).items()
-        if all(each.get(name) == value for each in own)
+        for name, value in next(iter(used), {}).items()
+        if all(each.get(name) == value for each in used)
     }
     uses = {label: method.node.name for label, method in node.methods.items()}
     methods = {*uses.values()} - {PASS}
@@ -276,23 +288,13 @@ def _box(
             for name, default in defaults.items()
             if name not in common and default is not None
         )
-    alternatives = [
-        Alternative(
-            label,
-            ", ".join(
-                filter(
-                    None,
-                    (
-                        _told(label, uses[label], methods),
-                        _text({name: each[name] for name in each if name not in common}),
-                    ),
-                )
-            )
-            or _text(varied[uses[label]]),
-        )
-        for label, each in settings.items()
-        if node.has_alternatives
-    ]
+    alternatives = []
+    for label, each in settings.items():
+        own = {name: each[name] for name in each if name not in common}
+        texts = [*filter(None, (_told(label, uses[label], methods), _text(own)))]
+        texts = texts or [_text(varied[uses[label]])]
+        texts += (f"{axis}: {_reach(labels)}" for axis, labels in kept[label].items())
+        alternatives += [Alternative(label, ", ".join(filter(None, texts)))] * node.has_alternatives
     if not whole and len(alternatives) > _MOST_METHODS:
         rest = len(alternatives) - _MOST_METHODS
         alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
@@ -305,6 +307,7 @@ def _box(
     if is_graph and described.name != PASS:
         told = described.doc or described.name
         lines = [*filter(None, [told, _text(_from_fields(graph, node))])]
+    shown = [entry for entry in graph.spec.report if entry.node == node.name]
     return Box(
         node.name,
         lines=tuple(lines),
@@ -314,16 +317,34 @@ def _box(
         axes=axes,
         kind=_kind(graph, node),
         passes=is_graph,
-        title=next((each.title for each in graph.spec.report if each.node == node.name), ""),
+        title=next((entry.title for entry in shown), ""),
+        answers=any(entry.answer for entry in shown),
     )
 
 
 def _told(label: Label, use: str, methods: Collection[str]) -> str:
     """Return the method of an alternative that neither its label nor the box tells."""
     if use == PASS:
-        return "as it is"
+        return _UNCHANGED
     is_told = len(methods) == 1 or str(label).startswith(use.rpartition(".")[2])
     return "" if is_told else use
+
+
+def _kept(graph: Graph, node: GraphNode, method: Label) -> dict[str, list[Label]]:
+    """Return the labels at which an alternative is not skipped, of axes where it is at others."""
+    gone: dict[str, set[Label]] = {}
+    for item in graph.spec.skip:
+        (axis, labels), *others = [each for each in item.labels.items() if each[0] != node.name]
+        if not others and method in item.labels.get(node.name, ()):
+            gone.setdefault(axis, set()).update(labels)
+    return {
+        axis: [label for label in graph.axes[axis].labels if label not in labels]
+        for axis, labels in gone.items()
+    }
+
+
+def _reach(labels: Sequence[Label]) -> str:
+    return " \N{EN DASH} ".join(map(str, dict.fromkeys((labels[0], labels[-1]))))
 
 
 class _Along(NamedTuple):
@@ -331,19 +352,18 @@ class _Along(NamedTuple):
 
     axis: str
     values: tuple[tuple[Label, str], ...]
+    unit: str
 
     def __str__(self) -> str:
-        texts = [text for _, text in self.values]
-        is_short = len(" / ".join(texts)) <= _LONGEST
-        text = labels_text(texts if is_short else [*dict.fromkeys(texts)], _LONGEST, " / ")
-        return f"{text} over {self.axis}"
+        text = " / ".join(dict.fromkeys(text for _, text in self.values))
+        return f"{text} by {self.axis}" if len(text) <= _LONGEST else f"by {self.axis}"
 
 
 _Setting = str | _Along
 
 
-def _settings(method: Method) -> dict[str, _Setting]:
-    """Return the settings of a method that differ from the default.
+def _settings(method: Method, kept: Mapping[str, Collection[Label]]) -> dict[str, _Setting]:
+    """Return the settings of a method that differ from the default, at the labels that it has.
 
     One that differs along an axis is left out if each value has its label in it, which the box of
     the axis shows.
@@ -353,22 +373,28 @@ def _settings(method: Method) -> dict[str, _Setting]:
         shown = {
             labels: _value_text(settings[name])
             for labels, settings in method.settings.shown.items()
+            if all(
+                label in kept.get(axis, (label,))
+                for axis, label in zip(method.settings.axes, labels, strict=True)
+            )
         }
+        unit = method.node.settings[name].unit
+        unit = f" {unit}" * (0 < len(unit) < _SHORT or "/" in unit)
         texts = tuple(dict.fromkeys(shown.values()))
         values = [each[name] for each in method.settings.values.values()]
         value = next((each for each in values if each is not None), None)
         if len(texts) == 1:
             if value != method.node.settings[name].default:
-                found[name] = texts[0]
+                found[name] = f"{texts[0]}{unit}"
         elif isinstance(value, (int, float, str, Path)):
             along = [*zip(*shown, strict=True)]  # for each axis, its label at each value
             if any(all(map(contains, shown.values(), map(str, each))) for each in along):
                 continue
-            found[name] = labels_text(texts, _LONGEST, " / ")
+            found[name] = f"{labels_text(texts, _LONGEST, ' / ')}{unit}"
             for axis, labels in zip(method.settings.axes, along, strict=True):
                 by_label = dict(zip(labels, shown.values(), strict=True))
                 if all(map(eq, map(by_label.__getitem__, labels), shown.values())):
-                    found[name] = _Along(axis, tuple(by_label.items()))
+                    found[name] = _Along(axis, tuple(by_label.items()), unit and f" in{unit}")
     return found
 
 
@@ -387,14 +413,24 @@ def _with_values(settings: Mapping[str, _Setting]) -> tuple[Axis, ...]:
         at_each = [*zip(*(each.values for each in several.values()), strict=True)]
         if len(at_each) <= _MOST_VALUES:
             values = [(labels_text([at[0][0]]), *(text for _, text in at)) for at in at_each]
-            axes.append(Axis(axis, settings=tuple(several), values=tuple(values)))
+            names = (f"{name}{each.unit}" for name, each in several.items())
+            axes.append(Axis(axis, settings=tuple(names), values=tuple(values)))
     return tuple(axes)
+
+
+def _told_again(axis: Axis) -> Axis:
+    """Return an axis whose labels stand elsewhere; those with the most common values are others."""
+    for usual, count in Counter(row[1:] for row in axis.values).most_common(1):
+        if count > 1:
+            rows = [row for row in axis.values if row[1:] != usual]
+            return axis._replace(values=(*rows, ("others", *usual)))
+    return axis
 
 
 def _from_fields(graph: Graph, node: GraphNode) -> dict[str, str]:
     """Return the settings that fields of an axis give to a graph used as a node, as written."""
     return {
-        name: str(each.value)
+        name: str(each.value).removeprefix("$")
         for name, each in graph.spec.nodes[node.name].settings.items()
         if isinstance(each.value, Variable) and each.value.field
     }
@@ -402,7 +438,7 @@ def _from_fields(graph: Graph, node: GraphNode) -> dict[str, str]:
 
 def _value_text(value: object) -> str:
     """Return the value of a setting, of an address only its end."""
-    text = value_text(value)
+    text = "none" if value is None else value_text(value)
     address, *_ = text.split("#")
     return f"…/{address.rpartition('/')[2]}" if "://" in text else text
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from bisect import bisect_right, insort
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from itertools import accumulate, islice, pairwise, starmap, takewhile
 from math import inf
@@ -24,7 +24,7 @@ import networkx as nx
 
 from nodegraph.draw.boxes import Shape, row_port, shape, shortened, width
 from nodegraph.draw.frames import Frame, frames_of, label_of
-from nodegraph.draw.picture import Arrow, Box, Picture, origins
+from nodegraph.draw.picture import Arrow, Picture, network_of, origins
 
 Point = tuple[float, float]
 Cell = tuple[str, Hashable]
@@ -38,7 +38,7 @@ LABEL_HEIGHT = 26.0
 PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
 _BETWEEN_CELLS = 22.0
-_BETWEEN_COLUMNS = 36.0
+_BETWEEN_COLUMNS = 30.0
 _LANE = 7.0
 _TIP = 7.0
 """Length of the level end of a wire under its arrow head."""
@@ -50,10 +50,11 @@ _AFTER = 14.0
 """Room before and after a box, for arrows from one band to the next."""
 
 
+_BAND = 0.9
 _CUT = 0.08
-"""Cost of an output that is read in another band, and of each reader; of a full band it is 1."""
-_WIDEST = 880.0
-"""Width of a drawing whose smallest text has almost 9 pixels on a page of 720."""
+"""Cost of a reader in another band, and half of that of an output; a full band costs 1 besides."""
+_WIDEST = 890.0
+"""Width of a drawing whose smallest text has more than 8 pixels on a page of 720."""
 _CHOICES = 3
 """Choices of bands: ports that say where cut arrows begin and end make boxes wider."""
 _SWEEPS = 16
@@ -187,31 +188,30 @@ def _bands_of(area: Area, part: Iterable[Cell]) -> _Bands:
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
     widths = [0.0] * len(ranks)
     for cell, depth in depths.items():
-        size = sizes[cell]
-        widths[depth] = max(widths[depth], size.before + size.width + size.after)
+        widths[depth] = max(widths[depth], sizes[cell].width)
     by_output: dict[End, list[int]] = {}
     for begin, (target, _) in wires:
         by_output.setdefault(begin, []).append(depths[target])
     outputs: list[list[list[int]]] = [[] for _ in widths]
     for (cell, _), readers in by_output.items():
         outputs[depths[cell]].append(readers)
-    best: list[tuple[int, float, int]] = [(0, 0.0, 0)]
+    best: list[tuple[float, int]] = [(0.0, 0)]
     for end in range(1, len(widths) + 1):
         options = []
         wide, cut = -_BETWEEN_COLUMNS, 0
         for start in reversed(range(end)):
             wide += widths[start] + _BETWEEN_COLUMNS
             beyond = (sum(at >= end for at in readers) for readers in outputs[start])
-            cut += sum(1 + count for count in beyond if count)
+            cut += sum(2 + count for count in beyond if count)
             if wide > _WIDEST and start < end - 1:
                 break
-            bands, cost, _ = best[start]
-            options.append((bands + 1, cost + (wide / _WIDEST) ** 3 + _CUT * cut, start))
+            cost = best[start][0] + _BAND + (wide / _WIDEST) ** 3 + _CUT * cut
+            options.append((cost, start))
         best.append(min(options))
     starts: list[int] = []
     end = len(widths)
     while end:
-        end = best[end][2]
+        end = best[end][1]
         starts.insert(0, end)
     return {cell: bisect_right(starts, depth) - 1 for cell, depth in depths.items()}
 
@@ -526,37 +526,14 @@ def layout(
         led = _led(picture, links_of, frames, bands)
         cut = {
             arrow
-            for arrow, (link, *_) in zip(picture.arrows, links_of, strict=True)
-            if _steps(link, frames, bands) and link not in led
+            for arrow, own in zip(picture.arrows, links_of, strict=True)
+            if not own or (_steps(own[0], frames, bands) and own[0] not in led)
         }
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
     placed = _placed(first, _outlines(shapes, led), links, led)
-    ordered = _with_ports_in_order(picture, _routes(links_of, placed.lines))
-    if ordered != picture:
-        shapes = _shapes(ordered, frames, cut, states=states)
-        placed = _placed(first, _outlines(shapes, led), links, led)
     return shapes, placed, _routes(links_of, placed.lines)
-
-
-def _with_ports_in_order(picture: Picture, routes: Iterable[Sequence[Sequence[Point]]]) -> Picture:
-    """Return a picture in which ports of what the report lists stand as their arrows arrive.
-
-    Those to which no line leads come last.
-    """
-    arrivals: dict[tuple[str, str], float] = {}
-    for arrow, lines in zip(picture.arrows, routes, strict=True):
-        end = arrow.target, arrow.target_port
-        arrivals[end] = min([arrivals.get(end, inf), *(points[-4:][0][1] for points in lines)])
-
-    def ordered(box: Box) -> Box:
-        if not any(socket.items for socket in box.inputs):
-            return box
-        inputs = sorted(box.inputs, key=lambda each: arrivals.get((box.name, each.name), inf))
-        return replace(box, inputs=tuple(inputs))
-
-    return replace(picture, boxes=tuple(map(ordered, picture.boxes)))
 
 
 def _routes(
@@ -596,28 +573,31 @@ def _links_of(picture: Picture) -> list[list[_Link]]:
     """Return the links of each arrow: to the rows that name its source, else to its port.
 
     Where another port of the box has the source for itself, the link to that stands for the rows.
+    To what the report lists only the first arrow leads.
     """
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     rows = {box.name: box.alternatives for box in picture.boxes}
-
+    lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
     alone = {
         (arrow.source, arrow.source_port, arrow.target): arrow.target_port
         for arrow in picture.arrows
         if into[arrow.target, arrow.target_port] < 2
     }
+    reached: set[tuple[str, str]] = set()
 
     def ends(arrow: Arrow, origin: str) -> list[str]:
-        if into[arrow.target, arrow.target_port] < 2:
+        end = arrow.target, arrow.target_port
+        if end in lists and end in reached:
             return []
+        reached.add(end)
         named = [row_port(row) for row in rows[arrow.target] if origin in row.source.split(", ")]
+        if into[end] < 2 or not named:
+            return [arrow.target_port]
         port = alone.get((arrow.source, arrow.source_port, arrow.target))
-        return [port] if named and port else named
+        return [port] if port else named
 
     return [
-        [
-            _Link(arrow.source, arrow.source_port, arrow.target, port)
-            for port in ends(arrow, origin) or [arrow.target_port]
-        ]
+        [_Link(arrow.source, arrow.source_port, arrow.target, port) for port in ends(arrow, origin)]
         for arrow, origin in zip(picture.arrows, origins(picture), strict=True)
     ]
 
@@ -804,20 +784,14 @@ def _stack_bands(area: Area, band_of: _Bands, led: Mapping[int, int]) -> list[fl
 
 
 def _free(area: Area, bands: _Bands, source: Cell, *, up: bool) -> float:
-    """Return where nothing is right of a cell and below it, or above, up to the next band.
-
-    What a wire leads to is passed with it, so that it is not crossed, if no box stands in the way.
-    """
+    """Return where nothing is right of a cell and below it, or above, up to the next band."""
     (x, y), size = area.corners[source], area.sizes[source]
     reach = x + size.width
     beside = {
         cell: corner for cell, corner in area.corners.items() if bands.get(cell) == bands[source]
     }
-    is_alone = all(left <= x or top > y + size.height for left, top in beside.values())
-    begins = {target: area.corners[begin][0] for (begin, _), (target, _) in area.wires if is_alone}
     for cell, (left, top) in sorted(beside.items(), key=lambda item: item[1]):
-        near = min(left, begins.get(cell, left)) < reach + _BETWEEN_COLUMNS
-        if near and (top < y if up else top > y):
+        if left < reach + _BETWEEN_COLUMNS and (top < y if up else top > y):
             reach = max(reach, left + area.sizes[cell].width)
     return reach
 
@@ -843,12 +817,11 @@ def _led(
     frames: Mapping[str, Frame],
     bands: _Bands,
 ) -> frozenset[_Link]:
-    """Return the links that run from one band to the next: of two outputs, each one to each box.
+    """Return the links that run from one band to the next: of one output to other boxes.
 
-    It is the box's first input, if that reads one value, or where nothing in its own band leads to
-    the box, another of its rows and inputs; in the report, what reads nothing else, or a band below
-    it. Of several outputs that one is led which the report lists, or which most boxes have as their
-    first input; then another, to other boxes or from one that no line leaves. No truth is led.
+    It leads to as many as it can of those to which nothing in their own band does, from the box
+    that most lead to. Of another output a line runs to the report, up or down, to what that shows
+    first or if nothing else leads to it. No truth is led.
     """
     first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
     reports = {box.name for box in picture.boxes if box.kind == "report"}
@@ -860,41 +833,27 @@ def _led(
         steps = _steps(link, frames, bands)
         if frames[link.source] or frames[link.target] or abs(steps) != 1:
             return False
+        is_new = link.target not in reached
         if link.target in reports:
-            return steps < 0 or into[link[2:]] == 1
-        return steps > 0 and (
-            link.target not in reached or (link[2:] in first and into[link[2:]] == 1)
-        )
+            is_alone = steps < 0 or into[link[2:]] == 1
+            return is_alone and (link[2:] in first or is_new)
+        return steps > 0 and is_new
 
-    onward = [
-        link
-        for arrow, (link, *others) in zip(picture.arrows, links_of, strict=True)
-        if not others and not arrow.truth and is_main(link)
-    ]
-    main: dict[int, dict[tuple[str, str], dict[str, _Link]]] = {}
-    for link in onward:
-        outputs = main.setdefault(_lower(link, bands), {})
-        outputs.setdefault(link[:2], {}).setdefault(link.target, link)
+    main: dict[tuple[int, bool], dict[tuple[str, str], dict[str, _Link]]] = {}
+    for arrow, own in zip(picture.arrows, links_of, strict=True):
+        if len(own) == 1 and not arrow.truth and is_main(own[0]):
+            (link,) = own
+            outputs = main.setdefault((_lower(link, bands), link.target in reports), {})
+            outputs.setdefault(link[:2], {}).setdefault(link.target, link)
 
-    def rank(led: Mapping[str, _Link]) -> tuple[bool, int, int]:
-        return (
-            not reports.isdisjoint(led),
-            sum(link[2:] in first for link in led.values()),
-            len(led),
-        )
+    network = network_of(picture)
 
-    whole = {link.source for link in links if not _steps(link, frames, bands)}
-    led: set[_Link] = set()
-    for outputs in main.values():
-        most, *others = sorted(outputs.values(), key=rank, reverse=True)
-        led.update(most.values())
-        whole.update(link.source for link in led)
-        rest = [
-            {to: link for to, link in each.items() if to not in most or link.source not in whole}
-            for each in others
-        ]
-        led.update(max(rest, key=rank, default={}).values())
-    return frozenset(led)
+    def rank(led: Mapping[str, _Link]) -> tuple[int, int]:
+        return len(led), max(len(nx.ancestors(network, link.source)) for link in led.values())
+
+    return frozenset(
+        link for outputs in main.values() for link in max(outputs.values(), key=rank).values()
+    )
 
 
 def _shapes(
@@ -902,14 +861,14 @@ def _shapes(
 ) -> list[Shape]:
     """Return the shapes of boxes; their ports say where arrows begin that are not drawn.
 
-    An output says where its arrows end if none of them is drawn.
+    What the report lists always says so. An output says where its arrows end if none of them is
+    drawn.
     """
     fixed: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     sources: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
-    named = {end for arrow in cut if (end := (arrow.target, arrow.target_port)) in lists}
     begins = {(arrow.source, arrow.source_port) for arrow in picture.arrows if arrow not in cut}
     said = {
         (box.name, socket.name, each.source)
@@ -928,7 +887,7 @@ def _shapes(
         if (arrow.source, arrow.source_port) not in begins:
             readers[arrow.source].append((arrow.source_port, arrow.target))
         end = arrow.target, arrow.target_port
-        if end in named or (arrow in cut and (*end, origin) not in said):
+        if end in lists or (arrow in cut and (*end, origin) not in said):
             sources[arrow.target].append((arrow.target_port, origin))
     return [
         shape(

@@ -72,5 +72,4 @@ def _label(arrow: Arrow) -> str:
     label = _text(" to ".join(dict.fromkeys(ends)))
     notes = ["truth"] * (arrow.truth and arrow.gathers)
     notes += [f"at {arrow.fixed}"] if arrow.fixed else []
-    notes += [arrow.gathered] if arrow.gathered else []
     return "<br/>".join([label, *map(_text, notes)])

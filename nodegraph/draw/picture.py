@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
+import networkx as nx
+
 Kind = Literal["node", "input", "report"]
 
-_MOST_SETTINGS = 26
-"""Characters of the settings of what stands in a list."""
 BETWEEN_PARTS = re.compile(r"(?<=[,…\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
 """Between two parts of a text; a list is one."""
 _AROUND = re.compile(r"(Truth|Across)\[|\]| \| None$")
@@ -134,6 +134,8 @@ class Box:
         It stands for a graph used as a node, and passes on what a box of that graph returns.
     title : str
         Of what the report shows of it.
+    answers : bool
+        The report tells its answer by it.
     """
 
     name: str
@@ -146,6 +148,7 @@ class Box:
     compares: bool = False
     passes: bool = False
     title: str = ""
+    answers: bool = False
 
     @property
     def texts(self) -> tuple[str, ...]:
@@ -166,9 +169,6 @@ class Arrow:
         The value is the truth, which methods must not see.
     fixed : str
         Axes that the arrow fixes: ``trial=0, length=45``.
-    gathered : str
-        The labels that a gathering port receives over the arrow: ``17 fill x 3 length``, or
-        ``guenter, lin``.
     """
 
     source: str
@@ -178,19 +178,18 @@ class Arrow:
     gathers: bool = False
     truth: bool = False
     fixed: str = ""
-    gathered: str = ""
 
     def __str__(self) -> str:
         notes = [f"at {self.fixed}"] if self.fixed else []
         notes += ["truth"] * self.truth
-        notes += [f"gathers {self.gathered}".rstrip()] * self.gathers
+        notes += ["gathers"] * self.gathers
         text = f"{self.source}.{self.source_port} to {self.target}.{self.target_port}"
         return text + (f" ({', '.join(notes)})" if notes else "")
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A whole drawing, with the combinations in the report: ``8 actor x 3 data x 6 align``.
+    """A whole drawing, with what is compared: ``6 alternatives of align, for each actor (8)``.
 
     Raises
     ------
@@ -217,11 +216,23 @@ class Picture:
 
 
 def origins(picture: Picture) -> list[str]:
-    """Return where each arrow begins, in words: a box, with the output where several are drawn."""
+    """Return where each arrow begins, in words: a box, with the output where several are drawn.
+
+    What the report lists has an output only where it differs from that of other items.
+    """
     outputs = {box.name: len(box.outputs) for box in picture.boxes}
+    lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
+    first: dict[tuple[str, str], Arrow] = {}
+    for arrow in picture.arrows:
+        first.setdefault((arrow.target, arrow.target_port), arrow)
+    leading = Counter(first[end].source for end in lists)
 
     def origin(arrow: Arrow) -> str:
+        end = arrow.target, arrow.target_port
         several = outputs[arrow.source] > 1
+        if end in lists:
+            several = several and first[end].source == arrow.source and leading[arrow.source] > 1
+            arrow = first[end] if several else arrow
         return f"{arrow.source}{f'.{arrow.source_port}' * several}"
 
     return [origin(arrow) for arrow in picture.arrows]
@@ -240,13 +251,15 @@ def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, tuple[str, ..
 
 
 def folded(picture: Picture) -> Picture:
-    """Return a picture in which one box lists all those that only show something.
+    """Return a picture of few boxes, as it takes to follow a study.
 
-    These are boxes of the report that no other box reads. Those that read the same outputs share
-    a port. With fewer than two such boxes, they stay. A graph that is used as a node is one box.
+    One box lists all those that only show something: boxes of the report that no other box reads,
+    if there are two. Those that were made from the same last output share a port. A graph that is
+    used as a node is one box, and so are linked boxes that none of the report's answers reads.
     Alternatives that several boxes have are listed at the first.
     """
-    picture = _with_alternatives_once(_graphs_as_boxes(picture))
+    picture = _together(picture, _graphs_of(picture))
+    picture = _with_alternatives_once(_together(picture, _asides_of(picture)))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
         arrow.source
@@ -259,58 +272,66 @@ def folded(picture: Picture) -> Picture:
     name = "report"
     while any(box.name == name for box in picture.boxes if box.name not in shown):
         name += " "
-    kept = list[Arrow]()
-    sources_of = {item: dict[tuple[str, str], Arrow]() for item in shown}
+    network = network_of(picture)
+
+    def rank(arrow: Arrow) -> tuple[bool, int]:
+        return not arrow.truth, len(nx.ancestors(network, arrow.source))
+
+    into: dict[str, list[Arrow]] = {item: [] for item in shown}
     for arrow in picture.arrows:
-        if arrow.target not in shown:
-            kept.append(arrow)
-        elif arrow.source not in shown:
+        if arrow.target in shown and arrow.source not in shown:
+            into[arrow.target].append(arrow)
+    last = {item: max(arrows, key=rank) for item, arrows in into.items() if arrows}
+    items_of: dict[tuple[str, str], list[str]] = {}
+    for item, arrow in last.items():
+        items_of.setdefault((arrow.source, arrow.source_port), []).append(item)
+    sockets, wires = list[Socket](), list[Arrow]()
+    for items in items_of.values():
+        port = items[0]
+        sockets.append(Socket(port, items=tuple(_item(shown[item]) for item in items)))
+        own: dict[tuple[str, str], Arrow] = {}
+        for arrow in (last[port], *(each for item in items for each in into[item])):
             ends = arrow.source, arrow.source_port
-            known = sources_of[arrow.target].get(ends, arrow)
-            gathers = known.gathers or arrow.gathers
-            sources_of[arrow.target][ends] = replace(arrow, gathers=gathers)
-    boxes = [box for box in picture.boxes if box.name not in shown]
-    outputs = [(box.name, socket.name) for box in boxes for socket in box.outputs]
-    order = {ends: at for at, ends in enumerate(outputs)}
-    items_of: dict[frozenset[tuple[str, str]], list[str]] = {}
-    for item, sources in sources_of.items():
-        items_of.setdefault(frozenset(sources), []).append(item)
-    items_of.pop(frozenset(), None)
-    sockets = [
-        Socket(item, items=tuple(_item(shown[each]) for each in (item, *others)))
-        for item, *others in items_of.values()
-    ]
-    wires = [
-        Arrow(
-            *ends,
-            name,
-            items[0],
-            gathers=any(sources_of[item][ends].gathers for item in items),
-            truth=arrow.truth,
-        )
-        for items in items_of.values()
-        for ends, arrow in sorted(sources_of[items[0]].items(), key=lambda each: order[each[0]])
-    ]
-    lines = tuple(_item(box) for item, box in shown.items() if not sources_of[item])
+            gathers = arrow.gathers or (ends in own and own[ends].gathers)
+            own[ends] = Arrow(*ends, name, port, gathers=gathers, truth=arrow.truth)
+        wires += own.values()
+    lines = tuple(_item(box) for item, box in shown.items() if not into[item])
+    boxes = (box for box in picture.boxes if box.name not in shown)
+    kept = (arrow for arrow in picture.arrows if arrow.target not in shown)
     card = Box(name, lines, tuple(sockets), kind="report")
     return replace(picture, boxes=(*boxes, card), arrows=(*kept, *wires))
 
 
 def _item(box: Box) -> str:
-    """Return what is told of a box in the report: its title, or name and method, first settings.
-
-    A method that the name tells is left out.
-    """
-    told = [box.title or box.name]
-    for line in box.lines[:2]:
-        first, *more = BETWEEN_PARTS.split(line)
-        both = " ".join([first, *more[:1]])
-        text = (both if len(both) <= _MOST_SETTINGS else first).rstrip(",")
-        is_method = ": " not in line
-        told += [text] * (
-            not is_method or (not box.title and line.rpartition(".")[2] not in box.name)
-        )
+    """Return the title of a box in the report, or its name, and the method that this hides."""
+    told = [box.title or box.name, *box.lines[: not box.title]]
     return " \N{MIDDLE DOT} ".join(told)
+
+
+def network_of(picture: Picture) -> nx.DiGraph[str]:
+    """Return the boxes with an edge along each arrow."""
+    network: nx.DiGraph[str] = nx.DiGraph()
+    network.add_nodes_from(box.name for box in picture.boxes)
+    network.add_edges_from((arrow.source, arrow.target) for arrow in picture.arrows)
+    return network
+
+
+def answering(picture: Picture) -> set[str]:
+    """Return the boxes that an answer of the report is made from; all if it has none."""
+    network = network_of(picture)
+    answers = {box.name for box in picture.boxes if box.answers}
+    before = (nx.ancestors(network, name) for name in answers)
+    return answers.union(*before) if answers else {*network}
+
+
+def _asides_of(picture: Picture) -> dict[str, str]:
+    """Return the last of the linked boxes that no answer is made from, for each of several."""
+    network = network_of(picture)
+    main = answering(picture)
+    aside = [box.name for box in picture.boxes if box.kind != "report" and box.name not in main]
+    rows = map(network.subgraph, nx.weakly_connected_components(network.subgraph(aside)))
+    several = ([*nx.topological_sort(row)] for row in rows if len(row) > 1)
+    return {name: names[-1] for names in several for name in names}
 
 
 def _with_alternatives_once(picture: Picture) -> Picture:
@@ -325,8 +346,8 @@ def _with_alternatives_once(picture: Picture) -> Picture:
     return replace(picture, boxes=tuple(boxes))
 
 
-def _graphs_as_boxes(picture: Picture) -> Picture:
-    graph_of = _graphs_of(picture)
+def _together(picture: Picture, graph_of: Mapping[str, str]) -> Picture:
+    """Return a picture in which one box stands for those of each name in a mapping."""
     if not graph_of:
         return picture
     arrows: dict[tuple[str, str, str, str], Arrow] = {}
@@ -341,7 +362,9 @@ def _graphs_as_boxes(picture: Picture) -> Picture:
             continue
         if source is not None:
             port = _output(source, arrow.source, arrow.source_port)
-            socket = replace(read[arrow.source, arrow.source_port], name=port, shown=None)
+            socket = replace(read[arrow.source, arrow.source_port], name=port)
+            if arrow.source != source:
+                socket = replace(socket, shown=None)
             outputs.setdefault(source, {})[port] = socket
             arrow = replace(arrow, source=source, source_port=port)
         if target is not None:
@@ -381,6 +404,7 @@ def _graph_as_box(
     outputs: Mapping[str, Socket],
 ) -> Box:
     """Return one box for those of a graph, with what it is fed and what it returns."""
+    *_, last = parts
     counts = Counter(socket.name for _, socket in inputs.values())
     sockets = (
         replace(socket, name=end, shown=f"{f'{inner}.' * (counts[socket.name] > 1)}{socket.name}")
@@ -391,9 +415,12 @@ def _graph_as_box(
         axes.setdefault(axis.name, Axis(axis.name, axis.labels))
     return Box(
         name,
-        lines=next(part.lines for part in parts if part.name == name),
+        lines=last.lines
+        if last.passes
+        else (f"{len(parts)} steps: {', '.join(part.name for part in parts)}",),
         inputs=tuple(sockets),
         outputs=tuple(outputs.values()),
+        alternatives=last.alternatives,
         axes=tuple(axes.values()),
         kind="node" if inputs else "input",
     )
@@ -401,7 +428,9 @@ def _graph_as_box(
 
 def _output(graph: str, box: str, port: str) -> str:
     """Return the output of a graph: truth of its box `damage.truth`, a port of `damage`."""
-    return box.removeprefix(graph).removeprefix(".") or port
+    if box.startswith(f"{graph}."):
+        return box.removeprefix(f"{graph}.")
+    return port if box == graph else f"{box}.{port}".removesuffix(".output")
 
 
 def _graphs_of(picture: Picture) -> dict[str, str]:

@@ -51,7 +51,7 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
     report: [table]
     """
     boxes = {box.name: box for box in picture_of(graph_of(text)).boxes}
-    assert [*map(str, boxes["gaps"].axes)] == ["length: 5, 15", "trial: 0 … 19 (20)"]
+    assert [*map(str, boxes["gaps"].axes)] == ["length: 5, 15 frames", "trial: 0 … 19 (20)"]
     assert boxes["again"].axes == ()  # a wire brings trial, and an axis of one label is not said
     assert boxes["other"].axes == (Axis("trial"),)  # labels are said once
     assert boxes["fill"].axes == ()
@@ -132,6 +132,7 @@ def test_the_settings_that_few_labels_stand_for_are_a_table(
     nodes:
       capture: {{use: read.number}}
       each: {{use: fill.scale, in: capture, with: {{power: $damage.power}}}}
+      again: {{use: fill.scale, in: each, with: {{power: $damage.power}}}}
       many: {{use: fill.scale, in: capture, with: {{power: $condition.power}}}}
       plain: {{use: fill.scale, in: capture, with: {{power: $k}}}}
     """
@@ -139,11 +140,13 @@ def test_the_settings_that_few_labels_stand_for_are_a_table(
     assert boxes["each"].lines == boxes["plain"].lines == ("fill.scale",)
     values = (("none", "9"), ("usual", "3"), ("heavy", "9"), ("last", "4"))
     assert boxes["each"].axes == (Axis("damage", "none, usual, heavy, last", ("power",), values),)
+    others = (("usual", "3"), ("last", "4"), ("others", "9"))
+    assert boxes["again"].axes == (Axis("damage", "", ("power",), others),)
     assert [*map(str, boxes["plain"].axes)] == ["k: 1, 2, 3"]
-    assert boxes["many"].lines == ("fill.scale", "power: 0 / 1 / 2 / 3 / 4 / 5 over condition")
+    assert boxes["many"].lines == ("fill.scale", "power: 0 / 1 / 2 / 3 / 4 / 5 by condition")
 
 
-def test_axes_that_are_seen_in_the_end_are_multiplied_where_a_node_has_them_at_once(
+def test_what_is_compared_is_said_with_the_axes_that_are_seen_in_the_end(
     graph_of: Callable[..., Graph],
 ) -> None:
     text = """
@@ -164,6 +167,53 @@ def test_axes_that_are_seen_in_the_end_are_multiplied_where_a_node_has_them_at_o
       - {show: first}
     """
     picture = picture_of(graph_of(text))
-    assert picture.combinations == "20 trial \N{MULTIPLICATION SIGN} 2 scaled; 2 other"
+    assert picture.combinations == "2 alternatives of scaled, for each trial (20); other (2)"
     titles = {box.name: box.title for box in picture.boxes if box.kind == "report"}
     assert titles == {"scaled": "How far?", "held": "", "first": ""}
+
+
+def test_what_no_answer_is_made_from_is_not_counted_and_the_report_has_its_order(
+    graph_of: Callable[..., Graph],
+) -> None:
+    text = """
+    axes: {trial: {count: 20}}
+    nodes:
+      capture: {use: read.number}
+      aside: {in: capture, alternatives: [fill.hold, fill.scale]}
+      fill: {in: capture, with: {power: $trial}, alternatives: {a: fill.scale, b: fill.scale}}
+      drawn: {use: fill.hold, in: aside}
+      table: {use: fill.hold, in: fill}
+    report:
+      - {show: table, title: How far?}
+      - {show: drawn}
+    """
+    fill = "2 alternatives of fill, for each trial (20)"
+    picture = picture_of(graph_of(text))
+    assert [box.name for box in picture.boxes][-2:] == ["table", "drawn"]
+    assert picture.combinations == f"2 alternatives of aside; {fill}"
+    answered = picture_of(graph_of(text.replace("far?", "far?, answer: Far.")))
+    assert {box.name for box in answered.boxes if box.answers} == {"table"}
+    assert answered.combinations == fill
+
+
+def test_an_alternative_says_at_which_labels_it_is(graph_of: Callable[..., Graph]) -> None:
+    text = """
+    axes: {wait: {none: 1, few: 2, many: 2}}
+    nodes:
+      capture: {use: read.number}
+      fill:
+        in: capture
+        alternatives:
+          any: {use: fill.scale, with: {power: 5}}
+          late: {use: fill.hold}
+          last: {use: fill.scale, with: {power: $wait}}
+    skip:
+      - {fill: [late], wait: [none, few]}
+      - {fill: [last], wait: none}
+    """
+    (fill,) = (box for box in picture_of(graph_of(text)).boxes if box.name == "fill")
+    assert [each.settings for each in fill.alternatives] == [
+        "fill.scale, power: 5",
+        "fill.hold, wait: many",
+        "fill.scale, power: 2, wait: few \N{EN DASH} many",
+    ]

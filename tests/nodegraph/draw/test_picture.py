@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket
@@ -59,20 +61,15 @@ def test_boxes_that_only_show_are_one_list() -> None:
     picture = folded(Picture("fold", boxes, arrows))
     assert [box.name for box in picture.boxes] == ["face", "fill", "chosen", "kept", "report"]
     report = picture.boxes[-1]
-    assert report.lines == ("glb \N{MIDDLE DOT} rate: 30",)  # it reads nothing outside the list
-    assert {socket.name: socket.items for socket in report.inputs} == {
-        "curve": ("curve \N{MIDDLE DOT} x: k, compare: [a, b]",),
-        "figure": (
-            "figure \N{MIDDLE DOT} plot.selection",
-            "faces",
-        ),
-    }
-    assert report.texts == (*report.lines, *report.inputs[0].items, *report.inputs[1].items)
+    dot = " \N{MIDDLE DOT} "
+    assert report.lines == (f"glb{dot}write.glb",)  # it reads nothing outside the list
+    items = (f"curve{dot}compare.curve", f"figure{dot}plot.selection", f"faces{dot}plot.faces")
+    assert {socket.name: socket.items for socket in report.inputs} == {"curve": items}
+    assert report.texts == (*report.lines, *items)
     assert picture.arrows[:3] == arrows[:3]  # a box that another one reads stays
     assert picture.arrows[3:] == (
-        Arrow("kept", "out", "report", "curve"),
-        Arrow("face", "truth", "report", "figure", truth=True),
-        Arrow("kept", "out", "report", "figure", gathers=True),
+        Arrow("kept", "out", "report", "curve", gathers=True),
+        Arrow("face", "truth", "report", "curve", truth=True),
     )
     assert folded(picture) == picture
 
@@ -125,7 +122,33 @@ def test_the_report_lists_titles_in_place_of_names_and_methods() -> None:
     arrows = tuple(Arrow("score", "scores", name, "scores") for name in ("far", "near"))
     ((socket,),) = (box.inputs for box in folded(Picture("", boxes, arrows)).boxes[1:])
     dot = " \N{MIDDLE DOT} "
-    assert socket.items == (
-        f"How far?{dot}metric: rmse",
-        f"near{dot}compare.table{dot}metric: rmse",
+    assert socket.items == ("How far?", f"near{dot}compare.table")
+
+
+def test_linked_boxes_that_no_answer_is_made_from_are_one() -> None:
+    port = (Socket("in"),)
+    out = (Socket("output"),)
+    boxes = (
+        Box("take", outputs=(*out, Socket("truth"))),
+        Box("fill", inputs=port, outputs=out),
+        Box("still", inputs=port, outputs=out),
+        Box("moved", ("animate.mesh",), port, out),
+        Box("alone", inputs=port, outputs=out),
+        Box("table", (), port, kind="report", title="How far?", answers=True),
+        Box("faces", (), port, kind="report", title="Faces"),
+        Box("other", (), port, kind="report", title="Another"),
     )
+    ways = [("take", "fill"), ("fill", "table"), ("fill", "still"), ("still", "moved")]
+    ways += [("still", "faces"), ("moved", "faces"), ("fill", "alone"), ("alone", "other")]
+    arrows = tuple(Arrow(source, "output", target, "in") for source, target in ways)
+    picture = folded(Picture("", boxes, arrows))
+    by_name = {box.name: box for box in picture.boxes}
+    assert [*by_name] == ["take", "fill", "moved", "alone", "report"]
+    assert by_name["moved"].lines == ("2 steps: still, moved",)
+    assert [socket.name for socket in by_name["moved"].outputs] == ["still", "output"]
+    assert [str(arrow) for arrow in picture.arrows if arrow.target == "report"] == [
+        *("fill.output to report.table", "moved.still to report.faces"),
+        *("moved.output to report.faces", "alone.output to report.other"),
+    ]
+    unanswered = tuple(replace(box, answers=False) for box in boxes)
+    assert "still" in {box.name for box in folded(Picture("", unanswered, arrows)).boxes}
