@@ -211,7 +211,9 @@ def shape(
     rows = [_row(each, states=states) for each in alternatives]
     columns = [rows[at : at + in_column] for at in range(0, len(rows), max(in_column, 1))]
     widths = [max(wide for _, wide, _ in column) for column in columns]
-    least = max(_NARROWEST, _widest(heading), sum(widths) + _CHIP_GAP * (len(widths) - 1))
+    least = max(
+        _NARROWEST, *(_wide(*line) for line in heading), sum(widths) + _CHIP_GAP * (len(widths) - 1)
+    )
     inner, inputs, outputs = _sides(into, out, least)
     texts: list[Text] = []
     y = 4.0
@@ -417,7 +419,3 @@ def _wrapped(text: str, longest: int) -> tuple[str, ...]:
     )
     whole = (line.replace("\N{NO-BREAK SPACE}", " ") for line in lines)
     return tuple([line.strip(" \N{MIDDLE DOT}") for line in whole])
-
-
-def _widest(lines: Iterable[tuple[str, str]]) -> float:
-    return max((_wide(*line) for line in lines), default=0.0)

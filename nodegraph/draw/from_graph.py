@@ -38,7 +38,6 @@ _LONGEST = 28
 """Characters of the values that a setting has along axes."""
 _MOST_VALUES = 6
 """Labels of an axis that are drawn with the settings for which they stand."""
-_MOST_METHODS = 24
 _SHORT = 3
 """Characters of a unit that is a word, which the name of a setting tells."""
 MOST_ON_A_PAGE = 500
@@ -89,7 +88,8 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
     said: set[str] = set()
     boxes = []
     for node in graph.nodes.values():
-        own = [axis for axis in _own_axes(graph, node) if len(graph.axes[axis].labels) > 1]
+        named = {axis for method in node.methods.values() for axis in method.settings.axes}
+        own = [axis for axis in graph.axes if axis in named and len(graph.axes[axis].labels) > 1]
         if whole:
             read |= {(node.name, port.name) for port in node.first.node.outputs}
             fed |= {(node.name, port.name) for port in _inputs(node)}
@@ -236,21 +236,19 @@ def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
 
 def _received(graph: Graph, node: GraphNode, feed: Reference | Gather | None) -> str:
     """Return the number and the kind of the values of a gathering port; empty for other ports."""
-    if not isinstance(feed, Gather):
-        return ""
+    sources = feed.sources if isinstance(feed, Gather) else {}
     free = {
         axis
-        for source in feed.sources.values()
+        for source in sources.values()
         for axis in graph.nodes[source.node].axes
         if axis not in source.at
     }
     sizes = {axis: len(graph.axes[axis].labels) for axis in node.gathered if axis in free}
     counts = [f"{size} {axis}" for axis, size in sizes.items() if size > 1]
-    if len(counts) == 1 and not feed.axis:
-        return f"all {counts[0]}"
-    if feed.axis and node.has_alternatives:
-        counts.insert(0, f"{len(feed.sources)}: {', '.join(feed.sources)}")
-    return " \N{MULTIPLICATION SIGN} ".join(counts)
+    if [*sources] != [""] and sources and node.has_alternatives:
+        counts.insert(0, f"{len(sources)}: {', '.join(map(str, sources))}")
+    is_all = len(counts) == 1 and [*sources] == [""]
+    return "all " * is_all + " \N{MULTIPLICATION SIGN} ".join(counts)
 
 
 def _box(
@@ -293,20 +291,19 @@ def _box(
         own = {name: each[name] for name in each if name not in common}
         texts = [*filter(None, (_told(label, uses[label], methods), _text(own)))]
         texts = texts or [_text(varied[uses[label]])]
-        texts += (f"{axis}: {_reach(labels)}" for axis, labels in kept[label].items())
+        for axis, labels in kept[label].items():
+            ends = map(str, dict.fromkeys((labels[0], labels[-1])))
+            texts.append(f"{axis}: " + " \N{EN DASH} ".join(ends))
         alternatives += [Alternative(label, ", ".join(filter(None, texts)))] * node.has_alternatives
-    if not whole and len(alternatives) > _MOST_METHODS:
-        rest = len(alternatives) - _MOST_METHODS
-        alternatives[_MOST_METHODS:] = [Alternative(f"and {rest} more")]
     axes = _with_values(common)
-    own_axes = {axis.name for axis in axes}
-    others = {name: each for name, each in common.items() if _axis_of(each) not in own_axes}
+    told = {axis.name for axis in axes}
+    others = {name: each for name, each in common.items() if getattr(each, "axis", "") not in told}
     lines = [*methods] if len(methods) == 1 else []
     lines += filter(None, [_text(others)])
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
-        told = described.doc or described.name
-        lines = [*filter(None, [told, _text(_from_fields(graph, node))])]
+        fields = _text(_from_fields(graph, node))
+        lines = [*filter(None, [described.doc or described.name, fields])]
     shown = [entry for entry in graph.spec.report if entry.node == node.name]
     return Box(
         node.name,
@@ -317,6 +314,12 @@ def _box(
         axes=axes,
         kind=_kind(graph, node),
         passes=is_graph,
+        names=tuple(
+            (f"{each.node}.{graph.output_name(each)}", port)
+            for port, feed in graph.spec.nodes[node.name].wiring.items()
+            for each in ([feed] if isinstance(feed, Reference) else feed.sources.values())
+            if is_graph
+        ),
         title=next((entry.title for entry in shown), ""),
         answers=any(entry.answer for entry in shown),
     )
@@ -341,10 +344,6 @@ def _kept(graph: Graph, node: GraphNode, method: Label) -> dict[str, list[Label]
         axis: [label for label in graph.axes[axis].labels if label not in labels]
         for axis, labels in gone.items()
     }
-
-
-def _reach(labels: Sequence[Label]) -> str:
-    return " \N{EN DASH} ".join(map(str, dict.fromkeys((labels[0], labels[-1]))))
 
 
 class _Along(NamedTuple):
@@ -398,10 +397,6 @@ def _settings(method: Method, kept: Mapping[str, Collection[Label]]) -> dict[str
     return found
 
 
-def _axis_of(setting: _Setting) -> str:
-    return setting.axis if isinstance(setting, _Along) else ""
-
-
 def _with_values(settings: Mapping[str, _Setting]) -> tuple[Axis, ...]:
     """Return the axes whose labels stand for few different settings, with these."""
     named: dict[str, dict[str, _Along]] = {}
@@ -451,12 +446,6 @@ def _inputs(node: GraphNode) -> Collection[Port]:
     """Return the ports of a node's methods."""
     ports = {port.name: port for method in node.methods.values() for port in method.node.inputs}
     return ports.values()
-
-
-def _own_axes(graph: Graph, node: GraphNode) -> tuple[str, ...]:
-    """Return the axes that the settings of this node name."""
-    named = {axis for method in node.methods.values() for axis in method.settings.axes}
-    return tuple(axis for axis in graph.axes if axis in named)
 
 
 def _kind(graph: Graph, node: GraphNode) -> Kind:

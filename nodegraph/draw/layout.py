@@ -157,7 +157,7 @@ class Area:
 def _parts(area: Area) -> list[list[Cell]]:
     """Return the parts that lie between what they begin and end with, several cells each.
 
-    A beginning stands with the first part that reads it, an end with the largest that it reads.
+    A beginning stands with the first part that reads it, an end with the last that it reads.
     """
     net: nx.DiGraph[Cell] = nx.DiGraph()
     net.add_nodes_from(area.sizes)
@@ -171,7 +171,7 @@ def _parts(area: Area) -> list[list[Cell]]:
     def part(cell: Cell) -> int:
         after = [part_of[reader] for reader in net.succ[cell] if reader in part_of]
         before = {part_of[source] for source in net.pred[cell] if source in part_of}
-        return min(after, default=max(before, key=lambda at: len(several[at]), default=0))
+        return min(after, default=max(before, default=0))
 
     parts: list[list[Cell]] = [[] for _ in range(max(len(several), 1))]
     for cell in area.sizes:
@@ -533,14 +533,8 @@ def layout(
         if cut == before:
             break
     placed = _placed(first, _outlines(shapes, led), links, led)
-    return shapes, placed, _routes(links_of, placed.lines)
-
-
-def _routes(
-    links_of: Iterable[Sequence[_Link]], lines: Iterable[Sequence[Point]]
-) -> tuple[Sequence[Sequence[Point]], ...]:
-    each_line = iter(lines)
-    return tuple([[*filter(None, islice(each_line, len(links)))] for links in links_of])
+    each_line = iter(placed.lines)
+    return shapes, placed, [[*filter(None, islice(each_line, len(own)))] for own in links_of]
 
 
 def _outlines(shapes: Iterable[Shape], led: Collection[_Link]) -> tuple[_Outline, ...]:
@@ -673,7 +667,7 @@ def _placed(
     bands = _bands(first, links)
     ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
     areas = _framed(outlines, frames, ways.values())
-    outputs_led = dict.fromkeys((_lower(link, bands), *link[:2]) for link in led)
+    outputs_led = dict.fromkeys((bands["box", link.target], *link[:2]) for link in led)
     count = Counter(band for band, *_ in outputs_led)
     gaps = _stack_bands(areas[()], bands, count)
     origins: dict[Frame, Point] = {(): (0.0, 0.0)}
@@ -692,12 +686,14 @@ def _placed(
     outputs = {each.name: dict(each.outputs) for each in outlines}
     widths = {each.name: each.width for each in outlines}
 
-    def room(band: int, name: str, port: str) -> tuple[float, float]:
-        """Return how far to the right an output's line goes down, and from how far up."""
-        free = _free(areas[()], bands, ("box", name), up=bands["box", name] == band)
-        return free, -corners[name][1] - outputs[name][port]
-
-    rooms = {output: room(*output) for output in outputs_led}
+    # how far to the right an output's line goes down, and from how far up
+    rooms = {
+        (band, name, port): (
+            _free(areas[()], bands, ("box", name)),
+            -corners[name][1] - outputs[name][port],
+        )
+        for band, name, port in outputs_led
+    }
     lanes: dict[tuple[int, str, str], tuple[int, float]] = {}
     reach: dict[int, float] = {}
     for output in sorted(rooms, key=rooms.__getitem__):
@@ -716,7 +712,7 @@ def _placed(
         if link not in led:
             return []
         x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
-        band = _lower(link, bands)
+        band = bands["box", link.target]
         lane, right = lanes[band, *link[:2]]
         between = gaps[band] - _LANE * lane
         left = x - _BEFORE - _LANE * lane
@@ -783,32 +779,26 @@ def _stack_bands(area: Area, band_of: _Bands, led: Mapping[int, int]) -> list[fl
     return tops
 
 
-def _free(area: Area, bands: _Bands, source: Cell, *, up: bool) -> float:
-    """Return where nothing is right of a cell and below it, or above, up to the next band."""
+def _free(area: Area, bands: _Bands, source: Cell) -> float:
+    """Return where nothing is right of a cell and below it, up to the next band."""
     (x, y), size = area.corners[source], area.sizes[source]
     reach = x + size.width
     beside = {
         cell: corner for cell, corner in area.corners.items() if bands.get(cell) == bands[source]
     }
     for cell, (left, top) in sorted(beside.items(), key=lambda item: item[1]):
-        if left < reach + _BETWEEN_COLUMNS and (top < y if up else top > y):
+        if left < reach + _BETWEEN_COLUMNS and top > y:
             reach = max(reach, left + area.sizes[cell].width)
     return reach
 
 
-def _outermost(name: str, frames: Mapping[str, Frame]) -> Cell:
-    return ("frame", frames[name][:1]) if frames[name] else ("box", name)
-
-
 def _steps(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> int:
     """Return how many bands an arrow goes down."""
-    source, target = (bands[_outermost(name, frames)] for name in (link.source, link.target))
+    source, target = (
+        bands[("frame", frames[name][:1]) if frames[name] else ("box", name)]
+        for name in (link.source, link.target)
+    )
     return target - source
-
-
-def _lower(link: _Link, bands: _Bands) -> int:
-    """Return the lower band of a link between two, above which it is led."""
-    return max(bands["box", link.source], bands["box", link.target])
 
 
 def _led(
@@ -820,8 +810,8 @@ def _led(
     """Return the links that run from one band to the next: of one output to other boxes.
 
     It leads to as many as it can of those to which nothing in their own band does, from the box
-    that most lead to. Of another output a line runs to the report, up or down, to what that shows
-    first or if nothing else leads to it. No truth is led.
+    that most lead to. Of another output a line runs to the report, to what that shows first or if
+    nothing else leads to it. No truth is led.
     """
     first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
     reports = {box.name for box in picture.boxes if box.kind == "report"}
@@ -830,20 +820,17 @@ def _led(
     reached = {link.target for link in links if not _steps(link, frames, bands)}
 
     def is_main(link: _Link) -> bool:
-        steps = _steps(link, frames, bands)
-        if frames[link.source] or frames[link.target] or abs(steps) != 1:
+        if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
             return False
-        is_new = link.target not in reached
-        if link.target in reports:
-            is_alone = steps < 0 or into[link[2:]] == 1
-            return is_alone and (link[2:] in first or is_new)
-        return steps > 0 and is_new
+        is_first = link[2:] in first and link.target in reports and into[link[2:]] == 1
+        return is_first or link.target not in reached
 
     main: dict[tuple[int, bool], dict[tuple[str, str], dict[str, _Link]]] = {}
     for arrow, own in zip(picture.arrows, links_of, strict=True):
         if len(own) == 1 and not arrow.truth and is_main(own[0]):
             (link,) = own
-            outputs = main.setdefault((_lower(link, bands), link.target in reports), {})
+            end = bands["box", link.target], link.target in reports
+            outputs = main.setdefault(end, {})
             outputs.setdefault(link[:2], {}).setdefault(link.target, link)
 
     network = network_of(picture)

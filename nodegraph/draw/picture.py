@@ -132,6 +132,8 @@ class Box:
         What is computed from its alternatives is seen side by side in the end.
     passes : bool
         It stands for a graph used as a node, and passes on what a box of that graph returns.
+    names : tuple of (str, str)
+        The graph's inputs, each after the output that feeds it: ``("align.aligned", "recording")``.
     title : str
         Of what the report shows of it.
     answers : bool
@@ -147,6 +149,7 @@ class Box:
     kind: Kind = "node"
     compares: bool = False
     passes: bool = False
+    names: tuple[tuple[str, str], ...] = ()
     title: str = ""
     answers: bool = False
 
@@ -304,8 +307,7 @@ def folded(picture: Picture) -> Picture:
 
 def _item(box: Box) -> str:
     """Return the title of a box in the report, or its name, and the method that this hides."""
-    told = [box.title or box.name, *box.lines[: not box.title]]
-    return " \N{MIDDLE DOT} ".join(told)
+    return box.title or " \N{MIDDLE DOT} ".join([box.name, *box.lines[:1]])
 
 
 def network_of(picture: Picture) -> nx.DiGraph[str]:
@@ -352,14 +354,16 @@ def _together(picture: Picture, graph_of: Mapping[str, str]) -> Picture:
         return picture
     arrows: dict[tuple[str, str, str, str], Arrow] = {}
     origins_before: list[tuple[str, Arrow]] = []
-    inputs: dict[str, dict[str, tuple[str, Socket]]] = {}
+    inputs: dict[str, dict[str, Socket]] = {}
     outputs: dict[str, dict[str, Socket]] = {}
+    names = {(box.name, source): name for box in picture.boxes for source, name in box.names}
     fed = {(box.name, each.name): each for box in picture.boxes for each in box.inputs}
     read = {(box.name, each.name): each for box in picture.boxes for each in box.outputs}
     for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
         source, target = graph_of.get(arrow.source), graph_of.get(arrow.target)
         if source is not None and source == target:
             continue
+        name = names.get((target or "", f"{arrow.source}.{arrow.source_port}"))
         if source is not None:
             port = _output(source, arrow.source, arrow.source_port)
             socket = replace(read[arrow.source, arrow.source_port], name=port)
@@ -370,8 +374,8 @@ def _together(picture: Picture, graph_of: Mapping[str, str]) -> Picture:
         if target is not None:
             socket = fed[arrow.target, arrow.target_port]
             end = f"{arrow.source}.{arrow.source_port}"
-            reader = arrow.target.removeprefix(f"{target}.")
-            inputs.setdefault(target, {}).setdefault(end, (reader, socket))
+            socket = replace(socket, name=end, shown=name or socket.text)
+            inputs.setdefault(target, {}).setdefault(end, socket)
             arrow = replace(arrow, target=target, target_port=end)
         ends = arrow.source, arrow.source_port, arrow.target, arrow.target_port
         origins_before.append((origin, arrows.setdefault(ends, arrow)))
@@ -388,28 +392,21 @@ def _together(picture: Picture, graph_of: Mapping[str, str]) -> Picture:
     origin_of = dict(zip(arrows.values(), origins(direct), strict=True))
     renamed = {origin: origin_of[arrow] for origin, arrow in origins_before}
 
-    def with_sources(box: Box) -> Box:
-        alternatives = [
-            each._replace(source=renamed.get(each.source, each.source)) for each in box.alternatives
-        ]
-        return replace(box, alternatives=tuple(alternatives))
+    def renamed_in(row: Alternative) -> Alternative:
+        return row._replace(source=renamed.get(row.source, row.source))
 
-    return replace(direct, boxes=tuple(map(with_sources, direct.boxes)))
+    boxes = [replace(box, alternatives=tuple(map(renamed_in, box.alternatives))) for box in boxes]
+    return replace(direct, boxes=tuple(boxes))
 
 
 def _graph_as_box(
     name: str,
     parts: Sequence[Box],
-    inputs: Mapping[str, tuple[str, Socket]],
+    inputs: Mapping[str, Socket],
     outputs: Mapping[str, Socket],
 ) -> Box:
     """Return one box for those of a graph, with what it is fed and what it returns."""
     *_, last = parts
-    counts = Counter(socket.name for _, socket in inputs.values())
-    sockets = (
-        replace(socket, name=end, shown=f"{f'{inner}.' * (counts[socket.name] > 1)}{socket.name}")
-        for end, (inner, socket) in inputs.items()
-    )
     axes: dict[str, Axis] = {}
     for axis in (axis for part in parts for axis in part.axes):
         axes.setdefault(axis.name, Axis(axis.name, axis.labels))
@@ -418,7 +415,7 @@ def _graph_as_box(
         lines=last.lines
         if last.passes
         else (f"{len(parts)} steps: {', '.join(part.name for part in parts)}",),
-        inputs=tuple(sockets),
+        inputs=tuple(inputs.values()),
         outputs=tuple(outputs.values()),
         alternatives=last.alternatives,
         axes=tuple(axes.values()),

@@ -89,14 +89,20 @@ def test_alternatives_of_several_boxes_are_listed_once() -> None:
     assert own.alternatives == (Alternative("the same 2 as align"),)
 
 
-def test_ports_of_a_graph_that_are_called_the_same_are_told_apart() -> None:
+def test_the_inputs_of_a_graph_have_its_names_for_them() -> None:
     weights = (Socket("weights"),)
     boxes = (
         Box("complete", outputs=weights),
         Box("chosen", outputs=weights),
         Box("moved.all", inputs=weights, outputs=weights),
         Box("moved.chosen", inputs=weights, outputs=weights),
-        Box("moved", inputs=(Socket("all"),), outputs=(Socket("all"),), passes=True),
+        Box(
+            "moved",
+            inputs=(Socket("all"),),
+            outputs=(Socket("all"),),
+            passes=True,
+            names=(("complete.weights", "from_all"), ("chosen.weights", "from_chosen")),
+        ),
         Box("table", inputs=(Socket("scores"),)),
     )
     arrows = (
@@ -109,7 +115,7 @@ def test_ports_of_a_graph_that_are_called_the_same_are_told_apart() -> None:
     *_, moved, table = folded(Picture("", boxes, arrows)).boxes
     assert table == boxes[-1]
     assert [socket.name for socket in moved.outputs] == ["all", "chosen"]
-    assert [socket.text for socket in moved.inputs] == ["all.weights", "chosen.weights"]
+    assert [socket.text for socket in moved.inputs] == ["from_all", "from_chosen"]
 
 
 def test_the_report_lists_titles_in_place_of_names_and_methods() -> None:
