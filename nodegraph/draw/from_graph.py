@@ -98,8 +98,10 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
         axes = [
             _told_again(tables.get(axis, Axis(axis)))
             if axis in said
-            else tables.get(axis, Axis(axis))._replace(labels=_labels(graph, axis))
+            else tables.get(axis, Axis(axis))._replace(labels=f"{labels} {unit}".rstrip())
             for axis in own
+            for labels in [labels_text(graph.axes[axis].labels)]
+            for unit in [axis_text(graph, axis).unit]
             if axis in tables or axis not in said & brought[node.name]
         ]
         said.update(own)
@@ -213,11 +215,6 @@ def labels_text(labels: Sequence[Label], longest: int = 90, between: str = ", ")
     if len(text) <= (min(longest, _LONGEST_SERIES) if is_series else longest) or len(short) < 3:
         return text
     return f"{short[0]} … {short[-1]} ({len(short)})"
-
-
-def _labels(graph: Graph, axis: str) -> str:
-    unit = axis_text(graph, axis).unit
-    return f"{labels_text(graph.axes[axis].labels)}{f' {unit}' * (unit not in ('', axis))}"
 
 
 def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
@@ -335,15 +332,15 @@ def _told(label: Label, use: str, methods: Collection[str]) -> str:
 
 def _kept(graph: Graph, node: GraphNode, method: Label) -> dict[str, list[Label]]:
     """Return the labels at which an alternative is not skipped, of axes where it is at others."""
-    gone: dict[str, set[Label]] = {}
+    kept: dict[str, list[Label]] = {}
     for item in graph.spec.skip:
-        (axis, labels), *others = [each for each in item.labels.items() if each[0] != node.name]
-        if not others and method in item.labels.get(node.name, ()):
-            gone.setdefault(axis, set()).update(labels)
-    return {
-        axis: [label for label in graph.axes[axis].labels if label not in labels]
-        for axis, labels in gone.items()
-    }
+        others = item.labels.keys() - {node.name}
+        if len(others) == 1 and method in item.labels.get(node.name, ()):
+            (axis,) = others
+            labels = kept.get(axis, graph.axes[axis].labels)
+            kept[axis] = [label for label in labels if label not in item.labels[axis]]
+    sizes = {axis: len(graph.axes[axis].labels) for axis in kept}
+    return {axis: labels for axis, labels in kept.items() if 0 < len(labels) < sizes[axis]}
 
 
 class _Along(NamedTuple):
@@ -384,7 +381,7 @@ def _settings(method: Method, kept: Mapping[str, Collection[Label]]) -> dict[str
         value = next((each for each in values if each is not None), None)
         if len(texts) == 1:
             if value != method.node.settings[name].default:
-                found[name] = f"{texts[0]}{unit}"
+                found[name] = f"{texts[0]}{unit * (value is not None)}"
         elif isinstance(value, (int, float, str, Path)):
             along = [*zip(*shown, strict=True)]  # for each axis, its label at each value
             if any(all(map(contains, shown.values(), map(str, each))) for each in along):

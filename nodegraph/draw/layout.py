@@ -4,9 +4,9 @@ After K. Sugiyama et al. (1981), IEEE Trans. Systems, Man, and Cybernetics 11(2)
 stands in a column after its sources, the barycentres of its neighbours order each column, and a
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
-that are wider than a page together stand in bands, like lines of text. The arrows of one output
-run to the next band, to what has it as its main input; of any other from one band to another the
-port where it ends says where it begins: long lines around the boxes cannot be followed.
+that are wider than a page together stand in bands, like lines of text. Arrows of one output run
+to the next band; of any other, the port where it ends says where it begins: long lines around the
+boxes cannot be followed.
 """
 
 from __future__ import annotations

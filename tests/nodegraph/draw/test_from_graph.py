@@ -207,13 +207,21 @@ def test_an_alternative_says_at_which_labels_it_is(graph_of: Callable[..., Graph
           any: {use: fill.scale, with: {power: 5}}
           late: {use: fill.hold}
           last: {use: fill.scale, with: {power: $wait}}
+          never: {use: fill.hold}
     skip:
       - {fill: [late], wait: [none, few]}
       - {fill: [last], wait: none}
+      - {fill: never}
     """
-    (fill,) = (box for box in picture_of(graph_of(text)).boxes if box.name == "fill")
-    assert [each.settings for each in fill.alternatives] == [
+
+    def settings(graph: Graph) -> list[str]:
+        (fill,) = (box for box in picture_of(graph).boxes if box.name == "fill")
+        return [each.settings for each in fill.alternatives]
+
+    assert settings(graph_of(text)) == [
         "fill.scale, power: 5",
         "fill.hold, wait: many",
         "fill.scale, power: 2, wait: few \N{EN DASH} many",
+        "fill.hold",
     ]
+    assert settings(graph_of(text, only={"wait": ("none",)}))[1] == "fill.hold"
