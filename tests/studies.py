@@ -24,7 +24,14 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT.parent / "shared" / "data"
 GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
 ONE = (
-    *("--only", "recording=face_1", "--only", "condition=as_recorded", "--only", "terms=ends_met"),
+    *(
+        "--only",
+        "recording=face_1",
+        "--only",
+        "condition=no_noise_added",
+        "--only",
+        "terms=ends_met",
+    ),
     *("--axis", "length=45"),
 )
 """One combination of the graph of fills for each method."""

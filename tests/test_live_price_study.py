@@ -25,7 +25,7 @@ def test_nothing_fails_or_is_refused(built_in: Path) -> None:
 def test_who_sees_the_whole_take_errs_less_than_who_sees_nothing_ahead(built_in: Path) -> None:
     rows = table(built_in / "table.csv")
     errors = {row["smooth"]: float(row["mean"]) for row in rows if row["wait"] == "whole take"}
-    assert max(errors["gcv"], errors["kalman"]) < errors["kalman_filter"]
+    assert max(errors["gcv"], errors["kalman_smoother"]) < errors["kalman_filter"]
     assert max(errors["kalman_filter"], errors["one_euro"]) < errors["without"]
 
 

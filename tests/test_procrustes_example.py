@@ -8,7 +8,7 @@ import pytest
 
 from tests.studies import Studies, table
 
-STEPS = {"original": 213.0, "translation": 30.0, "scaling": 12.0, "rotation": 0.0}
+STEPS = {"original": 213.0, "translated": 30.0, "scaled": 12.0, "rotated": 0.0}
 
 
 @pytest.fixture(scope="module")
@@ -28,4 +28,6 @@ def test_the_figure_has_a_panel_per_step_with_its_difference(folder: Path) -> No
         assert f">{step}<" in drawn
         assert f">D = {difference:.0f}<" in drawn
     assert (folder / "figure-1.pdf").is_file()
-    assert "triangles" in (folder / "report.html").read_text()
+    report = (folder / "report.html").read_text()
+    assert "triangles" in report
+    assert "One shape, 3\N{NO-BREAK SPACE}markers: it is described" in report

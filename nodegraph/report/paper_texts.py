@@ -130,13 +130,14 @@ def _text(study: Study, form: _Form) -> str:
     if study.without_result and not study.methods:
         return "No step gave a result.\n"
     nodes = [list(rows) for _, rows in groupby(study.methods, key=lambda method: method.node)]
-    shown = {part.node for part in study.sections if part.rendered.kind == "figure"}
+    shown = {part.node for part in study.sections if part.rendered.kind}
     single = [rows[0] for rows in nodes if len(rows) == 1]
-    steps = [row for row in single if row.declared or not (row.keys or row.node in shown)]
+    results = [row for row in single if row.node in shown and not row.declared]
+    steps = [row for row in single if row not in results]
     paragraphs = [
         _design(study, steps, form),
         *(_compared(rows, form) for rows in nodes if len(rows) > 1),
-        _comparisons([row for row in single if row.keys and not row.declared], form),
+        _comparisons([row for row in results if row.keys], form),
         _software(study, form),
     ]
     return "\n\n".join(filter(None, paragraphs)) + "\n"

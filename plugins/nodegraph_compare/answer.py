@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 
     Side = Literal["lower", "higher"]
 
-_LINES = "Lines: 95 % intervals."
+_LINES = "Lines: 95 % intervals; the dot hides a shorter one."
 _MOST_NAMES = 3
 _MOST_CLAUSES = 6
 _MOST_TIED = 2
@@ -661,7 +661,7 @@ def _held(verdicts: Verdicts) -> str:
             whom += "; untested on people"
         return f"{units_text(scope)}{f' ({sizes})' if sizes else ''}: {what} {whom}."
     count = "one" if scope.clusters == 1 else str(scope.clusters)
-    kind = "synthetic recording" if recordings.synthetic else "recording"
+    kind = f"{'synthetic ' * recordings.synthetic}{recordings.kind}"
     of = f"{count} {kind}{'s' * (scope.clusters != 1)}"
     if recordings.actors and scope.clusters > 1:
         of += " of one actor" if recordings.actors == 1 else f" of {recordings.actors} actors"

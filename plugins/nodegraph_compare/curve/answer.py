@@ -78,7 +78,10 @@ def answer_of(curves: Curves) -> Answer:
         return Answer((f"No point has a number for {curves.axes.metric}.",))
     findings = _findings(curves)
     of_all = _of_all(curves)
-    overall = None if of_all is None else _finding(curves, {}, _every(len(drawn)), of_all, {})
+    overall = None
+    if of_all is not None:
+        beside = {"next fewer": _next_fewer(curves, of_all)}
+        overall = _finding(curves, {}, _every(len(drawn)), of_all, beside)
     return Answer(_sentence(curves), _scope(curves), (_card(curves),), (), findings, overall)
 
 
@@ -86,6 +89,14 @@ def _of_all(curves: Curves) -> float | None:
     """Return from where on every one of several curves has an error that is small enough."""
     there = _marked_at(curves, "enough")
     return max(there) if 1 < len(there) == len(curves.drawn) else None
+
+
+def _next_fewer(curves: Curves, of_all: float) -> float | None:
+    """Return the most below what is enough for all curves that some curve has, and is too few."""
+    places = curves.marked.places
+    tried = (points.x[points.curve] for points in curves.drawn
+             if points.x[places[points.label]] == of_all)  # fmt: skip
+    return max((float(x) for each in tried for x in each if x < of_all), default=None)
 
 
 def _findings(curves: Curves) -> tuple[Finding, ...]:
@@ -115,14 +126,19 @@ def _finding(
     return Finding(
         group=group, title=title, verdict=False, best=(), tied=(), behind=(), first=("",),
         unit=curves.axes.x,
-        mean={"": int(x) if x.is_integer() else x},
+        mean={"": _count(x)},
         beside={
-            name: {"": value}
+            name: {"": _count(value)}
             for name, value in beside.items()
             if value is not None and math.isfinite(value)
         },
-        units=dict.fromkeys(beside, curves.unit),
+        units={"next fewer": curves.axes.x, "enough": curves.unit, "noise": curves.unit},
     )  # fmt: skip
+
+
+def _count(x: float) -> float:
+    """Return a number, of type int where it is whole."""
+    return int(x) if x.is_integer() else x
 
 
 def _title(points: Points, curves: Curves) -> str:
@@ -223,7 +239,7 @@ def _card(curves: Curves) -> Card:
         title=(f"{axes.metric} over {axes.x}",),
         headline=(f"{_between([of_all] if of_all else marked or lowest)} {axes.x}",),
         value=(
-            f"enough for {_every(len(drawn))}"
+            f"enough for {_every(len(drawn))}{_too_few(curves, of_all)}"
             if of_all
             else " or ".join(_KINDS[kind] for kind in kinds) or "lowest",
         ),
@@ -233,6 +249,11 @@ def _card(curves: Curves) -> Card:
             *rest,
         ),
     )
+
+
+def _too_few(curves: Curves, of_all: float) -> str:
+    fewer = _next_fewer(curves, of_all)
+    return "" if fewer is None else f"; {fewer:g}, the next fewer tried, are not"
 
 
 def _lowest(points: Points) -> int:

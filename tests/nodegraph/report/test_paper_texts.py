@@ -17,6 +17,7 @@ STUDY = Study(
     "Which?",
     methods=(
         MethodRow("gaps", "gaps.cut", settings=(LENGTH, DEFAULT), damages=True),
+        MethodRow("marked", "markers.infer", citation="Combes", keys=("combes",)),
         MethodRow(
             "fill",
             "fill.muscle",
@@ -49,7 +50,11 @@ STUDY = Study(
         AxisRow("fill", ("muscle", "lin|2", "waters")),
         AxisRow("trial", ("0",)),
     ),
-    sections=(Section("Faces", Rendered(html="", text="x", kind="figure"), node="picture"),),
+    sections=(
+        Section("Faces", Rendered(html="", text="x", kind="figure"), node="picture"),
+        Section("Errors", Rendered(html="", text="x", kind="table"), node="table"),
+        Section("More", Rendered(html="", text="x", kind="table"), node="more"),
+    ),
     bibtex="@article{zhang,}",
     versions=(("python", "3.11"), ("nodegraph", "0.1"), ("numpy", "2.4"), ("numba", "1")),
 )
@@ -58,7 +63,8 @@ STUDY = Study(
 def test_paragraphs_name_methods_sources_and_what_differs_from_the_defaults() -> None:
     assert cited(STUDY)["methods.md"] == (
         "The study ran over `length` 2 (5, 15 frames). "
-        "The steps were `gaps.cut` (`length` 5, 15 frames, `close_gap` none).\n\n"
+        "The steps were `gaps.cut` (`length` 5, 15 frames, `close_gap` none) and "
+        "`markers.infer` [@combes].\n\n"
         "Step `fill` compared 3 methods, each with `ends` met: `muscle` [@zhang; @waters], "
         "`lin|2` (`fill.lin_ouhyoung`) with `length` 5, 15 frames; "
         "adapted: `waters` from Waters 1987: at another distance.\n\n"

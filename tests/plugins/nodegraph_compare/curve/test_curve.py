@@ -189,11 +189,12 @@ def test_an_error_that_is_small_enough_is_marked_where_a_curve_stays_within_it()
     # what is enough for every curve stands out, as one number
     assert both.overall is not None
     assert both.overall.mean == {"": 55}
+    assert both.overall.beside == {"next fewer": {"": 45}}
     assert both.lines[0].startswith(
         "55 markers are enough for mse of at most 0.25 1 in both curves (25 to 55 by curve)."
     )
     assert (both.cards[0].headline, both.cards[0].value) == (
-        ("55 markers",), ("enough for both curves",),
+        ("55 markers",), ("enough for both curves; 45, the next fewer tried, are not",),
     )  # fmt: skip
     none = drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.01)
     assert info_of(none.table).answer.lines[0] == (
