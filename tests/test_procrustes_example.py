@@ -30,4 +30,4 @@ def test_the_figure_has_a_panel_per_step_with_its_difference(folder: Path) -> No
     assert (folder / "figure-1.pdf").is_file()
     report = (folder / "report.html").read_text()
     assert "triangles" in report
-    assert "One shape, 3\N{NO-BREAK SPACE}markers: it is described" in report
+    assert "One frame, 3\N{NO-BREAK SPACE}markers: it is described" in report

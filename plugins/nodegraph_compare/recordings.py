@@ -52,8 +52,8 @@ class Recordings(Value):
 
     @property
     def kind(self) -> str:
-        """What one of them is: a shape, where each is of a single frame."""
-        return "shape" if self.markers and not self.seconds else "recording"
+        """What one of them is called."""
+        return "frame" if self.markers and not self.seconds else "recording"
 
     @property
     def sizes(self) -> str:
