@@ -74,6 +74,6 @@ def test_one_method_does_for_who_does_not_know_the_condition(
 
 def test_the_report_asks_what_it_answers(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
-    assert "Do noise, filters or impulses decide the best fill?" in html
+    assert "Do noise and impulses decide which fill is best?" in html
     assert "kriging" in html
     assert "How the faces move, beside people" in html

@@ -369,7 +369,9 @@ def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:
     """Return by how much the mean of a method is above that of another, with its sign."""
     means = (float(group.mean[place]), float(group.mean[to]))
     text = difference_text([means], verdicts.metric.unit)
-    return text if text.startswith((MINUS, "under")) else f"+{text}"
+    if text.startswith("under"):
+        return f"{text} apart"
+    return text if text.startswith(MINUS) else f"+{text}"
 
 
 def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
