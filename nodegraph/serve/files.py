@@ -119,6 +119,8 @@ def _page(files: Sequence[ReadFile], hooks: HookResults, beside: Mapping[str, Pa
         HTTPStatus.OK,
         title=", ".join(named),
         files=named,
+        # the page changes what it keeps
+        changing=[label for label, file in named.items() if Path(file.path) in beside.values()],
         seen=seen,
         scripts=[
             *(source(f"{name}.js") for name in SCRIPTS),

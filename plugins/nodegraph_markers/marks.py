@@ -16,7 +16,6 @@ from nodegraph_mocap import Mark, Marks, Origin, Trajectories
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_WORDS = {"bad": "left out", "named": "given to another marker", "swapped": "swapped"}
 _ORIGIN = 3
 _MISSING = np.array([np.nan, np.nan, np.nan, Origin.MISSING, np.nan])
 
@@ -52,9 +51,10 @@ def apply_marks(recording: Trajectories, marks: Marks) -> Trajectories:
     take = _Take(recording)
     for mark in marks.marks:
         take.apply(mark)
-    kinds = ", ".join(f"{count} {_WORDS[kind]}" for kind, count in take.samples.items())
+    kinds = ", ".join(f"{count} {kind}" for kind, count in take.samples.items())
     warnings.warn(
-        f"{take.samples.total()} samples by hand" + (f": {kinds}" if kinds else ""), stacklevel=2
+        f"{take.samples.total()} samples marked by hand" + (f": {kinds}" if kinds else ""),
+        stacklevel=2,
     )
     return take.recording()
 

@@ -105,14 +105,14 @@ def facts_of_model(model: BlendshapeModel) -> Iterator[Fact]:
 
 
 def facts_of_marks(marks: Marks) -> Iterator[Fact]:
-    """Yield how many spans and samples are marked as what, and each marker's."""
+    """Yield how many spans and frames are marked as what, and each marker's."""
     by_marker = {mark.marker: dict.fromkeys(map(str, KINDS), 0) for mark in marks.marks}
     for mark in marks.marks:
         by_marker[mark.marker][mark.kind] += mark.frames
     yield Fact("spans", len(marks.marks))
     for kind in KINDS:
-        yield Fact(f"samples {kind}", sum(count[kind] for count in by_marker.values()))
-    yield Fact("samples by marker", by_marker)
+        yield Fact(f"frames {kind}", sum(count[kind] for count in by_marker.values()))
+    yield Fact("frames by marker", by_marker)
 
 
 def facts_of_marker_set(marker_set: MarkerSet) -> Iterator[Fact]:

@@ -36,7 +36,9 @@ def test_what_write_mask_writes_is_left_out_and_counted(tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(content)
     marks = read_marks(path=tmp_path / name)
     present = (mask.hidden & face.present).sum()
-    without = applied(face, *marks.marks, warning=f"^{present} samples by hand: {present} left out")
+    without = applied(
+        face, *marks.marks, warning=f"^{present} samples marked by hand: {present} bad"
+    )
     assert np.array_equal(without.present, face.present & ~mask.hidden)
     assert same(without.positions[without.present], face.positions[without.present])
     assert same(without.marker_set, face.marker_set)
@@ -62,7 +64,7 @@ def test_a_span_of_a_track_is_given_to_another_marker() -> None:
     gap = mark("nose", 5, 10)
     swept = applied(
         FACE, gap, mark("cheek_left", 5, 10, "named", "nose"),
-        warning="^20 samples by hand: 10 left out, 10 given to another marker",
+        warning="^20 samples marked by hand: 10 bad, 10 named",
     )  # fmt: skip
     assert same(swept.positions[5:15, NOSE], FACE.positions[5:15, CHEEK])
     assert (swept.origin[5:15, CHEEK] == Origin.MISSING).all()

@@ -2,7 +2,6 @@
 // their order and as the node recording.apply_marks does, and the server keeps them beside the take.
 nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ element, announce }, selection, server) => {
   const MISSING = 0;
-  const WORDS = { bad: "left out", named: "given to another marker", swapped: "swapped" };
 
   const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
   const cellOf = (text) => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : String(text));
@@ -214,8 +213,7 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
       const other = kind === "bad" ? "" : this.other.value.trim();
       const { marker } = this.player;
       if (kind !== "bad" && (!other || other === marker)) {
-        this.trouble = `Write the name of ${kind === "swapped" ? "the marker to swap with" : "the marker that it is"}`;
-        this.explain();
+        this.refuse(`Write the name of ${kind === "swapped" ? "the marker to swap with" : "the marker that it is"}`);
         this.other.focus();
         return;
       }
@@ -223,10 +221,21 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
     }
 
     add(mark) {
-      const { marks } = this.panel;
-      const why = this.show([...marks, mark]);
-      if (why) this.show(marks);
-      this.changed(why);
+      const { panel: { marks }, sum } = this;
+      const why = this.show([...marks, mark]) || (this.sum === sum ? `${textOf(mark)}: there is no sample to mark` : "");
+      if (why) {
+        this.show(marks);
+        this.refuse(why);
+      } else {
+        Object.assign(this, { first: null, whole: false });
+        this.changed("");
+      }
+    }
+
+    // The span stays chosen, for another try.
+    refuse(why) {
+      this.trouble = why;
+      this.explain();
     }
 
     // What was read from the file may not fit the take; it can be taken back, too.
@@ -235,7 +244,7 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
     }
 
     changed(trouble) {
-      Object.assign(this, { first: null, whole: false, saved: false, trouble });
+      Object.assign(this, { saved: false, trouble });
       this.player.remake();
       this.explain();
       this.keep();
@@ -292,7 +301,7 @@ nodegraph.define("mocap/player/marks", ["page", "selection", "server"], ({ eleme
     explain() {
       const { marks, markers } = this.panel;
       const about = this.player.study.every > 1 ? "about " : "";
-      const kinds = Object.entries(this.samples).map(([kind, count]) => `${count} ${WORDS[kind]}`).join(", ");
+      const kinds = Object.entries(this.samples).map(([kind, count]) => `${count} ${kind}`).join(", ");
       const count = marks.length ? `${about}${counted(this.sum, "sample")} in ${counted(marks.length, "span")}: ${kinds}` : "no sample is marked";
       const where = this.keeps && this.saved && marks.length ? `; kept in ${this.file}` : "";
       this.state.textContent = `${count}${where}${this.trouble ? `. ${this.trouble}` : ""}`;

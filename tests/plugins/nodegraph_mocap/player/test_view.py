@@ -314,6 +314,16 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         mark("cheek_left", (2, 30), "Swap", "cheek_right")
         mark("cheek_left", (3, 5), "Name", "cheek_right")
         assert "cheek_right is there in 3 of these frames" in status.inner_text()
+        mark("brow_left", (8, 9), "Name", "cheek_left")
+        assert (
+            "brow_left, frames 8 to 9: named cheek_left: there is no sample" in status.inner_text()
+        )
+        mark("lip_right", (2, 5), "Swap", "nonsense")
+        assert "there is no marker nonsense" in status.inner_text()
+        assert marks.get_by_text("lip_right, frames 2 to 5", exact=True).is_visible()
+        marks.get_by_label("Other marker").fill("lip_left")
+        marks.get_by_role("button", name="Swap", exact=True).press("Enter")
+        marks.get_by_text("lip_right, frame 5", exact=True).wait_for()
         mark("forehead", None, "Name", "hairline")
         mark("lip_left", (0, 9), "Name", "corner")
         mark("brow_right", (0, 1), "Bad")
@@ -322,16 +332,19 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         marks.get_by_role("button", name="cheek_left, frames 2 to 30: swapped with").press("Enter")
         assert tab.evaluate(f"[{PLAYER}.tick, {PLAYER}.state.hand.marker]") == [2, "cheek_left"]
         assert not marks.get_by_text("Click a marker").is_visible()
-        expect(status).to_have_text(re.compile(rf"in 5 spans.*; kept in {file}\.marks\.csv$"))
+        expect(status).to_have_text(re.compile(rf"in 6 spans.*; kept in {file}\.marks\.csv$"))
         assert tab.locator(".rows .labels").first.inner_text().split("\n")[-1] == "corner"
         assert_all_can_read_it(tab, ".below")
         shown = status.inner_text()
-        samples = re.fullmatch(r"(\d+) samples in 5 spans: (.*); kept in .*", shown)
+        samples = re.fullmatch(r"(\d+) samples in 6 spans: (.*); kept in .*", shown)
         assert samples is not None
         tab.reload()
         until(tab, PLAYER)
         assert status.inner_text() == shown
         assert f"{file} is shown as it is marked in {kept.name}" in tab.inner_text("main")
+        of_marks = tab.locator(".viewed-file", has=tab.get_by_role("heading", name=kept.name))
+        assert "read by read.marks" in of_marks.inner_text()
+        assert of_marks.locator("dt").count() == 0
         kept.write_text(kept.read_text() + "nose,0,1,bad,\n")
         mark("brow_right", (0, 1), "Bad")
         expect(status).to_have_text(re.compile("has changed since the page was loaded"))
@@ -357,4 +370,4 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
     assert np.nanmax(np.abs(there.positions - clean.positions)) < 0.01
     run.save(tmp_path / "run")
     report = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
-    assert f"{samples[1]} samples by hand: {samples[2]}" in report
+    assert f"{samples[1]} samples marked by hand: {samples[2]}" in report
