@@ -322,27 +322,21 @@ def _mean_error(recording: Trajectories, truth: Trajectories) -> float | None:
 
 
 def _gaps(playback: Playback) -> list[list[object]]:
-    """Return where a method has made samples: first and last second, and the marker.
+    """Return where samples are missing or made by a method: first and last second, and the marker.
 
-    Of these only those at least half as long as the longest. Where no method has, all gaps that are
-    there. Of too many the longest, in the order of their middles: a reader goes from one to the
-    next. What was made, or is missing, throughout a take is not a gap.
+    Of too many the longest, in the order of their middles: a reader goes from one to the next. What
+    was made, or is missing, throughout a take is not a gap.
     """
-    gaps: set[tuple[float, float, str]] = set()
     recordings = [panel.shown for panel in playback.panels if isinstance(panel.shown, Trajectories)]
-    are_made = any((shown.origin > Origin.MEASURED).any() for shown in recordings)
-    for shown in recordings:
-        runs = runs_of(shown.origin > Origin.MEASURED if are_made else ~shown.present)
-        gaps.update(
-            (int(start) / shown.rate, int(stop) / shown.rate, shown.markers[marker])
-            for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True)
-            if stop - start < shown.frames
-        )
-    longest = max((stop - start for start, stop, _ in gaps), default=0.0)
-    least = longest / 2 if are_made else 0.0
-    long = [gap for gap in sorted(gaps) if gap[1] - gap[0] >= least]
-    most = sorted(long, key=lambda gap: gap[0] - gap[1])[:_MOST_GAPS]
-    return [list(gap) for gap in sorted(most, key=lambda gap: gap[0] + gap[1])]
+    gaps = {
+        (int(start) / shown.rate, int(stop) / shown.rate, shown.markers[marker])
+        for shown in recordings
+        for runs in (runs_of(~shown.present), runs_of(shown.origin > Origin.MEASURED))
+        for marker, start, stop in zip(runs.marker, runs.start, runs.stop, strict=True)
+        if stop - start < shown.frames
+    }
+    most = sorted(gaps, key=lambda gap: (gap[0] - gap[1], gap))[:_MOST_GAPS]
+    return [list(gap) for gap in sorted(most, key=lambda gap: (gap[0] + gap[1], gap))]
 
 
 def _first_second(playback: Playback) -> float:

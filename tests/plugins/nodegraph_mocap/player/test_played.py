@@ -113,13 +113,14 @@ def test_gaps_are_what_methods_made_for_a_while() -> None:
     filled = with_filled(with_filled(with_filled(truth, 2, 5, 25), 1, 3, 12), 4, 20, 31)
     read = Read.of(playback(truth, filled, filled))
     assert read.head["gaps"] == [
+        [3 / 60, 12 / 60, truth.markers[1]],
         [5 / 60, 25 / 60, truth.markers[2]],
         [20 / 60, 31 / 60, truth.markers[4]],
     ]
     assert Read.of(playback(with_filled(truth, 2, 0, 40))).head["gaps"] == []
 
 
-def test_where_nothing_was_made_gaps_are_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_gaps_are_what_is_missing_in_any_recording(monkeypatch: pytest.MonkeyPatch) -> None:
     truth = recordings()["complete"]
     missing = np.zeros(truth.origin.shape, dtype=bool)
     for marker, start, stop in ((2, 20, 30), (3, 5, 12), (4, 0, 8), (5, 0, 40), (6, 9, 10)):
@@ -129,6 +130,9 @@ def test_where_nothing_was_made_gaps_are_what_is_missing(monkeypatch: pytest.Mon
     gaps = [(0, 8, 4), (5, 12, 3), (9, 10, 6), (20, 30, 2)]
     expected = [[start / 60, stop / 60, truth.markers[m]] for start, stop, m in gaps]
     assert Read.of(playback(gappy)).head["gaps"] == expected
+    made = [[10 / 60, 14 / 60, truth.markers[1]], [20 / 60, 30 / 60, truth.markers[2]]]
+    both = Read.of(playback(gappy, with_filled(with_filled(truth, 2, 20, 30), 1, 10, 14)))
+    assert both.head["gaps"] == [*expected[:3], *made]
     monkeypatch.setattr(data, "_MOST_GAPS", 2)
     assert Read.of(playback(gappy)).head["gaps"] == [expected[0], expected[3]]
 
