@@ -413,7 +413,7 @@ def _declared(method: Method) -> Declared:
         declared["lookahead"] = max(known)
     ends = [met for values in settings if (met := node.meets_ends(values)) is not None]
     if ends:
-        declared["ends"] = all(ends)
+        declared["ends"] = ends[0] if len({*ends}) == 1 else None
     return declared
 
 

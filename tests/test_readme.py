@@ -128,7 +128,8 @@ def test_continuous_integration_runs_the_commands_of_the_readme(tmp_path: Path) 
 
 def test_the_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    readmes.write_small_study(tmp_path / "graphs" / "fill.yaml")
+    for name in ("impulses", "fill"):
+        readmes.write_small_study(tmp_path / "graphs" / f"{name}.yaml")
     (tmp_path / "my_fill.py").write_text(blocks("python")[0])
     recording = ng.get_node("synthesize.face")(seconds=3.0).captured
     files = ng.get_node("write.c3d")(recording, name="mine")

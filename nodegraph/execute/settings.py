@@ -66,6 +66,11 @@ class RunSettings:
         """The command that runs the same again, quoted for a shell."""
         return shlex.join(["nodegraph", "run", self.graph, *self._options()])
 
+    @property
+    def chosen(self) -> str:
+        """The options by which it has other inputs or labels than its file, quoted for a shell."""
+        return shlex.join(self._choices())
+
     def repeat(self, step: Step) -> str:
         """Return the command that repeats one step; what feeds it comes from the store.
 
@@ -76,13 +81,16 @@ class RunSettings:
         folder = portable_name(f"{Path(self.graph).stem}-{step.node}")
         return f"{alone} --out {shlex.quote(f'runs/{folder}')}"
 
-    def _options(self) -> Iterator[str]:
+    def _choices(self) -> Iterator[str]:
         for name, value in self.set.items():
             yield from ("--set", f"{name}={value_text(value)}")
         for name, labels in self.axis.items():
             yield from ("--axis", f"{name}={labels_text(labels)}")
         for name, labels in self.only.items():
             yield from ("--only", f"{name}={labels_text(labels)}")
+
+    def _options(self) -> Iterator[str]:
+        yield from self._choices()
         for node in self.until:
             yield from ("--until", node)
         for path in self.plugins:

@@ -35,12 +35,13 @@ class Declared(TypedDict, total=False):
     """The declarations of a method for given settings; those it does not make are left out.
 
     The text of what differs from the published method, the look-ahead in frames (None: the whole
-    take), whether both ends of a gap are met, and the axes that its settings have values of.
+    take), whether both ends of a gap are met (None: by a setting that varies), and the axes of
+    its settings.
     """
 
     adapted: str
     lookahead: int | None
-    ends: bool
+    ends: bool | None
     axes: tuple[str, ...]
 
 

@@ -70,16 +70,22 @@ def compose(run: Run, *, write: Write = lambda name, content: "") -> Composed:
         shown.add(result)
     software, methods = versions(graph), Methods(run)
     sections = numbered(_with_titles(shown.sections))
+    planned = {label for step in run.plan.steps for label in step.labels.items()}
     folded, unfolded = drawing_for_page(graph), drawing_for_page(graph, fold=False)
     study = Study(
         title=graph.title,
         answer=_answer(sections),
         notes_markdown=graph.spec.notes,
+        chosen=run.settings.chosen,
         sections=sections,
         graph_svg=folded,
         graph_unfolded_svg=unfolded if unfolded != folded else "",
         axes=tuple(
-            AxisRow(name, tuple(map(str, axis.labels)), *axis_text(graph, name))
+            AxisRow(
+                name,
+                tuple(str(label) for label in axis.labels if (name, label) in planned),
+                *axis_text(graph, name),
+            )
             for name, axis in graph.axes.items()
         ),
         inputs=tuple(SettingRow(name, value_text(value)) for name, value in graph.inputs.items()),
@@ -286,8 +292,7 @@ class _Shown:
 
         It is no failure where the data or the methods are not those that the author wrote of.
         """
-        settings = self._run.settings
-        is_other = bool(settings.set or settings.axis or settings.only)
+        is_other = bool(self._run.settings.chosen)
         of_others = " is written for other data or labels, so it is not shown" if is_other else ""
         message = f"{result.entry.answer_place}: 'answer'{of_others}: {why}"
         if any(note.reason == message for note in self.notes):

@@ -31,6 +31,7 @@ def merged(studies: Mapping[str, Study]) -> Study:
         title=_title(studies),
         answer=tuple(f"{name}: {line}" for name, study in runs for line in study.answer),
         notes_markdown=_joined("\n\n", studies, "notes_markdown"),
+        chosen=_joined(" | ", studies, "chosen"),
         sections=numbered(_sections(studies)),
         graph_svg=first.graph_svg,
         graph_unfolded_svg=first.graph_unfolded_svg,

@@ -217,6 +217,8 @@ def _settings(settings: Iterable[SettingRow], form: _Form) -> str:
 
 def _with_unit(setting: SettingRow) -> str:
     value, unit = _printed(setting), setting.unit
+    if value == "null":
+        return "none"
     if value == "1" and len(unit) > 1:
         unit = unit.removesuffix("s")
     return f"{value} {unit}".rstrip()

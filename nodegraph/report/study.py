@@ -278,6 +278,8 @@ class Study:
         The conclusions, a sentence each.
     notes_markdown : str
         The author's notes: the question. Raw HTML and pictures in it are shown as text.
+    chosen : str
+        The options by which the run has other inputs or labels than the author wrote of.
     sections : tuple of Section
     graph_svg, graph_unfolded_svg : str
         Taken as they are; see `nodegraph.draw.svg`. The second shows all nodes, where the first
@@ -313,6 +315,7 @@ class Study:
     title: str
     answer: tuple[str, ...] = ()
     notes_markdown: str = ""
+    chosen: str = ""
     sections: tuple[Section, ...] = ()
     graph_svg: str = ""
     graph_unfolded_svg: str = ""

@@ -279,7 +279,7 @@ def test_a_gathering_port_knows_what_the_methods_declare(graph_of: Callable[...,
         "fill": {
             "near": {"axes": ("reach",), "lookahead": 7, "ends": False},
             "far": {"adapted": adapted, "lookahead": None, "ends": True},
-            "bent": {"adapted": adapted, "axes": ("bend",), "lookahead": None, "ends": False},
+            "bent": {"adapted": adapted, "axes": ("bend",), "lookahead": None, "ends": None},
             "scale": {},
         }
     }

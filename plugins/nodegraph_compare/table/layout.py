@@ -378,11 +378,14 @@ def differing(declared: Mapping[Label, Declared]) -> dict[str, dict[Label, str]]
         "adapted": {label: "yes" if "adapted" in each else "" for label, each in declared.items()},
         "looks ahead": {label: _ahead(each) for label, each in declared.items()},
         "meets ends": {
-            label: {True: "yes", False: "no", None: ""}[each.get("ends")]
+            label: _MEETS[each["ends"]] if "ends" in each else ""
             for label, each in declared.items()
         },
     }
     return {head: texts for head, texts in columns.items() if len({*texts.values()}) > 1}
+
+
+_MEETS = {True: "yes", False: "no", None: "by setting"}
 
 
 def _ahead(declared: Declared) -> str:

@@ -160,7 +160,8 @@ def table(
         ``refused`` (share of the combinations that were refused or failed) and ``left missing``
         (share of the rows without a number); with `fallback`, the means by the two other rules,
         if any differs; and what methods declare, where they differ: ``adapted`` (not as
-        published), ``looks ahead`` (frames, or the whole take) and ``meets ends`` (of gaps).
+        published), ``looks ahead`` (frames, or the whole take) and ``meets ends`` (of gaps, or
+        by a setting that varies along an axis).
         Several groups of the same clusters have rows over all of them besides, which lack the
         labels of `within` (a reader sees ``all``): with Y the logarithm of a cluster's mean,
         averaged over groups, methods are compared as within a group. A claim that rests on any one
