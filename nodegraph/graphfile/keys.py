@@ -27,7 +27,8 @@ AXIS_HINT = (
     '{files: "data/*.csv"}'
 )
 ALTERNATIVES_HINT = (
-    "write {label: {use: family.method}}, [family.method, ...] or family.* for all its methods"
+    "write {label: {use: family.method, with: {...}}}, [family.method, ...] or family.* for all "
+    "its methods"
 )
 
 

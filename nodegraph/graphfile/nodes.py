@@ -183,7 +183,9 @@ class NodeReader:
         return tuple(methods)
 
     def _listed(self, item: Located) -> MethodSpec | None:
-        if not self._is_word(item, "a listed alternative is a node's name"):
+        if not isinstance(item.value, str) or not item.value:
+            message = f"a listed alternative is a node's name, not {quoted(item.plain())}"
+            self._problems.add(item.place, message, ALTERNATIVES_HINT)
             return None
         return MethodSpec(label_of(item.value), item.value, item.place)
 

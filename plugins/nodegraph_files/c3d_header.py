@@ -374,7 +374,7 @@ def _checked(layout: ByteLayout, size: int) -> ByteLayout:
             raise ValueError(f"it announces {layout}, {ends}: it was cut short, or is damaged")
         warnings.warn(
             f"the file was cut short: it announces {layout}, {ends}; its first {whole} frames are "
-            "read, which are wrong from where it lacks bytes, if that is not its end",
+            "read. If it lacks bytes before its end, samples after that place are wrong",
             stacklevel=2,
         )
         return replace(layout, frames=whole)

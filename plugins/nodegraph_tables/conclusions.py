@@ -28,7 +28,9 @@ def conclude_table(table: Table) -> Iterator[str]:
     if info.answer.sentence:
         yield plain(
             tuple(
-                "#" if not isinstance(part, str) and part.kind == "number" else part
+                "\N{HORIZONTAL ELLIPSIS}"
+                if not isinstance(part, str) and part.kind == "number"
+                else part
                 for part in info.answer.sentence
             )
         )

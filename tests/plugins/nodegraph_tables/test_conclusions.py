@@ -42,7 +42,7 @@ def answered(number: str, best: tuple[str, ...] = ("linear",)) -> TableInfo:
 
 def test_a_table_says_its_answer_and_its_best_rows() -> None:
     assert list(conclude_table(compared(answered("0.25")))) == [
-        "linear wins by # of 17 mm.",
+        "linear wins by … of 17 mm.",
         "length 5: best: linear; may be as good: pca; behind: muscle",
         "best mean: length 15, fill muscle; length 5, fill linear",
     ]
