@@ -153,15 +153,18 @@ def _reference(verdicts: Verdicts) -> str | None:
 
 
 def _shown_group(verdicts: Verdicts) -> int:
-    """Return the group that charts of one group begin with: the last in sight with numbers."""
-    axes, first = varying(verdicts)[:-1], verdicts.groups[0].labels
+    """Return the group that charts of one group begin with, of those in sight with numbers.
+
+    It is the first, or where groups are along numbers, such as lengths of gaps, the last.
+    """
+    axes, first = varying(verdicts), verdicts.groups[0].labels
     along = [
         at
         for at, group in enumerate(verdicts.groups)
-        if all(group.labels[axis] == first[axis] for axis in axes)
+        if all(group.labels[axis] == first[axis] for axis in axes[:-1])
     ]
-    known = [at for at in along if verdicts.groups[at].known]
-    return (known or along)[-1]
+    known = [at for at in along if verdicts.groups[at].known] or along
+    return known[0 if any(isinstance(first[axis], str) for axis in axes[-1:]) else -1]
 
 
 def _numbers_of(group: Verdict) -> dict[str, object]:

@@ -179,6 +179,18 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     assert lead.index("lead-key") < lead.index("<article")
 
 
+def test_charts_begin_with_the_first_of_names_and_the_last_of_numbers() -> None:
+    entries = tuple(
+        ({**labels, "oven": oven}, frame)
+        for oven in ("gas", "coal")
+        for labels, frame in kitchens({"plain": 1.0, "rich": 1.4}, 5)
+    )
+    for axes, group in ((("heat",), {"heat": 220}), (("oven",), {"oven": "gas"})):
+        scores = gathered(("kitchen", "oven", "heat", "recipe"), entries)
+        data = data_of(rendered(compared(scores, within=axes).overview).html)
+        assert data["groups"][data["shown_group"]]["labels"] == [*group.values()]
+
+
 def test_the_best_of_most_conditions_stands_after_the_exceptions() -> None:
     entries = tuple(
         ({**labels, "oven": oven}, frame)
