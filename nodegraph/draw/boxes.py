@@ -70,7 +70,7 @@ _ROW_GAP = 2.0
 _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
 _LONGEST_IN_ROW = 40
-_LONGEST_BESIDE_LABEL = 54
+_LONGEST_BESIDE_LABEL = 49
 _MOST_ROWS = 12
 _WIDEST_ROW = 196.0
 _NARROWEST = 84.0
@@ -350,7 +350,7 @@ def _row(alternative: Alternative, *, states: bool) -> tuple[_Parts, float, floa
     label = shortened(alternative.label)
     beside = _CHIP_INSET + width(label, _SIZES["chip"]) + _CHIP_GAP
     details = _wrapped(alternative.details, _LONGEST_IN_ROW)
-    is_long = len(f"{label} {alternative.details}") > _LONGEST_BESIDE_LABEL
+    is_long = len(label) + max(map(len, details), default=0) > _LONGEST_BESIDE_LABEL
     x = 2.0 * _CHIP_INSET if is_long else beside
     parts = [(text, x, _BASELINE + at * _LINE, False) for at, text in enumerate(details, is_long)]
     wide = max([beside, *(x + width(text, _SIZES["chip"]) for text in details)])

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from nodegraph.draw.boxes import shortened
 from nodegraph.draw.picture import (
+    UNCHANGED,
     Alternative,
     Arrow,
     Axis,
@@ -38,12 +39,9 @@ _LONGEST = 28
 """Characters of the values that a setting has along axes."""
 _MOST_VALUES = 6
 """Labels of an axis that are drawn with the settings for which they stand."""
-_SHORT = 3
-"""Characters of a unit that is a word, which the name of a setting tells."""
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 32
 _LONGEST_SERIES = 24
-_UNCHANGED = "unchanged"
 _NUMBERED = re.compile(r"(\D*)\d+")
 
 _Ends = tuple[str, str, str, str]
@@ -70,7 +68,7 @@ def drawing_for_page(graph: Graph, *, fold: bool = True) -> str:
 def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
     """Return the picture of a graph: its whole nodes, or their wired ports and first methods.
 
-    Nodes and alternatives have their settings that differ from the default; an alternative of which
+    Nodes and alternatives have the settings that the graph gives them; an alternative of which
     nothing else is told has those that others of its method differ in. An axis stands with its
     labels at the first node whose settings name it, and at others that no wire brings it to; an
     axis with one label is not drawn.
@@ -139,13 +137,14 @@ def _combinations(graph: Graph, seen: Collection[str], picture: Picture) -> str:
         if any(axes < other for other in sets):
             continue
         counts = {axis: len(graph.axes[axis].labels) for axis in several if axis in axes}
-        compared = {axis: counts.pop(axis) for axis in [*counts] if axis in graph.nodes}
-        compared |= {
-            name: len(box.alternatives)
+        own = [axis for axis in counts if axis in graph.nodes]
+        compared = [f"{counts.pop(axis)} alternatives of {axis}" for axis in own]
+        compared += (
+            f"{len(box.alternatives)} stages in {name}"
             for name, box in boxes.items()
-            if box.compares and box.kind == "node" and at_once[name] == axes
-        }
-        ways = " and ".join(f"{count} alternatives of {name}" for name, count in compared.items())
+            if name not in own and box.compares and box.kind == "node" and at_once[name] == axes
+        )
+        ways = " and ".join(compared)
         each = ", ".join(f"{axis} ({count})" for axis, count in counts.items())
         texts.append(f"{ways}, for each {each}" if ways and each else ways or each)
     return "; ".join(filter(None, texts))
@@ -189,11 +188,7 @@ def _with_sources(graph: Graph, picture: Picture) -> Iterator[Box]:
         if usual and 2 * usual[0][1] > len(sources):
             sources = {label: text for label, text in sources.items() if text != usual[0][0]}
         alternatives = [
-            each._replace(
-                settings=each.settings.removeprefix(_UNCHANGED * bool(source)), source=source
-            )
-            for each in box.alternatives
-            for source in [sources.get(each.label, "")]
+            each._replace(source=sources.get(each.label, "")) for each in box.alternatives
         ]
         yield replace(box, alternatives=tuple(alternatives))
 
@@ -241,11 +236,8 @@ def _received(graph: Graph, node: GraphNode, feed: Reference | Gather | None) ->
         if axis not in source.at
     }
     sizes = {axis: len(graph.axes[axis].labels) for axis in node.gathered if axis in free}
-    counts = [f"{size} {axis}" for axis, size in sizes.items() if size > 1]
-    if [*sources] != [""] and sources and node.has_alternatives:
-        counts.insert(0, f"{len(sources)}: {', '.join(map(str, sources))}")
-    is_all = len(counts) == 1 and [*sources] == [""]
-    return "all " * is_all + " \N{MULTIPLICATION SIGN} ".join(counts)
+    several = (f"{size} {axis}" for axis, size in sizes.items() if size > 1)
+    return " \N{MULTIPLICATION SIGN} ".join(several)
 
 
 def _box(
@@ -290,7 +282,7 @@ def _box(
         texts = texts or [_text(varied[uses[label]])]
         for axis, labels in kept[label].items():
             ends = map(str, dict.fromkeys((labels[0], labels[-1])))
-            texts.append(f"{axis}: " + " \N{EN DASH} ".join(ends))
+            texts.append(f"only at {axis} " + " \N{EN DASH} ".join(ends))
         alternatives += [Alternative(label, ", ".join(filter(None, texts)))] * node.has_alternatives
     axes = _with_values(common)
     told = {axis.name for axis in axes}
@@ -325,9 +317,8 @@ def _box(
 def _told(label: Label, use: str, methods: Collection[str]) -> str:
     """Return the method of an alternative that neither its label nor the box tells."""
     if use == PASS:
-        return _UNCHANGED
-    is_told = len(methods) == 1 or str(label).startswith(use.rpartition(".")[2])
-    return "" if is_told else use
+        return UNCHANGED
+    return "" if len(methods) == 1 or str(label).startswith(use.rpartition(".")[2]) else use
 
 
 def _kept(graph: Graph, node: GraphNode, method: Label) -> dict[str, list[Label]]:
@@ -359,7 +350,7 @@ _Setting = str | _Along
 
 
 def _settings(method: Method, kept: Mapping[str, Collection[Label]]) -> dict[str, _Setting]:
-    """Return the settings of a method that differ from the default, at the labels that it has.
+    """Return the settings that a graph gives to a method, at the labels that this has.
 
     One that differs along an axis is left out if each value has its label in it, which the box of
     the axis shows.
@@ -375,13 +366,12 @@ def _settings(method: Method, kept: Mapping[str, Collection[Label]]) -> dict[str
             )
         }
         unit = method.node.settings[name].unit
-        unit = f" {unit}" * (0 < len(unit) < _SHORT or "/" in unit)
+        unit = f" {unit}" * (unit in ("mm", "Hz", "s") or "/" in unit)  # others are words
         texts = tuple(dict.fromkeys(shown.values()))
         values = [each[name] for each in method.settings.values.values()]
         value = next((each for each in values if each is not None), None)
         if len(texts) == 1:
-            if value != method.node.settings[name].default:
-                found[name] = f"{texts[0]}{unit * (value is not None)}"
+            found[name] = f"{texts[0]}{unit * (value is not None)}"
         elif isinstance(value, (int, float, str, Path)):
             along = [*zip(*shown, strict=True)]  # for each axis, its label at each value
             if any(all(map(contains, shown.values(), map(str, each))) for each in along):
@@ -403,7 +393,9 @@ def _with_values(settings: Mapping[str, _Setting]) -> tuple[Axis, ...]:
     axes = []
     for axis, several in named.items():
         at_each = [*zip(*(each.values for each in several.values()), strict=True)]
-        if len(at_each) <= _MOST_VALUES:
+        if len(at_each) <= _MOST_VALUES and not any(
+            "…/" in text for each in at_each for _, text in each
+        ):
             values = [(labels_text([at[0][0]]), *(text for _, text in at)) for at in at_each]
             names = (f"{name}{each.unit}" for name, each in several.items())
             axes.append(Axis(axis, settings=tuple(names), values=tuple(values)))

@@ -474,14 +474,8 @@ def _step(upper: Cell, lower: Cell, sizes: Mapping[Cell, Size]) -> float:
 def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> list[float]:
     """Return the tops closest to those wanted, in least squares, of cells that stand apart.
 
-    Cells that would overlap form a block at their common mean (pool adjacent violators).
-
-    Parameters
-    ----------
-    offsets
-        How far each cell is below the first when nothing is between them but the least distance.
-    wanted
-        For each cell a weight and a top.
+    Cells that would overlap form a block at their common mean (pool adjacent violators). Offsets
+    are the least distances from the first cell; of each cell a weight and a top are wanted.
     """
     blocks: list[tuple[float, float, int]] = []
     for offset, (weight, top) in zip(offsets, wanted, strict=False):
@@ -566,17 +560,11 @@ class _Link(NamedTuple):
 def _links_of(picture: Picture) -> list[list[_Link]]:
     """Return the links of each arrow: to the rows that name its source, else to its port.
 
-    Where another port of the box has the source for itself, the link to that stands for the rows.
     To what the report lists only the first arrow leads.
     """
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     rows = {box.name: box.alternatives for box in picture.boxes}
     lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
-    alone = {
-        (arrow.source, arrow.source_port, arrow.target): arrow.target_port
-        for arrow in picture.arrows
-        if into[arrow.target, arrow.target_port] < 2
-    }
     reached: set[tuple[str, str]] = set()
 
     def ends(arrow: Arrow, origin: str) -> list[str]:
@@ -585,10 +573,7 @@ def _links_of(picture: Picture) -> list[list[_Link]]:
             return []
         reached.add(end)
         named = [row_port(row) for row in rows[arrow.target] if origin in row.source.split(", ")]
-        if into[end] < 2 or not named:
-            return [arrow.target_port]
-        port = alone.get((arrow.source, arrow.source_port, arrow.target))
-        return [port] if port else named
+        return named if into[end] > 1 and named else [arrow.target_port]
 
     return [
         [_Link(arrow.source, arrow.source_port, arrow.target, port) for port in ends(arrow, origin)]
@@ -653,16 +638,7 @@ def _placed(
     links: tuple[_Link, ...],
     led: frozenset[_Link],
 ) -> Placed:
-    """Place boxes and arrows.
-
-    Parameters
-    ----------
-    first
-        Outlines that the bands were chosen by.
-    outlines, links
-    led
-        Those links that run from one band to the next.
-    """
+    """Place boxes in the bands that first outlines give, and arrows, some led to the next band."""
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
     bands = _bands(first, links)
     ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
@@ -809,9 +785,9 @@ def _led(
 ) -> frozenset[_Link]:
     """Return the links that run from one band to the next: of one output to other boxes.
 
-    It leads to as many as it can of those to which nothing in their own band does, from the box
-    that most lead to. Of another output a line runs to the report, to what that shows first or if
-    nothing else leads to it. No truth is led.
+    It leads to boxes to which nothing in their own band does, rather to the first input of as many
+    as it can, and from the box that most lead to. Of another output a line runs to the report, to
+    what that shows first or if nothing else leads to it. No truth is led.
     """
     first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
     reports = {box.name for box in picture.boxes if box.kind == "report"}
@@ -835,8 +811,9 @@ def _led(
 
     network = network_of(picture)
 
-    def rank(led: Mapping[str, _Link]) -> tuple[int, int]:
-        return len(led), max(len(nx.ancestors(network, link.source)) for link in led.values())
+    def rank(led: Mapping[str, _Link]) -> tuple[int, int, int]:
+        depth = max(len(nx.ancestors(network, link.source)) for link in led.values())
+        return sum(link[2:] in first for link in led.values()), len(led), depth
 
     return frozenset(
         link for outputs in main.values() for link in max(outputs.values(), key=rank).values()

@@ -12,6 +12,8 @@ import networkx as nx
 
 Kind = Literal["node", "input", "report"]
 
+UNCHANGED = "unchanged"
+"""In place of settings, of an alternative that passes on what it reads."""
 BETWEEN_PARTS = re.compile(r"(?<=[,…\N{MULTIPLICATION SIGN}\N{MIDDLE DOT}]) (?![^\[]*\])")
 """Between two parts of a text; a list is one."""
 _AROUND = re.compile(r"(Truth|Across)\[|\]| \| None$")
@@ -67,7 +69,7 @@ class Alternative(NamedTuple):
     ----------
     label : str
     settings : str
-        Those of its own that differ from the default: ``neighbours: 40``.
+        Those of its own: ``neighbours: 40``.
     source : str
         Where what it reads begins, if most others read something else: ``aligned``.
     """
@@ -80,7 +82,8 @@ class Alternative(NamedTuple):
     def details(self) -> str:
         """What follows the label: ``neighbours: 40 · from aligned``."""
         source = f"from {self.source}" if self.source else ""
-        return " \N{MIDDLE DOT} ".join(filter(None, (self.settings, source)))
+        settings = "" if source and self.settings == UNCHANGED else self.settings
+        return " \N{MIDDLE DOT} ".join(filter(None, (settings, source)))
 
     def __str__(self) -> str:
         return f"{self.label} {self.details}".rstrip()
@@ -258,10 +261,12 @@ def folded(picture: Picture) -> Picture:
 
     One box lists all those that only show something: boxes of the report that no other box reads,
     if there are two. Those that were made from the same last output share a port. A graph that is
-    used as a node is one box, and so are linked boxes that none of the report's answers reads.
+    used as a node is one box, and so are linked boxes that none of the report's answers reads; a
+    box that makes one alternative is its row.
     Alternatives that several boxes have are listed at the first.
     """
     picture = _together(picture, _graphs_of(picture))
+    picture = _together(picture, _rows_of(picture))
     picture = _with_alternatives_once(_together(picture, _asides_of(picture)))
     shown = {box.name: box for box in picture.boxes if box.kind == "report"}
     while read := {
@@ -326,6 +331,24 @@ def answering(picture: Picture) -> set[str]:
     return answers.union(*before) if answers else {*network}
 
 
+def _rows_of(picture: Picture) -> dict[str, str]:
+    """Return, for a box that nothing but one alternative reads, the box of that.
+
+    The box reads data, or the alternative passes it on.
+    """
+    readers = network_of(picture).succ
+    count = Counter(row.source for box in picture.boxes for row in box.alternatives)
+    inputs = {box.name for box in picture.boxes if box.kind == "input"}
+    rows = {
+        row.source: box.name
+        for box in picture.boxes
+        for row in box.alternatives
+        if count[row.source] == 1 and [*readers.get(row.source, ())] == [box.name]
+        if row.settings == UNCHANGED or row.source in inputs
+    }
+    return rows | {name: name for name in rows.values()}
+
+
 def _asides_of(picture: Picture) -> dict[str, str]:
     """Return the last of the linked boxes that no answer is made from, for each of several."""
     network = network_of(picture)
@@ -383,7 +406,7 @@ def _together(picture: Picture, graph_of: Mapping[str, str]) -> Picture:
     for box in picture.boxes:
         inside.setdefault(graph_of.get(box.name, box.name), []).append(box)
     boxes = [
-        _graph_as_box(name, parts, inputs.get(name, {}), outputs.get(name, {}))
+        _as_box(name, parts, inputs.get(name, {}), outputs.get(name, {}))
         if parts[-1].name in graph_of
         else parts[-1]
         for name, parts in inside.items()
@@ -399,27 +422,38 @@ def _together(picture: Picture, graph_of: Mapping[str, str]) -> Picture:
     return replace(direct, boxes=tuple(boxes))
 
 
-def _graph_as_box(
+def _as_box(
     name: str,
     parts: Sequence[Box],
     inputs: Mapping[str, Socket],
     outputs: Mapping[str, Socket],
 ) -> Box:
-    """Return one box for those of a graph, with what it is fed and what it returns."""
-    *_, last = parts
-    axes: dict[str, Axis] = {}
-    for axis in (axis for part in parts for axis in part.axes):
-        axes.setdefault(axis.name, Axis(axis.name, axis.labels))
+    """Return one box for a graph, for steps, or for what makes alternatives of its last part."""
+    box = next(part for part in parts if part.name == name)
+    made = {part.name: ", ".join(part.lines) for part in parts if part is not box}
+    rows = []
+    for row in box.alternatives:
+        if row.source in made:
+            told = f"{made[row.source]}, {row.settings}".removesuffix(f", {UNCHANGED}")
+            row = row._replace(settings=told.removesuffix(", "), source="")
+        rows.append(row)
+    lines = box.lines
+    if not box.passes and rows == [*box.alternatives]:
+        steps = f"{len(parts)} steps: {', '.join(part.name for part in parts)}"
+        data = (line for part in parts[: not inputs] for line in part.lines[1:])
+        lines = (steps, *data)
+    order = {each: at for at, (_, each) in enumerate(box.names)}
+    sockets = sorted(inputs.values(), key=lambda each: order.get(each.text, len(order)))
+    axes = {axis.name: axis for part in parts for axis in part.axes if axis.labels}
     return Box(
         name,
-        lines=last.lines
-        if last.passes
-        else (f"{len(parts)} steps: {', '.join(part.name for part in parts)}",),
-        inputs=tuple(inputs.values()),
-        outputs=tuple(outputs.values()),
-        alternatives=last.alternatives,
-        axes=tuple(axes.values()),
+        lines,
+        tuple(sockets),
+        tuple(outputs.values()),
+        tuple(rows),
+        tuple(axes.values()),
         kind="node" if inputs else "input",
+        compares=box.compares and lines == box.lines,
     )
 
 

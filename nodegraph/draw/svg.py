@@ -208,7 +208,6 @@ def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str
     says where it begins. Boxes whose dotted names have a common prefix stand in a frame. Truth is
     dashed, a gathering arrow is wide. Types of ports show on hover. Colours follow the reader's
     light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
-    Programs that read no style sheet draw it light.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from nodegraph.draw import Alternative, Arrow, Box, Picture, Socket
+from nodegraph.draw import Alternative, Arrow, Axis, Box, Picture, Socket
 from nodegraph.draw.picture import folded
 
 BOXES = (Box("a", outputs=(Socket("out"),)), Box("b", inputs=(Socket("in"),)))
@@ -158,3 +158,37 @@ def test_linked_boxes_that_no_answer_is_made_from_are_one() -> None:
     ]
     unanswered = tuple(replace(box, answers=False) for box in boxes)
     assert "still" in {box.name for box in folded(Picture("", unanswered, arrows)).boxes}
+
+
+def test_a_box_that_makes_one_alternative_is_its_row() -> None:
+    port, out = (Socket("in"),), (Socket("out"),)
+    axis = Axis("k", "5, 10")
+    rows = (
+        Alternative("random"),
+        Alternative("pfa", "unchanged", "pfa"),
+        Alternative("far", "power: 2", "other"),
+        Alternative("near", "power: 3", "near"),
+    )
+    boxes = (
+        Box("take", outputs=out, kind="input"),
+        Box("pfa", ("select.pfa", "runs: 300"), port, out, axes=(axis,)),
+        Box("other", ("read.take",), (), out, kind="input"),
+        Box("near", ("read.near",), port, out),
+        Box("chosen", (), (*port, Socket("like")), out, rows, compares=True),
+        Box("table", (), port, kind="report"),
+    )
+    ways = [("take", "pfa", "in"), ("take", "chosen", "in"), ("pfa", "chosen", "in")]
+    ways += [("pfa", "chosen", "like"), ("other", "chosen", "in"), ("near", "chosen", "in")]
+    ways += [("take", "near", "in"), ("chosen", "table", "in")]
+    arrows = tuple(Arrow(source, "out", target, name) for source, target, name in ways)
+    by_name = {box.name: box for box in folded(Picture("", boxes, arrows)).boxes}
+    assert by_name.keys() == {"take", "near", "chosen", "table"}
+    chosen = by_name["chosen"]
+    assert chosen.alternatives == (
+        rows[0],
+        Alternative("pfa", "select.pfa, runs: 300"),
+        Alternative("far", "read.take, power: 2"),
+        rows[3],
+    )
+    assert (chosen.axes, chosen.compares, chosen.kind) == ((axis,), True, "node")
+    assert [socket.text for socket in chosen.inputs] == ["in", "in"]
