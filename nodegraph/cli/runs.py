@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 import textwrap
 from argparse import ArgumentParser, Namespace
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 from nodegraph.cli.arguments import add_json
 from nodegraph.cli.output import columns
 from nodegraph.errors import NodegraphError
+from nodegraph.formatting import options_of
 
 if TYPE_CHECKING:
     from nodegraph.cli.answers import ListedRun
@@ -52,9 +52,8 @@ def runs(arguments: Namespace) -> int:
     width = get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
     for run in found:
         state = {"done": "", "failed": " (with failures)"}.get(run.state, run.state)
-        options = shlex.join(shlex.split(run.command)[3:])  # nodegraph run GRAPH ...
         date = datetime.fromisoformat(run.ended).strftime("%Y-%m-%d %H:%M")
-        short = textwrap.shorten(options, 80, placeholder=" ...")
+        short = textwrap.shorten(options_of(run.command), 80, placeholder=" ...")
         print(columns([(date, run.folder, f"{run.title}{state}", short)]))
         for answer in run.answer[:1]:
             print(textwrap.indent(textwrap.shorten(answer, width - 4, placeholder=" ..."), "    "))

@@ -258,7 +258,7 @@ def by_digest(store: Store) -> Judge:
             return Judged(Agreement.OTHER, text=f"was {_bracketed(was)}, now {_bracketed(now)}")
         if was.key and was.key == now.key:
             return Judged(Agreement.SAME)
-        before, after = (_digests(step, store) for step in (was, now))
+        before, after = (digests_of(step, store) for step in (was, now))
         if not (before and after):
             return Judged(Agreement.UNKNOWN)
         return Judged(Agreement.SAME if before == after else Agreement.OTHER)
@@ -266,7 +266,15 @@ def by_digest(store: Store) -> Judge:
     return judge
 
 
-def _digests(step: RecordedStep, store: Store) -> tuple[str, ...]:
+def digests_of(step: RecordedStep, store: Store) -> tuple[str, ...]:
+    """Return the digests of what a step gave; empty where they are not known.
+
+    Parameters
+    ----------
+    step
+    store
+        Has those of results that the run did not load.
+    """
     entry = store.find(step.key) if step.key and not step.digests else None
     return entry.digests if entry else tuple(step.digests)
 

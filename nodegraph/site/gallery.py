@@ -20,13 +20,13 @@ from typing import NamedTuple
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.execute import open_store
 from nodegraph.filenames import fold, portable_name
-from nodegraph.formatting import number_of
+from nodegraph.formatting import number_of, options_of
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.page import policy, source, templates_of
 from nodegraph.report.study import NoteSubject, Study, read_study
 from nodegraph.runs.folder import REPORT, STUDY, is_run, moved_for, runs_in
-from nodegraph.site.history import changes_between, tables
+from nodegraph.site.history import changes_between, data_of, tables
 
 INDEX = "index.html"
 _MARK = b'<meta name="generator" content="nodegraph site">'
@@ -69,6 +69,11 @@ class _RunReport:
     def question(self) -> tuple[str, str]:
         """The graph file and the title: equal in all runs of one study."""
         return self.study.graph_file, self.study.title
+
+    @property
+    def options(self) -> str:
+        """The options of the command that repeats it."""
+        return options_of(self.study.command)
 
     @property
     def created(self) -> datetime | None:
@@ -146,6 +151,7 @@ def _histories(runs: Sequence[_RunReport]) -> Iterator[tuple[str, bytes]]:
         return
     store = open_store(Registry.installed(), None, partial(warnings.warn, stacklevel=2))
     for path, of_study in studies.items():
+        data = [data_of(run.folder, store) for run in of_study]
         yield (
             path,
             _page(
@@ -157,6 +163,7 @@ def _histories(runs: Sequence[_RunReport]) -> Iterator[tuple[str, bytes]]:
                     changes_between(was.folder, now.folder, store)
                     for was, now in pairwise(of_study)
                 ],
+                data=[data.index(each) for each in data],
                 tables=tables([run.study for run in of_study]),
                 report=REPORT,
                 index=INDEX,

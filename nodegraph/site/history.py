@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import number_of
 from nodegraph.report.study import Study
-from nodegraph.runs.compare import Agreements, by_digest, choices, compare
+from nodegraph.runs.compare import Agreements, by_digest, choices, compare, digests_of
 from nodegraph.runs.record_files import read_record
 from nodegraph.store import Store
 
@@ -19,44 +19,35 @@ _MOST = 12
 
 
 @dataclass(frozen=True)
-class Row:
-    """A number of a method: in which group, and its text in each run, empty where it has none."""
-
-    method: str
-    group: str
-    numbers: Sequence[str]
-
-
-@dataclass(frozen=True)
 class Table:
-    """A table of a study: the numbers of all its runs.
+    """A group of a table of a study: the numbers of all its runs.
 
     Attributes
     ----------
     title, caption : str
     compared : str
         The name of what is compared: the head of the methods.
-    rows : sequence of Row
+    rows : mapping of str to list of str
+        The texts of a method's number in each run, empty where it has none.
     """
 
     title: str
     caption: str
     compared: str
-    rows: Sequence[Row]
+    rows: Mapping[str, Sequence[str]]
 
 
 def tables(studies: Sequence[Study]) -> list[Table]:
     """Return the tables of several runs of a study, as the last that has each names it.
 
-    The numbers have the digits that the tables of the reports show.
+    The numbers have the digits that the tables of the reports show: as many within a group.
 
     Raises
     ------
     NodegraphError
         If a table is damaged.
     """
-    known: dict[tuple[str, str, str], Table] = {}
-    numbers: dict[tuple[str, str, str], dict[tuple[str, str], list[str]]] = {}
+    known: dict[tuple[str, str, str], dict[str, Table]] = {}
     for at, study in enumerate(studies):
         for section in study.sections:
             if (grid := section.rendered.grid) is None:
@@ -66,24 +57,39 @@ def tables(studies: Sequence[Study]) -> list[Table]:
                     f"{study.title}: a row of the table {section.title!r} is not as long as its "
                     "head; run the graph again"
                 )
-            key = section.node, section.output, section.labels
-            compared, *groups = (", ".join(name.split("\n")) for name in grid.head)
-            title = ", ".join(filter(None, [section.title, section.where]))
-            known[key] = Table(title, grid.title, compared, ())
-            of_table = numbers.setdefault(key, {})
-            for method, *texts in grid.rows:
-                for group, text in zip(groups, texts, strict=True):
-                    texts_of_runs = of_table.setdefault((method, group), [""] * len(studies))
-                    texts_of_runs[at] = text
-    return [
-        Table(
-            table.title,
-            table.caption,
-            table.compared,
-            [Row(*name, texts) for name, texts in numbers[key].items()],
-        )
-        for key, table in known.items()
-    ]
+            groups = known.setdefault((section.node, section.output, section.labels), {})
+            compared, *names = (", ".join(name.split("\n")) for name in grid.head)
+            for column, group in enumerate(names, 1):
+                rows = dict(groups[group].rows) if group in groups else {}
+                for row in grid.rows:
+                    texts = rows.get(row[0], [""] * len(studies))
+                    rows[row[0]] = [*texts[:at], row[column], *texts[at + 1 :]]
+                title = ", ".join(filter(None, [section.title, section.where, group]))
+                groups[group] = Table(title, grid.title, compared, rows)
+    return [table for groups in known.values() for table in groups.values()]
+
+
+def data_of(folder: Path, store: Store) -> frozenset[tuple[str, ...]]:
+    """Return the digests of the data of a run: of the results of nodes that take nothing in.
+
+    Empty where the record cannot be read.
+
+    Parameters
+    ----------
+    folder
+        That of the run.
+    store
+        Has the digests of results that the run did not load.
+    """
+    try:
+        steps = read_record(folder).steps
+    except NodegraphError:
+        return frozenset()
+    return frozenset(
+        digests_of(step, store) or (step.key,)
+        for step in steps
+        if step.has_result and not step.inputs
+    )
 
 
 def changes_between(was: Path, now: Path, store: Store) -> list[str]:

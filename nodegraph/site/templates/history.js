@@ -1,10 +1,12 @@
 // All runs of a study, or two of them that the reader chooses; the address keeps which. A number that
-// is another than in the run shown before it says by how much.
+// is another than in the run shown before it says by how much, where the two have the same data.
 nodegraph.define("history", [], () => {
   const form = document.getElementById("filter");
   const { was, now } = form.elements;
   const changes = [...document.getElementById("changes").children];
   const names = changes.map(({ dataset }) => dataset.run);
+  const data = Object.fromEntries(changes.map(({ dataset }) => [dataset.run, dataset.data]));
+  const heads = [...document.querySelectorAll("th[data-run]")];
   const rows = [...document.querySelectorAll("tbody tr")].map((row) => [...row.querySelectorAll("td")]);
   const value = (text) => Number(text.replaceAll(",", "").replace("\u2212", "-"));
   const change = (before, after) => {
@@ -22,14 +24,20 @@ nodegraph.define("history", [], () => {
       const list = item.querySelector("ul"); // what changed before the first that is shown is of no interest
       if (list) list.hidden = !all && at === ends[0];
     });
+    const others = [...shown].filter((name, at, every) => at && data[name] !== data[every[at - 1]]);
+    for (const head of heads) {
+      delete head.dataset.change;
+      if (others.includes(head.dataset.run)) head.dataset.change = "other data";
+    }
     for (const cells of rows) {
       let before = null;
       for (const cell of cells) {
         delete cell.dataset.change;
         const text = cell.textContent;
         if (cell.hidden || text === "\u2013") continue;
-        if (before !== null && before !== text) cell.dataset.change = change(before, text);
-        before = text;
+        const has_same_data = before && data[before.dataset.run] === data[cell.dataset.run];
+        if (has_same_data && before.textContent !== text) cell.dataset.change = change(before.textContent, text);
+        before = cell;
       }
     }
     now.parentElement.hidden = all;

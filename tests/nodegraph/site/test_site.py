@@ -7,6 +7,7 @@ import subprocess
 import sys
 import textwrap
 from contextlib import redirect_stderr
+from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 from io import StringIO
@@ -26,10 +27,10 @@ from nodegraph.plugin.hook_types import Grid, Rendered, expect
 from nodegraph.plugin.hooks import HOOKS, Shape
 from nodegraph.plugin.registry import Registry
 from nodegraph.report import Study
-from nodegraph.report.study import MethodRow, NoteSubject, Section, StepNote, study_bytes
+from nodegraph.report.study import Link, MethodRow, NoteSubject, Section, StepNote, study_bytes
 from nodegraph.runs.folder import EVENTS, REPORT, STUDY
 from tests import readmes
-from tests.browser import AXE, load, resize, violations
+from tests.browser import AXE, load, resize, until, violations
 
 PAGES = Path(readmes.ROOT) / "nodegraph" / "site" / "pages"
 HOSTILE = '</title><script>alert(1)</script><img src="https://example.org/x.png">'
@@ -266,6 +267,43 @@ def test_the_gallery_filters_and_sorts_with_keys_and_keeps_that_in_its_address(
     assert shown() == sorted_runs
 
 
+@pytest.mark.parametrize("width", [390, 1200])
+@pytest.mark.parametrize("size", [(1600, 200), (500, 1500)])
+def test_a_figure_is_shown_whole_beside_the_words_and_options(
+    tmp_path: Path, tab: Page, width: int, size: tuple[int, int]
+) -> None:
+    link = Link("figure", "table_figure.svg")
+    study = Study(
+        "Fills",
+        answer=("It is linear.",),
+        sections=(replace(scores(), files=(link,)),),
+        command="nodegraph run fill.yaml --axis 'recording=my take.c3d'",
+    )
+    write_run(tmp_path / "run", study)
+    across, down = size
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="{across}" height="{down}"/>'
+    (tmp_path / "run" / link.path).write_text(svg)
+    assert main(["site", str(tmp_path / "run"), "--out", str(tmp_path / "out")]) == 0
+    load(tab, tmp_path / "out" / "index.html", width=width)
+    assert "--axis 'recording=my take.c3d'" in tab.inner_text(".front")
+    tab.locator(".picture img").scroll_into_view_if_needed()
+    until(tab, "document.querySelector('.picture img').complete")
+    card, picture, words = (
+        tab.locator(each).bounding_box() for each in ("article", ".picture img", ".front")
+    )
+    assert card
+    assert picture
+    assert words
+    assert picture["width"] / picture["height"] == pytest.approx(across / down, rel=0.02)
+    assert picture["x"] >= card["x"]
+    assert picture["x"] + picture["width"] <= card["x"] + card["width"]
+    assert picture["y"] + picture["height"] <= card["y"] + card["height"]
+    if width > 1000:
+        assert picture["x"] >= words["x"] + words["width"]
+    if AXE:
+        assert violations(tab) == []
+
+
 def test_runs_of_a_study_are_compared_all_or_two_of_them(site: Path, tab: Page) -> None:
     def rows() -> list[str]:
         by = "getComputedStyle(cell, '::after').content.replaceAll('\"', '')"
@@ -275,11 +313,13 @@ def test_runs_of_a_study_are_compared_all_or_two_of_them(site: Path, tab: Page) 
 
     load(tab, site / "index.html")
     tab.get_by_role("link", name="All runs").first.click()
+    titles = tab.locator("section.result h2").all_inner_texts()
+    assert titles == ["Error, short", "Error, long, of lips"]
     assert rows() == [
-        "linear | short | 0.5 | 0.4 (\u221220 %) | 0.55 (+38 %)",
-        "linear | long, of lips | 1.2 | 1.2 | 1.2",
-        "spline | short | 0.6 | \u2013 | 0.6",
-        "spline | long, of lips | 1.3 | \u2013 | 1.4 (+8 %)",
+        "linear | 0.5 | 0.4 (\u221220 %) | 0.55 (+38 %)",
+        "spline | 0.6 | \u2013 | 0.6",
+        "linear | 1.2 | 1.2 | 1.2",
+        "spline | 1.3 | \u2013 | 1.4 (+8 %)",
     ]
     if AXE:
         assert violations(tab) == []
@@ -290,10 +330,10 @@ def test_runs_of_a_study_are_compared_all_or_two_of_them(site: Path, tab: Page) 
     resize(tab, 390)
     tab.goto(address)
     assert rows() == [
-        "linear | short | 0.5 | 0.55 (+10 %)",
-        "linear | long, of lips | 1.2 | 1.2",
-        "spline | short | 0.6 | 0.6",
-        "spline | long, of lips | 1.3 | 1.4 (+8 %)",
+        "linear | 0.5 | 0.55 (+10 %)",
+        "spline | 0.6 | 0.6",
+        "linear | 1.2 | 1.2",
+        "spline | 1.3 | 1.4 (+8 %)",
     ]
     assert tab.evaluate("document.documentElement.scrollWidth") <= 390
     if AXE:
