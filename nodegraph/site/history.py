@@ -72,7 +72,8 @@ def tables(studies: Sequence[Study]) -> list[Table]:
 def data_of(folder: Path, store: Store) -> frozenset[tuple[str, ...]]:
     """Return the digests of the data of a run: of the results of nodes that take nothing in.
 
-    Empty where the record cannot be read.
+    Where a digest is not known, settings and files stand for it. Empty where the record cannot be
+    read.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def data_of(folder: Path, store: Store) -> frozenset[tuple[str, ...]]:
     except NodegraphError:
         return frozenset()
     return frozenset(
-        digests_of(step, store) or (step.key,)
+        digests_of(step, store) or (str(step.settings), *step.files.values())
         for step in steps
         if step.has_result and not step.inputs
     )

@@ -6,6 +6,7 @@ from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page
 
 from nodegraph.plugin.hook_types import Grid, Rendered
@@ -31,7 +32,10 @@ def test_what_changed_between_runs_is_said_as_in_diff(command: Command) -> None:
     assert Path("site", "toy.html").read_text().count("cannot be read") == 2
 
 
-def test_numbers_of_other_data_are_not_compared(command: Command, tab: Page) -> None:
+@pytest.mark.parametrize("stored", [("--store", "kept"), ("--no-cache",)])
+def test_numbers_of_other_data_are_not_compared(
+    command: Command, tab: Page, stored: tuple[str, ...]
+) -> None:
     def shown() -> list[str]:
         after = "getComputedStyle(cell, '::after').content.replaceAll('\"', '').replace('none', '')"
         cells = tab.locator("[data-run]:is(th, td):visible")
@@ -41,7 +45,7 @@ def test_numbers_of_other_data_are_not_compared(command: Command, tab: Page) -> 
         return texts
 
     for name, start, error in (("a", 5, "0.5"), ("b", 6, "0.4"), ("c", 6, "0.2"), ("d", 5, "0.6")):
-        words = ["--set", f"start={start}", "--store", "kept", "--out", f"runs/{name}"]
+        words = ["--set", f"start={start}", *stored, "--out", f"runs/{name}"]
         assert command("run", "toy.yaml", *words)[0] == 0
         grid = Grid("Error", ("fill", "all"), (("hold", error),))
         study = replace(
