@@ -192,7 +192,7 @@ def _firsts(verdicts: Verdicts, groups: Sequence[Verdict]) -> Text:
         return say(f"{end} mean {metric}: {HERE}", _shortened(clauses, "; "))
     (leaders,) = by_leader
     number = _number(verdicts, groups, leaders[0])
-    where = f" in all {len(groups)} groups" if len(groups) > 1 else ""
+    where = {1: "", 2: " in both groups"}.get(len(groups), f" in all {len(groups)} groups")
     first = say(f"{end} mean {metric}{where}: {HERE} ({HERE})", _names(verdicts, leaders), number)
     rest = [place for place in groups[0].ranked if place in {*groups[0].known} - {*leaders}]
     if len(groups) > 1 or not 0 < len(rest) <= _MOST_NAMES:

@@ -1,4 +1,4 @@
-"""Blocks whose truth is suspect: it jumps there, or is measured and every method fails alike."""
+"""Blocks whose truth is suspect: it jumps there, or is measured and every method errs alike."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Suspects:
     reasons : mapping of int to str
         By the place of each block in the group.
     names : tuple of str
-        Of each block, with the reason: ``trial 3, gap 5, marker chin: every method fails``.
+        Of each block, with the reason: ``trial 3, gap 5, marker chin: every method errs much``.
     rows : array of int
         Their rows among those of all tables.
     """
@@ -58,7 +58,7 @@ def suspects(
     """Return, for each group, the blocks whose truth is suspect.
 
     They are blocks with a row whose column ``suspect`` has a reason, and, of measured data, blocks
-    in which every method fails: with m the logarithm of the smallest error of a block, less the
+    in which every method errs much: with m the logarithm of the smallest error of a block, less the
     median of its cluster, the robust deviation ``(m - median(m)) / (1.4826 MAD(m))`` is above 5,
     over 20 blocks or more. Of a metric that has values of 0 or below, or of which low is not
     better, and of synthetic data, where such a block is hard and its truth as it was made, only
@@ -84,7 +84,7 @@ def _suspects(
         if text:
             reasons.setdefault(place, text)
     for place in np.flatnonzero(_failed(group, question)).tolist():
-        reasons.setdefault(place, "every method fails")
+        reasons.setdefault(place, "every method errs much")
     if not reasons:
         return Suspects({}, (), np.empty(0, dtype=np.intp))
     reasons = dict(sorted(reasons.items()))

@@ -95,7 +95,7 @@ def _shortage_text(scope: Scope) -> str:
         few = f"fewer than three {_repetition(scope)}s, and {segments_text(scope, shortage)}"
     if not scope.drawn:
         return f"{few}; an axis of repetitions, each with damage of its own, would help"
-    return f'{few}; ten are enough: --axis "{scope.drawn}={{count: 10}}"'
+    return f'{few}; ten {_repetition(scope)}s are enough: --axis "{scope.drawn}={{count: 10}}"'
 
 
 def segments_text(scope: Scope, shortage: Shortage) -> str:

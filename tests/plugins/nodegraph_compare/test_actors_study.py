@@ -154,7 +154,7 @@ def test_a_block_in_which_every_method_fails_is_named(
     assert run("fallback: plain", broken="true") == 0
     text = capsys.readouterr().out
     assert "without suspect gaps" in text
-    assert "(actor 0, trial 0, gap 7, marker chin: every method fails)" in text
+    assert "(actor 0, trial 0, gap 7, marker chin: every method errs much)" in text
 
 
 @pytest.mark.parametrize(

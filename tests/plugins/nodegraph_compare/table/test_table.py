@@ -173,7 +173,7 @@ def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
         holds = "One recording: holds for further gaps in it, not for others."
         assert (holds in scope) == (count > 2)
     assert (
-        '; ten are enough: --axis "trial={count: 10}"'
+        '; ten trials are enough: --axis "trial={count: 10}"'
         in words(table_of(replace(trials(2), sources=()), within=("length",)).table)[0]
     )
 
@@ -463,7 +463,7 @@ def test_a_block_in_which_every_method_fails_is_suspect_in_measured_data_alone()
     def notes(of: Across[Any]) -> str:
         return " ".join(info_of(table(of, blocks=("gap",), clusters=("actor",)).table).notes)
 
-    assert "(actor 7, gap 79: every method fails)" in notes(across)
+    assert "(actor 7, gap 79: every method errs much)" in notes(across)
     assert "suspect" not in notes(replace(across, synthetic=True))
 
 
