@@ -161,7 +161,7 @@ def test_blocks_of_several_clusters_are_never_averaged() -> None:
 def test_repetitions_on_one_recording_stand_for_further_ones_of_it() -> None:
     """A number is the mean over all blocks; three repetitions have a verdict on further ones."""
     for count, begins in (
-        (2, "Lowest mean rmse in all"),
+        (2, "Lowest mean rmse in both"),
         (3, "near and twin"),
         (9, "near and twin"),
     ):
