@@ -260,10 +260,10 @@ def folded(picture: Picture) -> Picture:
     """Return a picture of few boxes, as it takes to follow a study.
 
     One box lists all those that only show something: boxes of the report that no other box reads,
-    if there are two. Those that were made from the same last output share a port. A graph that is
-    used as a node is one box, and so are linked boxes that none of the report's answers reads; a
-    box that makes one alternative is its row.
-    Alternatives that several boxes have are listed at the first.
+    if they are several or have a title; those made from the same last output share a port. A graph
+    that is used as a node is one box, and so are linked boxes that none of the report's answers
+    reads; a box that makes one alternative is its row. Alternatives that several boxes have are
+    listed at the first.
     """
     picture = _together(picture, _graphs_of(picture))
     picture = _together(picture, _rows_of(picture))
@@ -275,7 +275,7 @@ def folded(picture: Picture) -> Picture:
         if arrow.source in shown and arrow.target not in shown
     }:
         shown = {name: box for name, box in shown.items() if name not in read}
-    if len(shown) < 2:
+    if len(shown) < 2 and not any(box.title for box in shown.values()):
         return picture
     name = "report"
     while any(box.name == name for box in picture.boxes if box.name not in shown):

@@ -129,6 +129,10 @@ def test_the_report_lists_titles_in_place_of_names_and_methods() -> None:
     ((socket,),) = (box.inputs for box in folded(Picture("", boxes, arrows)).boxes[1:])
     dot = " \N{MIDDLE DOT} "
     assert socket.items == ("How far?", f"near{dot}compare.table")
+    (card,) = folded(Picture("", boxes[:2], arrows[:1])).boxes[1:]
+    assert card.inputs == (Socket("far", items=("How far?",)),)
+    alone = Picture("", (boxes[0], boxes[2]), arrows[1:])
+    assert folded(alone) == alone
 
 
 def test_linked_boxes_that_no_answer_is_made_from_are_one() -> None:
