@@ -371,7 +371,7 @@ def _settings(method: Method, kept: Mapping[str, Collection[Label]]) -> dict[str
         values = [each[name] for each in method.settings.values.values()]
         value = next((each for each in values if each is not None), None)
         if len(texts) == 1:
-            found[name] = f"{texts[0]}{unit * (value is not None)}"
+            found[name] = f"{texts[0]}{unit * isinstance(value, int | float)}"
         elif isinstance(value, (int, float, str, Path)):
             along = [*zip(*shown, strict=True)]  # for each axis, its label at each value
             if any(all(map(contains, shown.values(), map(str, each))) for each in along):
