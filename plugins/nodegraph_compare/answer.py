@@ -6,6 +6,7 @@ It is made once, of verdicts; whatever shows an answer draws it from this.
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -69,32 +70,24 @@ _ALIKE = "not clearly different"
 _MANY_TIMES = 2.0
 
 
-def answer_of(verdicts: Verdicts, *, is_mean: bool) -> Answer:
-    """Return the answer of verdicts.
-
-    Parameters
-    ----------
-    verdicts
-        On all groups.
-    is_mean
-        Whether a method has more than one row in a group.
-    """
+def answer_of(verdicts: Verdicts) -> Answer:
+    """Return the answer of verdicts on all groups."""
     named = with_units(verdicts)
     findings = tuple(
         _finding(verdicts, group, shown)
         for group, shown in zip(verdicts.groups, named.groups, strict=True)
     )
     if is_described(named):
-        answer = described(named, is_mean=is_mean)
+        answer = described(named)
         scope = joined(" ", [scope_words(named), _LINES * any(each.low for each in findings)])
         return Answer(answer.sentence, scope, answer.cards, findings=findings)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
-    sentence, scope = _sentence(named), scope_words(named)
     overall = None if verdicts.overall is None else _finding(verdicts, verdicts.overall)
+    answer = Answer(_sentence(named), scope_words(named), cards, (), findings, overall)
     if verdicts.for_all is None:
-        return Answer(sentence, scope, cards, findings=findings, overall=overall)
-    take, why = str(verdicts.methods[verdicts.for_all]), _why(named, verdicts.for_all)
-    return Answer(sentence, scope, cards, findings=findings, overall=overall, take=take, why=why)
+        return answer
+    take = str(verdicts.methods[verdicts.for_all])
+    return replace(answer, take=take, why=_why(named, verdicts.for_all))
 
 
 def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -> Finding:
@@ -282,17 +275,11 @@ def _throughout(verdicts: Verdicts, told: Sequence[Verdict], leaders: Sequence[i
 
 def _all_behind(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     """Return that all methods but the best are behind, and how far the nearest of them is."""
-    far = [_means(group, place) for group in told for place in group.behind]
-    unit = verdicts.metric.unit
-    if verdicts.ratio and unit != SHARE and all(mean > 0 for _, mean in far):
-        pair = min(far, key=lambda means: abs(means[0] / means[1] - 1.0))
-        nearest = percent_apart(*pair, unit)
-    else:
-        pair = min(far, key=lambda means: abs(means[0] - means[1]))
-        nearest = apart_text(pair, unit)
+    far = [(group, place) for group in told for place in group.behind]
+    nearest = _apart(verdicts, *min(far, key=lambda each: each[0].distance(each[1])))
     others = "the other" if all(len(group.behind) == 1 for group in told) else "every other"
     more = " or more" * (len(far) > 1)
-    return say(f"{others} is clearly behind, by {HERE}{more}", Word(nearest, "number"))
+    return say(f"{others} is clearly behind, by {HERE}{more}", nearest)
 
 
 def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
@@ -416,7 +403,7 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
 def _why(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
-    worst = say(f"at most {HERE} in any", _at_worst(verdicts, take))
+    worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take), take))
     if all(take in group.best for group in groups):
         worst = ("best in each",)
     if of_all is not None and take == verdicts.best_over_all:
@@ -430,7 +417,7 @@ def _why(verdicts: Verdicts, take: int) -> Text:
         first = f"clearly behind in {counts[0]} of {len(groups)} groups{fewest}"
         rest = [place for place in verdicts.least_behind if place != take][:1]
         claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
-        far = [_at_worst(verdicts, place) for place in rest]
+        far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
     after = [
         say(f"next, {HERE} {claim} {HERE}", name, size)
         for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
@@ -439,24 +426,19 @@ def _why(verdicts: Verdicts, take: int) -> Text:
     return say(f"Why {HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
 
 
-def _at_worst(verdicts: Verdicts, place: int) -> Text:
-    """Return how far a method is from the best of a group at most."""
-    return _far(verdicts, max(verdicts.groups, key=lambda group: group.distance(place)), place)
-
-
 def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best of a group: ``12 % behind``."""
-    means, unit, distance = _means(group, place), verdicts.metric.unit, group.distance(place)
-    if not verdicts.ratio:
-        return (Word(apart_text(means, unit), "number"), " behind")
-    if distance >= _MANY_TIMES and verdicts.metric.better != "higher":
-        return (Word(f"{distance:.1f} times", "number"), " the best")
-    return (Word(percent_apart(*means, unit), "number"), " behind")
+    times = group.distance(place)
+    if verdicts.ratio and times >= _MANY_TIMES and verdicts.metric.better != "higher":
+        return (Word(f"{times:.1f} times", "number"), " the best")
+    return (_apart(verdicts, group, place), " behind")
 
 
-def _means(group: Verdict, place: int) -> tuple[float, float]:
-    """Return the mean of a method, and that of the best."""
-    return float(group.mean[place]), float(group.mean[group.best[0]])
+def _apart(verdicts: Verdicts, group: Verdict, place: int) -> Word:
+    """Return how far the means of a method and of the best are apart, in percent of ratios."""
+    unit, means = verdicts.metric.unit, (float(group.mean[place]), float(group.mean[group.best[0]]))
+    is_ratio = verdicts.ratio and unit != SHARE
+    return Word(percent_apart(*means, unit) if is_ratio else apart_text(means, unit), "number")
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:
@@ -661,7 +643,8 @@ def _held(verdicts: Verdicts) -> str:
             whom += "; untested on people"
         return f"{units_text(scope)}{f' ({sizes})' if sizes else ''}: {what} {whom}."
     count = "one" if scope.clusters == 1 else str(scope.clusters)
-    kind = f"{'synthetic ' * recordings.synthetic}{recordings.kind}"
+    kind = "recording" if recordings.seconds or not recordings.markers else "frame"
+    kind = f"{'synthetic ' * recordings.synthetic}{kind}"
     of = f"{count} {kind}{'s' * (scope.clusters != 1)}"
     if recordings.actors and scope.clusters > 1:
         of += " of one actor" if recordings.actors == 1 else f" of {recordings.actors} actors"

@@ -15,12 +15,10 @@ from nodegraph_tables.answer import (
     listing,
     say,
 )
-from nodegraph_tables.numbers import number_text, shares_text, span_text, without_rounding
+from nodegraph_tables.numbers import ends_text, number_text, without_rounding
 from nodegraph_tables.style import unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from nodegraph_compare.verdict import Verdict, Verdicts
 
 _MOST_GROUPS = 4
@@ -33,19 +31,11 @@ def is_described(verdicts: Verdicts) -> bool:
     return verdicts.metric.better == "none" and few and several
 
 
-def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
-    """Return the answer of a few groups of a few labels.
-
-    Parameters
-    ----------
-    verdicts
-        On each group.
-    is_mean
-        Whether a label has more than one row.
-    """
+def described(verdicts: Verdicts) -> Answer:
+    """Return the answer of a few groups of a few labels."""
     groups, unit = verdicts.groups, verdicts.metric.unit
     labels = [str(label) for label in verdicts.methods]
-    name = verdicts.metric.name
+    name, is_mean = verdicts.metric.name, any(group.of_blocks > 1 for group in groups)
     metric = f"Mean {name}" if is_mean else name.capitalize()
     if len(groups) == 1:
         return _of_one(verdicts, groups[0], metric)
@@ -56,9 +46,9 @@ def described(verdicts: Verdicts, *, is_mean: bool) -> Answer:
     sentence = say(
         f"{metric} in {len(groups)} groups ({', '.join(verdicts.within)}) is {HERE} for {HERE}, "
         f"and {HERE} for {others}.",
-        Word(_span(spans[most], unit), "number"),
+        Word(ends_text(spans[most], unit), "number"),
         Word(labels[most], "method"),
-        Word(_span(rest, unit), "number"),
+        Word(ends_text(rest, unit), "number"),
     )
     return Answer(sentence, cards=cards_of(verdicts))
 
@@ -69,7 +59,7 @@ def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
     labels = [str(verdicts.methods[place]) for place in known]
     values = without_rounding([float(group.mean[place]) for place in known])
     is_share = unit == "share"
-    texts = [_span([each], unit) if is_share else number_text(each) for each in values]
+    texts = [ends_text([each], unit) if is_share else number_text(each) for each in values]
     in_unit = f" in {unit_text(unit)}" if unit and not is_share else ""
     steps = np.sign(np.diff(values))
     verb = " falls from " if (steps < 0).all() else " rises from " if (steps > 0).all() else ": "
@@ -81,8 +71,3 @@ def _of_one(verdicts: Verdicts, group: Verdict, metric: str) -> Answer:
     to = ", " if verb == ": " else " to "
     sentence = say(f"{metric}{in_unit}{verb}{HERE}{to}{HERE}.", items[0], listing(items[1:]))
     return Answer(sentence, cards=cards_of(verdicts))
-
-
-def _span(values: Sequence[float], unit: str) -> str:
-    ends = [min(values), max(values)]
-    return shares_text(ends) if unit == "share" else span_text(ends, unit)

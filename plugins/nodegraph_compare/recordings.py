@@ -51,11 +51,6 @@ class Recordings(Value):
         return self.rates[0] if len(self.rates) == 1 else 0.0
 
     @property
-    def kind(self) -> str:
-        """What one of them is called."""
-        return "frame" if self.markers and not self.seconds else "recording"
-
-    @property
     def sizes(self) -> str:
         """Length, markers and rate: ``8 s, 60 markers, 60 Hz``."""
         spans = ((self.seconds, "s"), (self.markers, "markers"), (self.rates, "Hz"))

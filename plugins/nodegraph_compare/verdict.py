@@ -528,15 +528,16 @@ class Verdicts(Value):
         Of as many groups, the least far behind at its worst is first.
         """
         known = set.intersection(*({*group.known} for group in self.groups))
-        return sorted(known, key=lambda each: (self.behind_in(each), self.worst_of(each), each))
+        far = {place: self.worst_of(place).distance(place) for place in known}
+        return sorted(known, key=lambda each: (self.behind_in(each), far[each], each))
 
     def behind_in(self, place: int) -> int:
         """Return in how many groups a method is clearly behind."""
         return sum(place in group.behind for group in self.groups)
 
-    def worst_of(self, place: int) -> float:
-        """Return how far a method is from the best of a group at most; see `Verdict.distance`."""
-        return max(group.distance(place) for group in self.groups)
+    def worst_of(self, place: int) -> Verdict:
+        """Return the group in which a method is farthest from the best."""
+        return max(self.groups, key=lambda group: group.distance(place))
 
     @property
     def every(self) -> tuple[Verdict, ...]:

@@ -22,9 +22,9 @@ from nodegraph_tables.numbers import (
     MINUS,
     SMALLEST,
     difference_text,
+    ends_text,
     number_text,
     shares_text,
-    span_text,
     without_rounding,
 )
 from nodegraph_tables.style import SHARE, scale_of, unit_text
@@ -673,7 +673,7 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
     ]
     if not numbers:
         raise NodegraphError(f"{part.text}: no method comes first")
-    return _ends_text(numbers, unit)
+    return ends_text(numbers, unit)
 
 
 def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -701,7 +701,7 @@ def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:
     else:
         name = part.label or next(iter(finding.first), "the best")
         ends = (_known(finding.low, name, part), _known(finding.high, name, part))
-    return f"95 %: {_ends_text(ends, SHARE if finding.unit == SHARE else '')}"
+    return f"95 %: {ends_text(ends, SHARE if finding.unit == SHARE else '')}"
 
 
 def _count_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -741,13 +741,6 @@ def _known(numbers: Mapping[str, _T], name: str, part: Placeholder) -> _T:
     if name not in numbers:
         raise NodegraphError(f"{part.text}: {name} has no {part.name} there")
     return numbers[name]
-
-
-def _ends_text(numbers: Iterable[float], unit: str) -> str:
-    """Return the least and the largest of numbers."""
-    ends = sorted({*numbers})
-    ends = [ends[0], ends[-1]]
-    return shares_text(ends) if unit == SHARE else span_text(ends, unit)
 
 
 _CLAIMS = ("best", "tied", "behind", "better", "worse")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from nodegraph_tables.style import SHARE, SMALLEST_CHANCE, scale_of, unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 MINUS = "\N{MINUS SIGN}"
 SPACE = "\N{NO-BREAK SPACE}"
@@ -138,6 +138,13 @@ def shares_text(shares: Sequence[float]) -> str:
     """Return shares from first to last in few digits: ``0 to 0.3 %``."""
     first, *rest = dict.fromkeys(map(percent, shares))
     return " to ".join([first.removesuffix(f"{SPACE}%") if rest else first, *rest])
+
+
+def ends_text(values: Iterable[float], unit: str = "") -> str:
+    """Return the least and the largest of numbers, shares in few digits."""
+    ends = sorted({*values})
+    ends = [ends[0], ends[-1]]
+    return shares_text(ends) if unit == SHARE else span_text(ends, unit)
 
 
 def _digits(value: float) -> str:

@@ -239,7 +239,7 @@ def _card(curves: Curves) -> Card:
         title=(f"{axes.metric} over {axes.x}",),
         headline=(f"{_between([of_all] if of_all else marked or lowest)} {axes.x}",),
         value=(
-            f"enough for {_every(len(drawn))}{_too_few(curves, of_all)}"
+            f"enough for {_every(len(drawn))}"
             if of_all
             else " or ".join(_KINDS[kind] for kind in kinds) or "lowest",
         ),
@@ -249,11 +249,6 @@ def _card(curves: Curves) -> Card:
             *rest,
         ),
     )
-
-
-def _too_few(curves: Curves, of_all: float) -> str:
-    fewer = _next_fewer(curves, of_all)
-    return "" if fewer is None else f"; {fewer:g}, the next fewer tried, are not"
 
 
 def _lowest(points: Points) -> int:

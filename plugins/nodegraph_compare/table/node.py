@@ -268,8 +268,7 @@ def table(
         for axis, text in unused_axes(scores, question.compare).items()
         if axis not in (*question.within, *question.compared)
     ]
-    is_mean = any(len(group.rows) > len(group.methods) for group in gathered)
-    answer = answer_of(verdicts, is_mean=is_mean)
+    answer = answer_of(verdicts)
     # the cards of a comparison with a better end are those of its overview
     of_table = answer if is_described(verdicts) else answer.in_words
     info = replace(

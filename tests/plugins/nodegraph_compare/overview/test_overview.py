@@ -405,7 +405,7 @@ def test_what_leads_some_groups_only_is_not_called_best_throughout() -> None:
     first, *rest = verdicts.groups
     few = replace(first, scope=replace(first.scope, count=0))
     some = replace(verdicts, groups=(few, *rest), overall=None)
-    text = text_of(html_of(answer_of(some, is_mean=True).sentence))
+    text = text_of(html_of(answer_of(some).sentence))
     assert f"plain is best in {len(rest)} of {len(rest) + 1} groups" in text
     assert "throughout" not in text
 
