@@ -28,7 +28,7 @@ ONE = (
         "--only",
         "recording=face_1",
         "--only",
-        "condition=no_noise_added",
+        "condition=own_noise",
         "--only",
         "terms=ends_met",
     ),

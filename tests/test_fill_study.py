@@ -89,7 +89,7 @@ def test_the_report_holds_the_table_and_fetches_nothing(built_in: Path) -> None:
 def test_real_recordings_end_with_a_table(studies: Studies) -> None:
     names = ("animface/cheeks.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d")
     takes = ",".join(str(DATA / name) for name in names)
-    only = ("--only", "length=15", "--only", "terms=ends_met", "--only", "condition=no_noise_added")
+    only = ("--only", "length=15", "--only", "terms=ends_met", "--only", "condition=own_noise")
     fills = ("--only", f"fill={','.join(FILLS)},ridge")
     folder = studies.run("fill", "--axis", f"recording={takes}", *only, *fills)
     assert {fill for fill, _ in errors_of(folder)} >= FILLS
@@ -103,7 +103,7 @@ def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
         only={
             "fill": ["muscle", "linear"],
             "terms": ["as_published"],
-            "condition": ["no_noise_added"],
+            "condition": ["own_noise"],
         },
         until=["error"],
     )
@@ -126,7 +126,7 @@ def test_on_real_optics_curves_win_short_gaps_and_the_whole_take_long_ones(
         "--only",
         "terms=ends_met",
         "--only",
-        "condition=no_noise_added",
+        "condition=own_noise",
     )
     errors = errors_of(studies.run("fill", *JAW, *only, "--until", "table"))
     alone = [cell for cell in errors if cell[0] not in {"gaussian_process", "kriging"}]

@@ -110,7 +110,7 @@ def test_an_edited_constant_of_a_method_is_located(
     lines = output[output.index("diverged: ") :].splitlines()
     assert status == 1
     assert lines[0].startswith("diverged: fill.lock: ")
-    condition = "condition=no_noise_added, length=45, terms=ends_met"
+    condition = "condition=own_noise, length=45, terms=ends_met"
     at = f"recording=face_1, trial=0, {condition}, fill=muscle"
     assert lines[1].startswith("    the code of 1 of ")
     assert lines[3].endswith(f" fill({at})")

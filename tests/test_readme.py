@@ -52,7 +52,7 @@ def test_the_added_method_joins_the_comparison(tmp_path: Path) -> None:
         plugins=[tmp_path / "my_fill.py"],
         only={
             "recording": ["face_1"],
-            "condition": ["no_noise_added"],
+            "condition": ["own_noise"],
             "length": [5],
             "terms": ["ends_met"],
             "fill": ["first", "linear"],

@@ -132,7 +132,7 @@ def _of_recording(draws: Sequence[DataFrame]) -> tuple[Numbers, Numbers] | None:
 
 def studies() -> bool:
     """Print what two disjoint sets of faces say of the fills; return whether they contradict."""
-    only = {"condition": "no_noise_added", "terms": "ends_met"}
+    only = {"condition": "own_noise", "terms": "ends_met"}
     with tempfile.TemporaryDirectory() as folder:
         faces = {f"made_{seed}": str(_saved(seed, Path(folder))) for seed in ACTORS}
         tables = [
