@@ -140,16 +140,7 @@ class Trajectories(Value):
             The origin of the written samples.
         sigma
             (T, M) millimetres, or None to keep what the recording has.
-
-        Raises
-        ------
-        ValueError
-            If the written samples are filled and a measured one has another position: whatever
-            changes that repairs it.
         """
-        if origin == Origin.FILLED:
-            other = changed | (positions != self.positions).any(axis=2)
-            _check_untouched(other & self.measured, self.markers)
         marked = np.where(changed, np.uint8(origin), self.origin)
         marked[np.isnan(positions[..., 0])] = Origin.MISSING
         deviation = self.sigma if sigma is None else sigma
@@ -262,17 +253,6 @@ def _broken(positions: NDArray[np.float64], markers: tuple[str, ...]) -> ValueEr
         f"frame {frame}, marker {markers[marker]!r}: {positions[frame, marker]} is neither a "
         f"position nor wholly missing ({np.count_nonzero(bad)} such samples)"
     )
-
-
-def _check_untouched(touched: NDArray[np.bool_], markers: Sequence[str]) -> None:
-    if touched.any():
-        count = int(touched.sum())
-        frame, marker = (int(place[0]) for place in touched.nonzero())
-        raise ValueError(
-            f"a fill changes {count} measured sample{'s' * (count != 1)}, the first in frame "
-            f"{frame} of {markers[marker]!r}: write where ~recording.measured only; what changes "
-            "measured samples marks them with Origin.REPAIRED"
-        )
 
 
 def _check_origin(origin: NDArray[np.integer], missing: NDArray[np.bool_]) -> None:

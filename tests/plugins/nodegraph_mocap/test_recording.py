@@ -65,32 +65,17 @@ def test_written_samples_get_their_origin_and_others_keep_theirs() -> None:
     positions[3, 1] = NAN
     changed = np.zeros((4, 2), dtype=np.bool_)
     changed[1, 0] = changed[3, 1] = True
-    repaired = recording.with_samples(positions, changed=changed, origin=Origin.REPAIRED)
-    assert repaired.origin.tolist() == [[1, 1], [3, 1], [1, 1], [1, 0]]
-    assert repaired.positions[1, 0].tolist() == [5, 5, 5]
-    assert repaired.sigma is not None
-    assert np.isnan(repaired.sigma).tolist() == changed.tolist()
+    filled = recording.with_samples(positions, changed=changed, origin=Origin.FILLED)
+    assert filled.origin.tolist() == [[1, 1], [2, 1], [1, 1], [1, 0]]
+    assert filled.positions[1, 0].tolist() == [5, 5, 5]
+    assert filled.sigma is not None
+    assert np.isnan(filled.sigma).tolist() == changed.tolist()
     assert recording.origin[1, 0] == Origin.MISSING
     known = recording.with_samples(
         positions, changed=changed, origin=Origin.REPAIRED, sigma=np.ones((4, 2))
     )
     assert known.sigma is not None
     assert np.nansum(known.sigma) == 7
-
-
-def test_what_is_filled_was_missing() -> None:
-    recording = recording_of()
-    missing = ~recording.present
-    positions = np.where(missing[..., None], 5.0, recording.positions)
-    filled = recording.with_samples(positions, changed=missing, origin=Origin.FILLED)
-    again = filled.with_samples(positions, changed=missing, origin=Origin.FILLED)
-    assert again.origin.tolist() == filled.origin.tolist() == [[1, 1], [2, 1], [1, 1], [1, 1]]
-    for count, moved, marked in ((7, 1.0, False), (1, 0.0, True)):
-        with pytest.raises(ValueError, match=rf"{count} measured sample.*frame 0 of 'a'"):
-            recording.with_samples(
-                positions + moved, changed=missing | (marked & (np.arange(8) == 0).reshape(4, 2)),
-                origin=Origin.FILLED,
-            )  # fmt: skip
 
 
 def test_kept_markers_come_with_all_that_is_theirs() -> None:
