@@ -320,7 +320,7 @@ def test_samples_are_marked_by_hand_and_applied_in_a_run(
         )
         mark("lip_right", (2, 5), "Swap", "nonsense")
         assert "there is no marker nonsense" in status.inner_text()
-        assert marks.get_by_text("lip_right, frames 2 to 5", exact=True).is_visible()
+        marks.get_by_text("lip_right, frames 2 to 5", exact=True).wait_for()
         marks.get_by_label("Other marker").fill("lip_left")
         marks.get_by_role("button", name="Swap", exact=True).press("Enter")
         marks.get_by_text("lip_right, frame 5", exact=True).wait_for()
