@@ -18,8 +18,8 @@ GRAPH = ROOT / "graphs" / "live.yaml"
 FILLS = ("muscle", "guenter", "lin_ouhyoung", "linear")
 WAIT = {"linear": 15}
 """Frames until the end of a gap."""
-STREAM = {"trial": [0], "wait": ["15_frames"]}
-ONLY = [text for axis, (label,) in STREAM.items() for text in ("--only", f"{axis}={label}")]
+STREAM: dict[str, int | str] = {"trial": 0, "wait": "15_frames"}
+ONLY = [text for axis, label in STREAM.items() for text in ("--only", f"{axis}={label}")]
 
 
 def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -> None:
