@@ -152,7 +152,8 @@ class NodeReader:
             self._problems.add(item.place, message, "give one of the two")
         if alternatives is not None:
             return self._alternatives(name, alternatives)
-        if use is None or not self._is_word(use, "'use' names a node", "write alternatives: [...]"):
+        of_list = "write alternatives: [...]" if use and isinstance(use.value, list) else ""
+        if use is None or not self._is_word(use, "'use' names a node", of_list):
             return ()
         if use.value.endswith(".*"):
             message = f"{quoted(use.value)} stands only among alternatives"
@@ -183,9 +184,7 @@ class NodeReader:
         return tuple(methods)
 
     def _listed(self, item: Located) -> MethodSpec | None:
-        if not isinstance(item.value, str) or not item.value:
-            message = f"a listed alternative is a node's name, not {quoted(item.plain())}"
-            self._problems.add(item.place, message, ALTERNATIVES_HINT)
+        if not self._is_word(item, "a listed alternative is a node's name", ALTERNATIVES_HINT):
             return None
         return MethodSpec(label_of(item.value), item.value, item.place)
 
@@ -286,10 +285,9 @@ class NodeReader:
                 self._problems.add(item.keys[key], message, instead)
         return True
 
-    def _is_word(self, item: Located, message: str, of_list: str = "") -> bool:
+    def _is_word(self, item: Located, message: str, hint: str = "") -> bool:
         if isinstance(item.value, str) and item.value:
             return True
-        hint = of_list if isinstance(item.value, list) else ""
         self._problems.add(item.place, f"{message}, not {quoted(item.plain())}", hint)
         return False
 
