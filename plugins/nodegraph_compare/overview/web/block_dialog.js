@@ -49,14 +49,12 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
       this.detail = detail;
       this.place = element("div", { class: "block" });
       this.dialog = element("dialog", { class: "block-dialog", "aria-labelledby": `block-title-${view.overview.json.node}` }, this.place);
-      this.from = null;
       this.member = this.first;
       document.body.append(this.dialog);
       this.dialog.addEventListener("close", () => {
         if (view.block !== null) view.set({ block: null });
         this.key = null;
         this.place.replaceChildren();
-        if (this.from?.isConnected) this.from.focus();
       });
       this.dialog.addEventListener("click", (event) => {
         if (event.target === this.dialog) this.dialog.close();
@@ -115,10 +113,7 @@ nodegraph.define("compare/block_dialog", ["page", "selection", "compare/chart"],
         if (dialog.open) dialog.close();
         return;
       }
-      if (!dialog.open) {
-        this.from = document.activeElement;
-        dialog.showModal();
-      }
+      if (!dialog.open) dialog.showModal(); // which gives focus back to where it was
       this.render(block);
     }
 

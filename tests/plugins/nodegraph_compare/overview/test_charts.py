@@ -384,6 +384,22 @@ def test_a_number_of_the_table_and_a_place_open_the_worst_block(tab: Page, baker
     is_worst("rich", 220, [1, 7])
 
 
+def test_focus_that_moves_on_when_a_block_closes_stays(tab: Page, bakery: Path) -> None:
+    load(tab, bakery, width=1280)
+    tab.click(".heat tr[data-method=vegan] td button >> nth=0")
+    stays = tab.evaluate("""async () => {
+      const dialog = document.querySelector("dialog[open]");
+      const disc = document.querySelector("circle[data-marker=L1]");
+      const closed = new Promise((resolve) => dialog.addEventListener("close", resolve));
+      dialog.close();
+      const back = document.activeElement.closest("tr").dataset.method;
+      disc.focus();
+      await closed;
+      return [back, document.activeElement === disc];
+    }""")
+    assert stays == ["vegan", True]
+
+
 def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> None:
     load(tab, bakery, width=1280)
     tab.click(".suggestion.suspect")
