@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from html import escape
-from itertools import product
+from itertools import chain, islice, product, repeat
 from textwrap import wrap
 from typing import NamedTuple
 
@@ -71,11 +71,12 @@ _STATE = 60.0
 """Room for how far the combinations of an alternative are, at the end of its row."""
 _LONGEST_IN_ROW = 40
 _LONGEST_BESIDE_LABEL = 49
-_MOST_ROWS = 12
-_WIDEST_ROW = 196.0
+_MOST_ROWS = 10
+_WIDEST_ROWS = 600.0
 _NARROWEST = 84.0
 _LONGEST_NOTE = 28
-_LONGEST_SETTINGS = 22
+_LEAST_LINE = 155.0
+"""Width of settings, and of what a box does, where nothing else makes the box wider."""
 _LONGEST_AXIS = 34
 _LONGEST_VALUE = 18
 _LINE = 14.0
@@ -85,12 +86,13 @@ _LONGEST_AT_PORT = 26
 _LONGEST_BESIDE = 32
 _HEIGHT = 3.0
 """Widths that a height is worth, where notes stand beside ports or below them."""
-_LONGEST_ITEM = 26
+_NARROWEST_COLUMN = 200.0
+_BETWEEN_COLUMNS = 20.0
+_BETWEEN_GROUPS = 8.0
 _INDENT = 10.0
-_BETWEEN_ITEMS = 4.0
 _BETWEEN_SIDES = 18.0
-_SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "chip": 11.0}
-_LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0}
+_SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "does": 11.5, "chip": 11.0}
+_LEADING = {"port": 16.0, "note": 13.5, "line": 16.0, "does": 14.5}
 
 
 Notes = tuple[tuple[str, str], ...]
@@ -185,14 +187,12 @@ def shape(
     states
         Whether rows of alternatives have room for their states in a run.
     """
-    heading = [("name", label), *(("line", line) for line in _heading(box))]
     common = _common(fixed)
-    heading += [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
     into = [
         (
             socket,
             [
-                socket.gathers,
+                f"all {socket.gathers}" if socket.gathers else "",
                 f"from {', '.join(names)}" if (names := _of(socket, sources)) else "",
                 *(_at(text, common) for text in _of(socket, fixed)),
             ],
@@ -203,43 +203,53 @@ def shape(
         (socket, [f"to {', '.join(names)}"] if (names := _of(socket, readers)) else [])
         for socket in box.outputs
     ]
-    alternatives = box.alternatives
-    in_column = len(alternatives)
-    if in_column > _MOST_ROWS:  # arrows reach only the rows on the left
-        alternatives = tuple(sorted(alternatives, key=lambda each: not each.source))
-        in_column = max(-(-in_column // 2), sum(bool(each.source) for each in alternatives))
-    rows = [_row(each, states=states) for each in alternatives]
-    columns = [rows[at : at + in_column] for at in range(0, len(rows), max(in_column, 1))]
+    alternatives, columns = _columns(box.alternatives, states=states)
     widths = [max(wide for _, wide, _ in column) for column in columns]
+    axes = [_axis(axis) for axis in box.axes]
     least = max(
-        _NARROWEST, *(_wide(*line) for line in heading), sum(widths) + _CHIP_GAP * (len(widths) - 1)
+        _NARROWEST,
+        _wide("name", label),
+        sum(widths) + _CHIP_GAP * (len(widths) - 1),
+        *(wide for _, wide, _ in axes),
     )
     inner, inputs, outputs = _sides(into, out, least)
-    texts: list[Text] = []
-    y = 4.0
-    for style, text in heading:
+    notes = [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
+    lines = [*_told(box, max(inner, _LEAST_LINE))]
+    inner = max([inner, *(_wide(*line) for line in (*notes, *lines))])
+    hint = clean(label) if shortened(label) != clean(label) else ""
+    texts = [Text("name", shortened(label), INSET, 20.0, hint)]
+    top = 23.0
+    for x, side in ((INSET, inputs), (INSET + inner, outputs)):
+        texts += [replace(line, x=x + line.x, y=top + line.y) for line in side.lines]
+    ins, outs = (
+        {name: top + height for name, height in side.heights.items()} for side in (inputs, outputs)
+    )
+    y = top + max(inputs.height, outputs.height)
+    for _, line in notes:
+        y += _LEADING["note"]
+        texts.append(Text("note", line, INSET, y - 3.0))
+    rule = y + 6.0
+    high = max([0.0, *(sum(high + _ROW_GAP for *_, high in column) for column in columns)])
+    lead = sum([_LEADING[style] for style, _ in lines]) + 3.0
+    stand_in = bool(columns) and all(each.source for each in alternatives)
+    first_row = rule + _CHIP_GAP + (lead if lines and not stand_in else 0.0)
+    y = rule + 3.0 + (high + _ROW_GAP if stand_in else 0.0)
+    for style, text in lines:
         y += _LEADING[style]
         hint = clean(text) if shortened(text) != clean(text) else ""
         texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
+    y = max(rule, y * bool(lines), (first_row + high - _ROW_GAP) * bool(columns))
     chips: list[Chip] = []
-    first_row = y + _CHIP_GAP
-    if rows:
-        y = first_row - _ROW_GAP
-        y += max(sum(high + _ROW_GAP for *_, high in column) for column in columns)
-    limit = max(inner, _WIDEST_ROW)
-    x, top = limit + 1.0, y
-    for axis in box.axes:
-        parts, wide, lines = _axis(axis)
-        high = CHIP_HEIGHT + (lines - 1) * _LINE
-        if x + wide > limit or lines > 1:
+    x, top = inner + 1.0, y
+    for axis, (parts, wide, count) in zip(box.axes, axes, strict=True):
+        high = CHIP_HEIGHT + (count - 1) * _LINE
+        if x + wide > inner or count > 1:
             x, top = 0.0, y + _CHIP_GAP
         chips.append(Chip("axis", parts, INSET + x, top, wide, high, str(axis)))
         x += wide + _CHIP_GAP
         y = max(y, top + high)
-    inner = max([inner, *(chip.x + chip.width - INSET for chip in chips)])
     free = inner - sum(widths) - _CHIP_GAP * (len(widths) - 1)
     each_row = iter(alternatives)
-    rows_in = dict[str, float]()
     left = INSET
     for column, narrowest in zip(columns, widths, strict=True):
         wide = narrowest + free / len(widths)
@@ -247,21 +257,87 @@ def shape(
         for parts, _, high in column:
             each = next(each_row)
             if each.source:
-                rows_in[row_port(each)] = top + CHIP_HEIGHT / 2
+                ins[row_port(each)] = top + CHIP_HEIGHT / 2
             chips.append(Chip("alternative", parts, left, top, wide, high, str(each), each.label))
             top += high + _ROW_GAP
         left += wide + _CHIP_GAP
-    rule = y + 7.0
-    for x, side in ((INSET, inputs), (INSET + inner, outputs)):
-        texts += [replace(line, x=x + line.x, y=rule + line.y) for line in side.lines]
-    places = (
-        {name: rule + height for name, height in side.heights.items()} for side in (inputs, outputs)
-    )
-    high = rule + max(inputs.height, outputs.height) + 6.0
-    ins, outs = places
-    return Shape(
-        box, inner + 2 * INSET, high, tuple(texts), tuple(chips), rule, ins | rows_in, outs
-    )
+    high = y + (8.0 if y > rule else 0.0)
+    return Shape(box, inner + 2 * INSET, high, tuple(texts), tuple(chips), rule, ins, outs)
+
+
+_Row = tuple[_Parts, float, float]
+"""The texts of the row of an alternative, and how wide and how high it is."""
+
+
+def _columns(
+    alternatives: Sequence[Alternative], *, states: bool
+) -> tuple[Sequence[Alternative], list[list[_Row]]]:
+    """Return alternatives, and their rows in columns: as many as are wanted and not too wide."""
+    count = -(-len(alternatives) // _MOST_ROWS)
+    if count > 1:  # arrows reach only the rows on the left
+        alternatives = sorted(alternatives, key=lambda each: not each.source)
+    rows = [_row(each, states=states) for each in alternatives]
+    columns = [rows] * bool(rows)
+    for number in range(count, 1, -1):
+        high = max(-(-len(rows) // number), sum(bool(each.source) for each in alternatives))
+        several = [rows[at : at + high] for at in range(0, len(rows), high)]
+        if sum(max(wide for _, wide, _ in column) for column in several) <= _WIDEST_ROWS:
+            columns = several
+            break
+    return alternatives, columns
+
+
+def panel(box: Box, label: str, sources: Notes, wide: float) -> Shape:
+    """Return what the report shows, in columns, below the names of the boxes that it is made from.
+
+    The columns are about as high as each other.
+    """
+    groups = [(_of(socket, sources), socket.items) for socket in box.inputs]
+    groups += [([], box.lines)] if box.lines else []
+    most = max(1, min(len(groups), int(wide / _NARROWEST_COLUMN)))
+    column = (wide - 2 * INSET + _BETWEEN_COLUMNS) / most
+    blocks = [[*_block(names, items, column - _BETWEEN_COLUMNS)] for names, items in groups]
+    heights = [sum(leading for *_, leading in block) + _BETWEEN_GROUPS for block in blocks]
+    limit = max(heights)
+    columns = [1] * len(groups)
+    while len(columns) > most:
+        columns = _packed(heights, limit)
+        limit += _LEADING["port"] * (len(columns) > most)
+    texts = [Text("name", label, INSET, 20.0)]
+    each_block = iter(blocks)
+    for at, count in enumerate(columns):
+        y = 27.0
+        for block in islice(each_block, count):
+            for style, text, indent, leading in block:
+                y += leading
+                texts.append(Text(style, text, INSET + at * column + indent, y - 3.5))
+            y += _BETWEEN_GROUPS
+    return Shape(box, wide, 30.0 + limit, tuple(texts), (), 0.0, {}, {})
+
+
+def _block(
+    names: Sequence[str], items: Iterable[str], wide: float
+) -> Iterator[tuple[str, str, float, float]]:
+    """Yield the lines of what is made from some boxes: style, text, indent, and leading."""
+    for style, text in (
+        ("note", f"from {', '.join(names)}" * bool(names)),
+        *zip(repeat("port"), items),
+    ):
+        for number, line in enumerate(wrap(clean(text), int(wide / _SIZES[style] / 0.6))):
+            apart = 3.0 * (style == "port" and not number)
+            yield style, line, _INDENT * (number > 0), _LEADING[style] + apart
+
+
+def _packed(heights: Iterable[float], limit: float) -> list[int]:
+    """Return how many of the blocks stand in each column, each as high as a limit at most."""
+    counts, left = list[int](), 0.0
+    for height in heights:
+        if height > left:
+            counts.append(0)
+            left = limit
+        counts[-1] += 1
+        left -= height
+    return counts
 
 
 class _Side(NamedTuple):
@@ -297,15 +373,13 @@ def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
     lines, heights = list[Text](), dict[str, float]()
     y = 0.0
     for socket, notes in ports:
-        y += 6.0 if socket.items else 3.0
+        y += 3.0
         heights[socket.name] = y + _LEADING["port"] / 2
         own = [*filter(None, dict.fromkeys(notes))]
         hint = "; ".join([str(socket), *own])
-        most = _LONGEST_BESIDE if socket.items else _LONGEST_AT_PORT
-        below = [line for text in own for line in _wrapped(text, most)]
-        texts = [*_port(socket)] if socket.items or socket.text or not own else []
-        told = [("note", line, 0.0, _LEADING["note"]) for line in below]
-        texts = [*told, *texts] if socket.items else [*texts, *told]
+        below = [line for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
+        texts = [("port", socket.text, 0.0, _LEADING["port"])] if socket.text or not own else []
+        texts += [("note", line, 0.0, _LEADING["note"]) for line in below]
         if socket.text and own and len(f"{socket.text} {own[0]}") <= longest:
             shift = _CHIP_GAP + _wide(*texts[at_end][:2])
             begin, end = (-shift, 0.0) if at_end else (0.0, shift)
@@ -316,14 +390,6 @@ def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
             if text:
                 lines.append(Text(style, shortened(text), x, y - 3.5, hint, at_end))
     return _Side(lines, heights, y)
-
-
-def _port(socket: Socket) -> Iterator[tuple[str, str, float, float]]:
-    """Yield the lines of a port's name: style, text, indent, and how far below the one above."""
-    for at, item in enumerate(socket.items or (socket.text,)):
-        for number, line in enumerate(_wrapped(item, _LONGEST_ITEM) or ("",)):
-            gap = _BETWEEN_ITEMS * (at > 0 and number == 0)
-            yield "port", line, _INDENT * (number > 0), _LEADING["port"] + gap
 
 
 def _wide(style: str, text: str) -> float:
@@ -342,11 +408,8 @@ def _beside(left: Iterable[Text], right: Sequence[Text]) -> float:
     return max([0.0, *widths.values(), *beside])
 
 
-def _row(alternative: Alternative, *, states: bool) -> tuple[_Parts, float, float]:
-    """Return the texts of the row of an alternative, and how wide and how high it is.
-
-    Details that are long stand below the label.
-    """
+def _row(alternative: Alternative, *, states: bool) -> _Row:
+    """Return the row of an alternative; details that are long stand below its label."""
     label = shortened(alternative.label)
     beside = _CHIP_INSET + width(label, _SIZES["chip"]) + _CHIP_GAP
     details = _wrapped(alternative.details, _LONGEST_IN_ROW)
@@ -374,7 +437,7 @@ def _axis(axis: Axis) -> tuple[_Parts, float, int]:
         texts = [shortened(text, _LONGEST_VALUE) if place else text for text in column]
         x += _CHIP_INSET
         parts += [(text, x, _BASELINE + at * _LINE, place == 0) for at, text in enumerate(texts)]
-        x += max(width(text, size, bold=True) for text in texts)
+        x += max(width(text, size, bold=place == 0) for text in texts)
     return tuple(parts), x + _CHIP_INSET, len(table)
 
 
@@ -396,10 +459,12 @@ def _at(text: str, common: Sequence[str] = ()) -> str:
     return own and f"at {own}"
 
 
-def _heading(box: Box) -> Iterator[str]:
-    """Yield the lines below the name of a box: its settings, and what it does, in several."""
-    for text in box.lines:
-        yield from _wrapped(text, _LONGEST_SETTINGS) if " " in text else (text,)
+def _told(box: Box, wide: float) -> Iterator[tuple[str, str]]:
+    """Yield what a box tells of itself, in lines: its method, what that does, and settings."""
+    does = (("does", line) for line in wrap(clean(box.does), min(40, int(wide / 6.5))))
+    longest = int(wide / _SIZES["line"] / _MONOSPACE)
+    lines = (("line", line) for text in box.settings for line in _wrapped(text, longest))
+    return chain([("line", box.method)] * bool(box.method), does, lines)
 
 
 @_cached

@@ -42,6 +42,8 @@ _MOST_VALUES = 6
 MOST_ON_A_PAGE = 500
 _LONGEST_LABEL = 32
 _LONGEST_SERIES = 24
+_CLAUSES = re.compile(r"([^:;(.]{,60}|[^,:;(.]+)(?=[,:;(.]|$)")
+"""Of what a method does, without after whom."""
 _NUMBERED = re.compile(r"(\D*)\d+")
 
 _Ends = tuple[str, str, str, str]
@@ -289,10 +291,13 @@ def _box(
     others = {name: each for name, each in common.items() if getattr(each, "axis", "") not in told}
     lines = [*methods] if len(methods) == 1 else []
     lines += filter(None, [_text(others)])
+    used_by = {method.node for method in node.methods.values() if method.node.name in methods}
+    clauses = _CLAUSES.match(next(iter(used_by)).summary) if len(methods) == 1 else None
+    does = clauses[1].strip() if clauses else ""
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
-        fields = _text(_from_fields(graph, node))
-        lines = [*filter(None, [described.doc or described.name, fields])]
+        does = described.doc
+        lines = [*filter(None, ["" if does else described.name, _text(_from_fields(graph, node))])]
     shown = [entry for entry in graph.spec.report if entry.node == node.name]
     return Box(
         node.name,
@@ -311,6 +316,7 @@ def _box(
         ),
         title=next((entry.title for entry in shown), ""),
         answers=any(entry.answer for entry in shown),
+        does=does,
     )
 
 

@@ -5,8 +5,9 @@ stands in a column after its sources, the barycentres of its neighbours order ea
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
 that are wider than a page together stand in bands, like lines of text. Arrows of one output run
-to the next band; of any other, the port where it ends says where it begins: long lines around the
-boxes cannot be followed.
+to the next band; of any other, and of what passes boxes to a side input, the port where it ends
+says where it begins: long lines around the boxes cannot be followed. What the report lists stands
+below all bands.
 """
 
 from __future__ import annotations
@@ -17,12 +18,11 @@ from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from itertools import accumulate, islice, pairwise, starmap, takewhile
-from math import inf
 from typing import NamedTuple
 
 import networkx as nx
 
-from nodegraph.draw.boxes import Shape, row_port, shape, shortened, width
+from nodegraph.draw.boxes import Notes, Shape, panel, row_port, shape, shortened, width
 from nodegraph.draw.frames import Frame, frames_of, label_of
 from nodegraph.draw.picture import Arrow, Picture, network_of, origins
 
@@ -34,6 +34,7 @@ End = tuple[Cell, Hashable]
 Wire = tuple[End, End]
 
 LABEL_SIZE = 13.0
+_LEAST_PANEL = 500.0
 LABEL_HEIGHT = 26.0
 PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
@@ -59,12 +60,10 @@ _CHOICES = 3
 """Choices of bands: ports that say where cut arrows begin and end make boxes wider."""
 _SWEEPS = 16
 _STILL = 0.02
-_STRAIGHTENINGS = 3
-_NEARLY_LEVEL = 36.0
 _LOOSE = (1e-6, 0.0)
 """Weight and height that a box without a wire wants: it stands close below the one above it."""
-_DIRECT = 4.0
-"""Weight of a wire between neighbouring boxes: chains of boxes become straight first."""
+_LIGHT = 1e-4
+"""Weight of other wires than the upper ones of boxes: these stand level first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +154,7 @@ class Area:
 
 
 def _parts(area: Area) -> list[list[Cell]]:
-    """Return the parts that lie between what they begin and end with, several cells each.
+    """Return the parts of several cells that share only what they begin and end with.
 
     A beginning stands with the first part that reads it, an end with the last that it reads.
     """
@@ -164,7 +163,7 @@ def _parts(area: Area) -> list[list[Cell]]:
     net.add_edges_from((source, target) for (source, _), (target, _) in area.wires)
     between = {cell: at for at, cell in enumerate(net) if net.pred[cell] and net.succ[cell]}
     linked = nx.weakly_connected_components(net.subgraph(between))
-    several = [part for part in linked if len(part) > 1]
+    several = [part for part in linked if len({*part}.union(*map(net.succ.__getitem__, part))) > 1]
     several.sort(key=lambda part: min(map(between.__getitem__, part)))
     part_of = {cell: at for at, part in enumerate(several) for cell in part}
 
@@ -190,8 +189,9 @@ def _bands_of(area: Area, part: Iterable[Cell]) -> _Bands:
     for cell, depth in depths.items():
         widths[depth] = max(widths[depth], sizes[cell].width)
     by_output: dict[End, list[int]] = {}
-    for begin, (target, _) in wires:
-        by_output.setdefault(begin, []).append(depths[target])
+    for begin, (target, port) in wires:
+        if not _is_side((target, port), sizes) or depths[target] == depths[begin[0]] + 1:
+            by_output.setdefault(begin, []).append(depths[target])
     outputs: list[list[list[int]]] = [[] for _ in widths]
     for (cell, _), readers in by_output.items():
         outputs[depths[cell]].append(readers)
@@ -217,7 +217,10 @@ def _bands_of(area: Area, part: Iterable[Cell]) -> _Bands:
 
 
 def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
-    """Return the column of each cell: after its sources, and no earlier than its readers need."""
+    """Return the column of each cell: after its sources, and no earlier than its readers need.
+
+    Those without a wire stand after all others.
+    """
     network: nx.DiGraph[Cell] = nx.DiGraph()
     cells = tuple(cells)
     inner = [cell for cell in cells if cell[0] not in ("entry", "exit")]
@@ -231,10 +234,14 @@ def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
     }
     last = max(depths.values(), default=0) + 1
     for cell in reversed(depths):
+        if not network.degree(cell):
+            depths[cell] = last
         # with fewer readers than sources, a later cell would make more wires longer than shorter
-        if network.out_degree(cell) >= max(1, network.in_degree(cell)):
+        elif network.out_degree(cell) >= max(1, network.in_degree(cell)):
             depths[cell] = min(depths[reader] for reader in network.succ[cell]) - 1
-    return {cell: {"entry": 0, "exit": last}.get(cell[0], depths.get(cell, 0)) for cell in cells}
+    return {
+        cell: {"entry": 0, "exit": last + 1}.get(cell[0], depths.get(cell, 0)) for cell in cells
+    }
 
 
 class _Piece(NamedTuple):
@@ -358,9 +365,9 @@ def _crossings(gaps: Iterable[Iterable[_Piece]], tops: Mapping[Cell, float]) -> 
 
 
 def _settled(
-    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Iterable[_Piece]
+    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Sequence[_Piece]
 ) -> dict[Cell, float]:
-    """Return the tops of all cells, so that wires are as level as they can be."""
+    """Return the tops of all cells: level with the upper neighbour, and bends with each other."""
     tops: dict[Cell, float] = {}
     for column in columns:
         _stack(column, sizes, tops)
@@ -368,9 +375,18 @@ def _settled(
     numbers = {cell: at for at, cell in enumerate(tops)}
     heights = list(tops.values())
     near: list[list[tuple[float, float, int]]] = [[] for _ in heights]
+    direct = [piece for piece in pieces if piece.left[0] != "bend" != piece.right[0]]
+    upper = {
+        piece.left: piece.right for piece in sorted(direct, key=lambda each: -tops[each.right])
+    }
+    before = {
+        piece.right: piece.left for piece in sorted(direct, key=lambda each: -tops[each.left])
+    }
     for piece in pieces:
-        weight = 1.0 if "bend" in (piece.left[0], piece.right[0]) else _DIRECT
-        level = piece.left_offset - piece.right_offset
+        bends = (piece.left[0] == "bend") + (piece.right[0] == "bend")
+        is_main = upper.get(piece.left) == piece.right and before.get(piece.right) == piece.left
+        weight = 1.0 if is_main or bends == 2 else _LIGHT
+        level = piece.left_offset - piece.right_offset if bends else 0.0
         left, right = numbers[piece.left], numbers[piece.right]
         near[right].append((weight, level, left))
         near[left].append((weight, -level, right))
@@ -395,76 +411,8 @@ def _settled(
         if moved < _STILL:
             break
     tops = dict(zip(tops, heights, strict=True))
-    _straighten(columns, sizes, pieces, tops)
     least = min(tops.values(), default=0.0)
     return {cell: top - least for cell, top in tops.items()}
-
-
-_Row = list[tuple[Cell, float]]
-"""Cells that would stand level, each with how far its top is below that of the first."""
-
-
-def _straighten(
-    columns: Sequence[Sequence[Cell]],
-    sizes: Mapping[Cell, Size],
-    pieces: Iterable[_Piece],
-    tops: dict[Cell, float],
-) -> None:
-    """Make wires level where the cells above and below leave room for it."""
-    room: dict[Cell, tuple[Cell | None, Cell | None]] = {}
-    for column in columns:
-        room |= zip(column, zip([None, *column], [*column[1:], None], strict=False), strict=False)
-
-    def settle(run: _Row, least: float, most: float) -> None:
-        mean = sum(tops[cell] - offset for cell, offset in run) / len(run)
-        level = min(max(mean, least), most)
-        tops.update({cell: level + offset for cell, offset in run})
-
-    rows = _rows(columns, pieces, tops)
-    for _ in range(_STRAIGHTENINGS):  # a row that moved may leave room for another
-        for row in rows:
-            run: _Row = []
-            least, most = -inf, inf
-            for cell, offset in row:
-                above, below = room[cell]
-                low = tops[above] + _step(above, cell, sizes) - offset if above else -inf
-                high = tops[below] - _step(cell, below, sizes) - offset if below else inf
-                if run and max(least, low) > min(most, high):
-                    settle(run, least, most)
-                    run, least, most = [], -inf, inf
-                run.append((cell, offset))
-                least, most = max(least, low), min(most, high)
-            settle(run, least, most)
-
-
-def _rows(
-    columns: Iterable[Sequence[Cell]], pieces: Iterable[_Piece], tops: Mapping[Cell, float]
-) -> list[_Row]:
-    """Return all cells in rows: bends of one wire, and what is nearly level with a neighbour."""
-    into: dict[Cell, list[_Piece]] = {}
-    for piece in pieces:
-        into.setdefault(piece.right, []).append(piece)
-    rows: list[_Row] = []
-    by_end: dict[Cell, _Row] = {}
-    for column in columns:
-        # a wire goes on in its own row rather than to the box of another
-        for cell in sorted(column, key=lambda cell: cell[0] != "bend"):
-            near = [
-                piece
-                for piece in into.get(cell, ())
-                if piece.left in by_end
-                and (abs(piece.drop(tops)) < _NEARLY_LEVEL or piece.left[0] == cell[0] == "bend")
-            ]
-            if near:
-                piece = min(near, key=lambda piece: abs(piece.drop(tops)))
-                row = by_end.pop(piece.left)
-                offset = row[-1][1] + piece.left_offset - piece.right_offset
-            else:
-                row, offset = [], 0.0
-                rows.append(row)
-            row.append((cell, offset))
-            by_end[cell] = row
-    return rows
 
 
 def _step(upper: Cell, lower: Cell, sizes: Mapping[Cell, Size]) -> float:
@@ -510,23 +458,30 @@ def layout(
     """
     links_of = _links_of(picture)
     links = tuple([link for each in links_of for link in each])
-    frames = _drawable_frames(tuple([box.name for box in picture.boxes]), links)
-    cut: set[Arrow] = set()
+    frames = _drawable_frames(tuple([box.name for box in picture.boxes if not box.is_list]), links)
+    cut = {arrow for arrow, own in zip(picture.arrows, links_of, strict=True) if not own}
     led: frozenset[_Link] = frozenset()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
         first = _outlines(shapes, led)
-        bands, before = _bands(first, links), cut
+        (bands, passing), before = _bands(first, links), cut
         led = _led(picture, links_of, frames, bands)
         cut = {
             arrow
             for arrow, own in zip(picture.arrows, links_of, strict=True)
-            if not own or (_steps(own[0], frames, bands) and own[0] not in led)
+            if not own or own[0] in passing or (_steps(own[0], frames, bands) and own[0] not in led)
         }
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
     placed = _placed(first, _outlines(shapes, led), links, led)
+    for box in picture.boxes:
+        if box.is_list:
+            wide, top = max(placed.width, _LEAST_PANEL), placed.height + 2 * _BETWEEN_CELLS
+            shapes.append(panel(box, "In the report", _notes(picture, cut)[box.name][1], wide))
+            corners = (*placed.corners, (0.0, top))
+            high = top + shapes[-1].height
+            placed = placed._replace(corners=corners, width=wide, height=high)
     each_line = iter(placed.lines)
     return shapes, placed, [[*filter(None, islice(each_line, len(own)))] for own in links_of]
 
@@ -560,18 +515,16 @@ class _Link(NamedTuple):
 def _links_of(picture: Picture) -> list[list[_Link]]:
     """Return the links of each arrow: to the rows that name its source, else to its port.
 
-    To what the report lists only the first arrow leads.
+    What is listed below the boxes names its sources.
     """
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
     rows = {box.name: box.alternatives for box in picture.boxes}
-    lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
-    reached: set[tuple[str, str]] = set()
+    lists = {box.name for box in picture.boxes if box.is_list}
 
     def ends(arrow: Arrow, origin: str) -> list[str]:
         end = arrow.target, arrow.target_port
-        if end in lists and end in reached:
+        if arrow.target in lists:
             return []
-        reached.add(end)
         named = [row_port(row) for row in rows[arrow.target] if origin in row.source.split(", ")]
         return named if into[end] > 1 and named else [arrow.target_port]
 
@@ -604,21 +557,31 @@ _KEPT = 8
 
 
 @lru_cache(_KEPT)
-def _bands(outlines: tuple[_Outline, ...], links: tuple[_Link, ...]) -> _Bands:
-    """Return the band of each cell.
+def _bands(
+    outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
+) -> tuple[_Bands, frozenset[_Link]]:
+    """Return the band of each cell, and the links in a band that pass boxes to a side input.
 
     There are as few bands as fit, of like widths, cut where few arrows go on. Parts of the graph
     that share only what they begin or end with stand one below the other.
     """
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
-    area = _framed(outlines, frames, [_way(link, frames) for link in links])[()]
+    ways = {link: _way(link, frames) for link in links}
+    area = _framed(outlines, frames, ways.values())[()]
     bands = _bands_of(area, area.sizes)
     if max(bands.values(), default=0) and len(parts := _parts(area)) > 1:
         first = 0
         for part in parts:
             bands |= {cell: first + band for cell, band in _bands_of(area, part).items()}
             first = max(bands[cell] for cell in part) + 1
-    return bands
+    inside = [wire for wire in area.wires if bands[wire[0][0]] == bands[wire[1][0]]]
+    depths = _depths(area.sizes, inside)
+    passing = {
+        (begin, end)
+        for begin, end in inside
+        if _is_side(end, area.sizes) and depths[end[0]] > depths[begin[0]] + 1
+    }
+    return bands, frozenset(link for link, way in ways.items() if passing & {w for _, w in way})
 
 
 class Placed(NamedTuple):
@@ -638,10 +601,17 @@ def _placed(
     links: tuple[_Link, ...],
     led: frozenset[_Link],
 ) -> Placed:
-    """Place boxes in the bands that first outlines give, and arrows, some led to the next band."""
+    """Place boxes in the bands that first outlines give, and arrows, some led to the next band.
+
+    What passes boxes is not drawn.
+    """
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
-    bands = _bands(first, links)
-    ways = {link: _way(link, frames) for link in links if not _steps(link, frames, bands)}
+    bands, passing = _bands(first, links)
+    ways = {
+        link: _way(link, frames)
+        for link in links
+        if link not in passing and not _steps(link, frames, bands)
+    }
     areas = _framed(outlines, frames, ways.values())
     outputs_led = dict.fromkeys((bands["box", link.target], *link[:2]) for link in led)
     count = Counter(band for band, *_ in outputs_led)
@@ -777,6 +747,12 @@ def _steps(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> int:
     return target - source
 
 
+def _is_side(end: End, sizes: Mapping[Cell, Size]) -> bool:
+    """Return whether a wire ends neither at the first input of a box nor at a row."""
+    cell, port = end
+    return isinstance(port, str) and port not in (*sizes[cell].inputs,)[:1] and port[:1] != " "
+
+
 def _led(
     picture: Picture,
     links_of: Iterable[Sequence[_Link]],
@@ -785,28 +761,25 @@ def _led(
 ) -> frozenset[_Link]:
     """Return the links that run from one band to the next: of one output to other boxes.
 
-    It leads to boxes to which nothing in their own band does, rather to the first input of as many
-    as it can, and from the box that most lead to. Of another output a line runs to the report, to
-    what that shows first or if nothing else leads to it. No truth is led.
+    It leads to boxes, or to first inputs, to which nothing in their own band does, rather to the
+    first input of as many as it can, and from the box that most lead to. No truth is led.
     """
     first = {(box.name, box.inputs[0].name) for box in picture.boxes if box.inputs}
-    reports = {box.name for box in picture.boxes if box.kind == "report"}
     links = [link for each in links_of for link in each]
-    into = Counter(link[2:] for link in links)
-    reached = {link.target for link in links if not _steps(link, frames, bands)}
+    inside = [link for link in links if not _steps(link, frames, bands)]
+    reached, ends = {link.target for link in inside}, {link[2:] for link in inside}
 
     def is_main(link: _Link) -> bool:
         if frames[link.source] or frames[link.target] or _steps(link, frames, bands) != 1:
             return False
-        is_first = link[2:] in first and link.target in reports and into[link[2:]] == 1
+        is_first = link[2:] in first and link[2:] not in ends
         return is_first or link.target not in reached
 
-    main: dict[tuple[int, bool], dict[tuple[str, str], dict[str, _Link]]] = {}
+    main: dict[int, dict[tuple[str, str], dict[str, _Link]]] = {}
     for arrow, own in zip(picture.arrows, links_of, strict=True):
         if len(own) == 1 and not arrow.truth and is_main(own[0]):
             (link,) = own
-            end = bands["box", link.target], link.target in reports
-            outputs = main.setdefault(end, {})
+            outputs = main.setdefault(bands["box", link.target], {})
             outputs.setdefault(link[:2], {}).setdefault(link.target, link)
 
     network = network_of(picture)
@@ -823,16 +796,25 @@ def _led(
 def _shapes(
     picture: Picture, frames: Mapping[str, Frame], cut: Collection[Arrow], *, states: bool
 ) -> list[Shape]:
-    """Return the shapes of boxes; their ports say where arrows begin that are not drawn.
+    """Return the shapes of the boxes between which arrows run."""
+    notes = _notes(picture, cut)
+    return [
+        shape(box, label_of(box.name, frames[box.name]), *notes[box.name], states=states)
+        for box in picture.boxes
+        if not box.is_list
+    ]
 
-    What the report lists always says so. An output says where its arrows end if none of them is
-    drawn.
+
+def _notes(picture: Picture, cut: Collection[Arrow]) -> dict[str, tuple[Notes, Notes, Notes]]:
+    """Return, for each box, the labels that arrows fix, their sources, and their readers.
+
+    An input says where arrows begin that are not drawn, an output where its arrows end if none of
+    them is drawn.
     """
     fixed: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     sources: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     readers: dict[str, list[tuple[str, str]]] = {box.name: [] for box in picture.boxes}
     into = Counter((arrow.target, arrow.target_port) for arrow in picture.arrows)
-    lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
     begins = {(arrow.source, arrow.source_port) for arrow in picture.arrows if arrow not in cut}
     said = {
         (box.name, socket.name, each.source)
@@ -842,26 +824,27 @@ def _shapes(
         for each in box.alternatives
     }
     known = _fixed_before(picture) if any(arrow.fixed for arrow in picture.arrows) else {}
-    for arrow, origin in zip(picture.arrows, origins(picture), strict=True):
+    lists = {box.name for box in picture.boxes if box.is_list}
+    order = {box.name: at for at, box in enumerate(picture.boxes)}
+    shown = {(box.name, each.name): each.text for box in picture.boxes for each in box.inputs}
+    by_source = sorted(
+        zip(picture.arrows, origins(picture), strict=True), key=lambda pair: order[pair[0].source]
+    )
+    for arrow, origin in by_source:
         labels = [
             each for each in arrow.fixed.split(", ") if each not in known.get(arrow.target, "")
         ]
         if any(labels):
             fixed[arrow.target].append((arrow.target_port, ", ".join(labels)))
-        if (arrow.source, arrow.source_port) not in begins:
+        if (arrow.source, arrow.source_port) not in begins and arrow.target not in lists:
             readers[arrow.source].append((arrow.source_port, arrow.target))
         end = arrow.target, arrow.target_port
-        if end in lists or (arrow in cut and (*end, origin) not in said):
+        if arrow in cut and (*end, origin) not in said:
+            origin = arrow.source if arrow.source_port == shown[end] else origin
             sources[arrow.target].append((arrow.target_port, origin))
-    return [
-        shape(
-            box,
-            label_of(box.name, frames[box.name]),
-            *(tuple(notes[box.name]) for notes in (fixed, sources, readers)),
-            states=states,
-        )
-        for box in picture.boxes
-    ]
+    return {
+        name: (tuple(fixed[name]), tuple(sources[name]), tuple(readers[name])) for name in fixed
+    }
 
 
 def _fixed_before(picture: Picture) -> dict[str, set[str]]:

@@ -70,7 +70,7 @@ class _Drawing:
         self._count += 1
         if kind == "text":
             self._text(element.text or "", x, y, look)
-        elif kind in ("rect", "line", "path"):
+        elif kind in ("rect", "line", "path") and look.get("d") != "":
             self._shape(kind, x, y, look)
         below = {name: look[name] for name in _INHERITED if name in look}
         for inside in element:

@@ -125,7 +125,7 @@ class Box:
     name : str
         Unique in the picture.
     lines : tuple of str
-        Shown below the name, for instance the method that the node uses.
+        The method that the node uses, and its settings.
     inputs, outputs : tuple of Socket
     alternatives : tuple of Alternative
     axes : tuple of Axis
@@ -141,6 +141,8 @@ class Box:
         Of what the report shows of it.
     answers : bool
         The report tells its answer by it.
+    does : str
+        What it does, in words.
     """
 
     name: str
@@ -155,11 +157,28 @@ class Box:
     names: tuple[tuple[str, str], ...] = ()
     title: str = ""
     answers: bool = False
+    does: str = ""
+
+    @property
+    def method(self) -> str:
+        """The method that it uses, if it is one."""
+        return next((line for line in self.lines[:1] if " " not in line), "")
+
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """The lines after the method."""
+        return self.lines[bool(self.method) :]
+
+    @property
+    def is_list(self) -> bool:
+        """Whether it lists what the report shows, and does nothing."""
+        return any(socket.items for socket in self.inputs)
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The lines, and what in the report reads its inputs."""
-        return (*self.lines, *(item for socket in self.inputs for item in socket.items))
+        """All that it tells of itself, and what in the report reads its inputs."""
+        does = (self.does,) * bool(self.does)
+        return (*self.lines, *does, *(item for socket in self.inputs for item in socket.items))
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,24 +243,16 @@ class Picture:
 def origins(picture: Picture) -> list[str]:
     """Return where each arrow begins, in words: a box, with the output where several are drawn.
 
-    What the report lists has an output only where it differs from that of other items.
+    Of what the report lists it is the box.
     """
-    outputs = {box.name: len(box.outputs) for box in picture.boxes}
-    lists = {(box.name, each.name) for box in picture.boxes for each in box.inputs if each.items}
-    first: dict[tuple[str, str], Arrow] = {}
-    for arrow in picture.arrows:
-        first.setdefault((arrow.target, arrow.target_port), arrow)
-    leading = Counter(first[end].source for end in lists)
-
-    def origin(arrow: Arrow) -> str:
-        end = arrow.target, arrow.target_port
-        several = outputs[arrow.source] > 1
-        if end in lists:
-            several = several and first[end].source == arrow.source and leading[arrow.source] > 1
-            arrow = first[end] if several else arrow
-        return f"{arrow.source}{f'.{arrow.source_port}' * several}"
-
-    return [origin(arrow) for arrow in picture.arrows]
+    several = {box.name for box in picture.boxes if len(box.outputs) > 1}
+    lists = {box.name for box in picture.boxes if box.is_list}
+    return [
+        f"{arrow.source}.{arrow.source_port}"
+        if arrow.source in several and arrow.target not in lists
+        else arrow.source
+        for arrow in picture.arrows
+    ]
 
 
 def _names(sockets: Iterable[Socket]) -> tuple[str, ...]:
@@ -259,23 +270,22 @@ def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, tuple[str, ..
 def folded(picture: Picture) -> Picture:
     """Return a picture of few boxes, as it takes to follow a study.
 
-    One box lists all those that only show something: boxes of the report that no other box reads,
-    if they are several or have a title; those made from the same last output share a port. A graph
-    that is used as a node is one box, and so are linked boxes that none of the report's answers
-    reads; a box that makes one alternative is its row. Alternatives that several boxes have are
-    listed at the first.
+    One box lists all those that only show something: boxes of the report that no other box reads;
+    those made from the same last box share a port. A graph that is used as a node is one box, and
+    so are linked boxes that none of the report's answers reads; a box that makes one alternative is
+    its row. Alternatives that several boxes have, and what they do, stand at the first.
     """
     picture = _together(picture, _graphs_of(picture))
     picture = _together(picture, _rows_of(picture))
-    picture = _with_alternatives_once(_together(picture, _asides_of(picture)))
-    shown = {box.name: box for box in picture.boxes if box.kind == "report"}
+    picture = _said_once(_together(picture, _asides_of(picture)))
+    shown = {box.name: box for box in picture.boxes if box.kind == "report" and not box.is_list}
     while read := {
         arrow.source
         for arrow in picture.arrows
         if arrow.source in shown and arrow.target not in shown
     }:
         shown = {name: box for name, box in shown.items() if name not in read}
-    if len(shown) < 2 and not any(box.title for box in shown.values()):
+    if not shown:
         return picture
     name = "report"
     while any(box.name == name for box in picture.boxes if box.name not in shown):
@@ -290,9 +300,9 @@ def folded(picture: Picture) -> Picture:
         if arrow.target in shown and arrow.source not in shown:
             into[arrow.target].append(arrow)
     last = {item: max(arrows, key=rank) for item, arrows in into.items() if arrows}
-    items_of: dict[tuple[str, str], list[str]] = {}
+    items_of: dict[str, list[str]] = {}
     for item, arrow in last.items():
-        items_of.setdefault((arrow.source, arrow.source_port), []).append(item)
+        items_of.setdefault(arrow.source, []).append(item)
     sockets, wires = list[Socket](), list[Arrow]()
     for items in items_of.values():
         port = items[0]
@@ -359,10 +369,14 @@ def _asides_of(picture: Picture) -> dict[str, str]:
     return {name: names[-1] for names in several for name in names}
 
 
-def _with_alternatives_once(picture: Picture) -> Picture:
+def _said_once(picture: Picture) -> Picture:
     first: dict[tuple[Alternative, ...], str] = {}
+    does = set[str]()
     boxes = []
     for box in picture.boxes:
+        if box.does in does:
+            box = replace(box, does="")
+        does.add(box.does)
         known = first.setdefault(box.alternatives, box.name)
         if len(box.alternatives) > 1 and known != box.name:
             row = Alternative(f"the same {len(box.alternatives)} as {known}")
@@ -430,18 +444,21 @@ def _as_box(
 ) -> Box:
     """Return one box for a graph, for steps, or for what makes alternatives of its last part."""
     box = next(part for part in parts if part.name == name)
-    made = {part.name: ", ".join(part.lines) for part in parts if part is not box}
+    made = {
+        part.name: ", ".join(part.lines if part.method else (part.does, *part.lines))
+        for part in parts
+        if part is not box
+    }
     rows = []
     for row in box.alternatives:
         if row.source in made:
             told = f"{made[row.source]}, {row.settings}".removesuffix(f", {UNCHANGED}")
             row = row._replace(settings=told.removesuffix(", "), source="")
         rows.append(row)
-    lines = box.lines
+    lines, does = box.lines, box.does
     if not box.passes and rows == [*box.alternatives]:
-        steps = f"{len(parts)} steps: {', '.join(part.name for part in parts)}"
-        data = (line for part in parts[: not inputs] for line in part.lines[1:])
-        lines = (steps, *data)
+        does = f"{len(parts)} steps: {', '.join(part.name for part in parts)}"
+        lines = tuple(line for part in parts[: not inputs] for line in part.settings)
     order = {each: at for at, (_, each) in enumerate(box.names)}
     sockets = sorted(inputs.values(), key=lambda each: order.get(each.text, len(order)))
     axes = {axis.name: axis for part in parts for axis in part.axes if axis.labels}
@@ -453,7 +470,8 @@ def _as_box(
         tuple(rows),
         tuple(axes.values()),
         kind="node" if inputs else "input",
-        compares=box.compares and lines == box.lines,
+        compares=box.compares and does == box.does,
+        does=does,
     )
 
 

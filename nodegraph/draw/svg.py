@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
@@ -33,10 +33,12 @@ _LOOK = {
     "wire truth": 'fill="none" stroke="#a04a00" stroke-width="1.6" stroke-dasharray="6 4.5"',
     "wire truth gathers": 'fill="none" stroke="#a04a00" stroke-width="2.8" stroke-dasharray="6 5"',
     "wire gathers": 'fill="none" stroke="#6c7889" stroke-width="2.8" stroke-linecap="round"',
+    "listed": 'fill="#0b63c4"',
     "head": 'fill="#6c7889"',
     "head truth": 'fill="#a04a00"',
     "name": 'font-size="15" font-weight="650"',
     "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
+    "does": 'font-size="11.5" fill="#5b6675"',
     "port": 'font-size="12"',
     "note": 'font-size="11" fill="#0b63c4"',
     "label": 'font-size="13" font-weight="650" fill="#5b6675"',
@@ -118,6 +120,12 @@ def _socket(mark: int, x: float, y: float, *, truth: bool, port: str = "") -> st
     return f'<path {begin} d="M{"L".join(map(_pair, corners))}Z"/>'
 
 
+def _dot(x: float, y: float) -> str:
+    """Return the mark of an output that the report shows."""
+    place = f'x="{number(x - 3.5)}" y="{number(y - 3.5)}" width="7" height="7" rx="3.5"'
+    return f'<rect class="listed" {_LOOK["listed"]} {place}/>'
+
+
 _CORNERS: Mapping[int, Sequence[Point]] = {
     3: [(0, -4.6), (4.6, 0), (0, 4.6), (-4.6, 0)],
     4: [(-3.4, -4.2), (4.4, 0), (-3.4, 4.2)],
@@ -146,12 +154,14 @@ def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
     if any(box.axes for box in picture.boxes):
         rect = f'<rect {_LOOK["chip axis"]} x="2" y="-7" width="26" height="14" rx="7"/>'
         samples.append((f'<g class="chip axis">{rect}</g>', "what is varied"))
+    if any(box.is_list for box in picture.boxes):
+        samples.append((_dot(20, 0), "in the report"))
     for kind, text, radius in (
         ("input", "reads data", 7),
         ("compares", "compares alternatives", 3),
         ("report", "in the report", 3),
     ):
-        if any(_look(box) == kind for box in picture.boxes):
+        if any(_look(box) == kind and not box.is_list for box in picture.boxes):
             place = f'x="2" y="-7" width="26" height="14" rx="{radius}"'
             rect = f'<rect class="frame" {_LOOK[f"frame {kind}"]} {place}/>'
             samples.append((f'<g class="box-{kind}">{rect}</g>', text))
@@ -204,10 +214,11 @@ def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str
     """Return the picture as SVG, for a file of its own or inside a page.
 
     Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
-    wider than a page goes on below, like lines of text; the port of a side input from another row
-    says where it begins. Boxes whose dotted names have a common prefix stand in a frame. Truth is
-    dashed, a gathering arrow is wide. Types of ports show on hover. Colours follow the reader's
-    light or dark scheme; a page sets ``--picture-paper`` and ``--picture-face`` to fit its own.
+    wider than a page goes on below, like lines of text; a side input from farther away says where
+    it begins. What the report lists stands below all, and has a mark where it begins. Boxes whose
+    dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is wide.
+    Types of ports show on hover. Colours follow the reader's light or dark scheme; a page sets
+    ``--picture-paper`` and ``--picture-face`` to fit its own.
 
     Parameters
     ----------
@@ -228,8 +239,10 @@ def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str
     arrows = [_arrow(*each) for each in lines_of]
     frames = [_frame(*frame) for frame in placed.frames]
     marks = _marks(picture) if sockets else {}
+    lists = {box.name for box in picture.boxes if box.is_list}
+    listed = {(each.source, each.source_port) for each in picture.arrows if each.target in lists}
     corners = zip(shapes, placed.corners, strict=True)
-    boxes = [_box(shape, *corner, marks) for shape, corner in corners]
+    boxes = [_box(shape, *corner, marks, listed) for shape, corner in corners]
     drawn = [arrow for arrow, lines in lines_of if lines]
     samples = _styles(picture, drawn), _types(picture, marks)
     explained, wide, high = _legend(samples, max(placed.width, _LEGEND), placed.height + 18.0)
@@ -310,7 +323,13 @@ def _look(box: Box) -> str:
     return "compares" if box.kind == "node" and box.compares else box.kind
 
 
-def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
+def _box(
+    shape: Shape,
+    x: float,
+    y: float,
+    marks: Mapping[str, int],
+    listed: Collection[tuple[str, str]],
+) -> str:
     kind = _look(shape.box)
     radius = 18 if kind == "input" else 9
     look = _LOOK["frame" if kind == "node" else f"frame {kind}"]
@@ -321,7 +340,7 @@ def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
         tag("title", " ".join((shape.box.name, *shape.box.texts))),
         f'<rect class="shade" {_LOOK["shade"]} y="2" {size}/><rect class="frame" {look} {size}/>',
     ]
-    if shape.inputs or shape.outputs:
+    if (shape.inputs or shape.outputs) and shape.rule < shape.height:
         parts.append(
             f'<line class="rule" {_LOOK["rule"]} x1="1" x2="{number(shape.width - 1)}"'
             f' y1="{number(shape.rule)}" y2="{number(shape.rule)}"/>'
@@ -329,6 +348,11 @@ def _box(shape: Shape, x: float, y: float, marks: Mapping[str, int]) -> str:
     parts += [_text(text) for text in shape.texts] + [_chip(chip) for chip in shape.chips]
     if marks:
         parts += _sockets(shape, marks)
+    parts += [
+        _dot(shape.width, height)
+        for port, height in shape.outputs.items()
+        if (shape.box.name, port) in listed
+    ]
     return "".join([*parts, "</g>"])
 
 

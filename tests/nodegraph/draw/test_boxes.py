@@ -27,7 +27,7 @@ def test_labels_that_all_arrows_fix_are_said_once_in_lines() -> None:
     common = "actor=1, damage=occlusions, length=45"
     drawn = shape(box, "table", (("scores", f"{common}, fill=muscle"), ("truth", common)))
     notes = [text.text for text in drawn.texts if text.style == "note"]
-    assert notes == ["at actor=1,", "damage=occlusions, length=45", "at fill=muscle"]
+    assert notes == ["at fill=muscle", "at actor=1,", "damage=occlusions, length=45"]
     alone = shape(box, "table", (("scores", common),))
     assert {text.hint for text in alone.texts if text.style == "note"} == {f"scores; at {common}"}
 

@@ -9,6 +9,7 @@ import pytest
 from nodegraph.draw import Axis
 from nodegraph.draw.from_graph import labels_text, picture_of
 from nodegraph.graph import Graph
+from nodegraph.node.decorator import node
 from nodegraph.node.ports import Label
 
 
@@ -74,6 +75,42 @@ def test_axes_and_alternatives_are_shown_where_they_begin(graph_of: Callable[...
         ("gaps.cut",),
         ("gaps.cut", "length: 1"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("summary", "does"),
+    [
+        ("Cut a part out (Zhang et al.).", "Cut a part out"),
+        ("Read a recording: C3D, or CSV.", "Read a recording"),
+        (
+            "Error, lag and movement kept, a row per marker.",
+            "Error, lag and movement kept, a row per marker",
+        ),
+        (
+            "Error, lag and movement of a marker that is kept, a row per marker and take.",
+            "Error, lag and movement of a marker that is kept",
+        ),
+        (f"Fill {'gaps ' * 20}well, fast.", f"Fill {'gaps ' * 20}well"),
+    ],
+)
+def test_a_box_says_what_its_method_does(
+    graph_of: Callable[..., Graph], summary: str, does: str
+) -> None:
+    def any_of(value: float) -> float:
+        return value
+
+    any_of.__doc__ = summary
+    text = """
+    nodes:
+      capture: {use: read.number}
+      some: {use: some.of, in: capture}
+      both: {in: capture, alternatives: {same: some.of, pass: {}}}
+      several: {in: capture, alternatives: [some.of, fill.hold]}
+    """
+    boxes = {
+        box.name: box for box in picture_of(graph_of(text, more=[node("some.of")(any_of)])).boxes
+    }
+    assert [boxes[name].does for name in ("some", "both", "several")] == [does, does, ""]
 
 
 def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -> None:

@@ -271,12 +271,23 @@ def test_an_arrow_past_a_row_is_named_at_its_ends_and_to_the_next_row_it_is_whol
     assert [notes_of(root, name) for name in names] == [[]] * 19 + [["from step0"]]
     port, both = (Socket("x"),), (Socket("x"), Socket("y"))
     steps = [Box(name, ("smooth.bspline",), port, port) for name in names]
-    first, last = replace(steps[0], outputs=both), replace(steps[-1], inputs=both)
-    ways = (*chain(20).arrows, Arrow("step0", "y", "step19", "y"))
+    first = replace(steps[0], outputs=both)
+    last = replace(steps[-1], inputs=(*port, Socket("z")))
+    ways = (*chain(20).arrows, Arrow("step0", "y", "step19", "z"))
     root = check(Picture("", (first, *steps[1:-1], last), ways))
     assert notes_of(root, "step0") == ["to step19"]
     assert notes_of(root, "step19") == ["from step0.y"]
     assert "read from box a" in {text.text for text in root.iter(f"{SVG}text")}
+
+
+def test_an_arrow_that_passes_a_box_to_a_side_input_is_named_at_its_ends() -> None:
+    root = check(fill())
+    drawn = {group.get("data-arrow"): bool(lines(group)) for group in arrows_of(root)}
+    assert drawn["fill.recording error.estimate"]
+    assert not drawn["gaps.truth error.truth"]
+    assert notes_of(root, "error") == ["from gaps", "from gaps"]
+    assert notes_of(root, "gaps")[:2] == ["to error, faces", "to error"]
+    assert "from gaps" in notes_of(root, "faces")
 
 
 def test_labels_that_are_fixed_once_are_not_said_again_further_on() -> None:
@@ -293,7 +304,7 @@ def test_labels_that_are_fixed_once_are_not_said_again_further_on() -> None:
     )
     root = check(Picture("", boxes, arrows))
     assert notes_of(root, "still") == ["at actor=0"]
-    assert notes_of(root, "solved") == ["at trial=1"]
+    assert notes_of(root, "solved") == ["from take", "at trial=1"]
 
 
 def test_parts_that_share_only_their_data_and_the_report_stand_one_below_the_other() -> None:
@@ -359,7 +370,7 @@ def test_the_arrow_of_an_alternative_with_its_own_source_ends_at_its_row() -> No
     }
     ends = [{drawn[-1][1] for drawn in lines(group)} for group in arrows_of(root)]
     assert sorted(ends[2]) == pytest.approx([rows["own"], rows["twice"]], abs=0.11)
-    assert min(ends[1]) > max(rows.values())
+    assert max(ends[1]) < min(rows.values())
 
 
 def test_what_is_read_from_another_row_stands_before_its_reader() -> None:
@@ -373,8 +384,11 @@ def test_what_is_read_from_another_row_stands_before_its_reader() -> None:
 def test_lines_that_turn_side_by_side_lie_apart() -> None:
     port, several = (Socket("x"),), tuple(Socket(f"p{number}") for number in range(5))
     boxes = [Box(f"a{number}", ("a.b",), (), port) for number in range(5)]
+    boxes += [Box("low", (), several, several)]
+    boxes += [Box(f"b{number}", ("a.b",), port) for number in range(5)]
     arrows = [Arrow(f"a{number}", "x", "low", f"p{number}") for number in range(5)]
-    root = check(Picture("", (*boxes, Box("low", (), several)), tuple(arrows)))
+    arrows += [Arrow("low", f"p{number}", f"b{number}", "x") for number in range(5)]
+    root = check(Picture("", tuple(boxes), tuple(arrows)))
     middles: dict[bool, set[float]] = {True: set(), False: set()}
     for group in arrows_of(root):
         ((begin, *between, end),) = lines(group)
@@ -383,27 +397,59 @@ def test_lines_that_turn_side_by_side_lie_apart() -> None:
         if abs(begin[1] - end[1]) > 40:
             middles[begin[1] < end[1]].add(x)
     for xs in middles.values():
-        first, second = sorted(xs)
-        assert second - first > 5
+        assert len(xs) == 4
+        assert all(second - first > 5 for first, second in pairwise(sorted(xs)))
 
 
-def test_what_the_report_shows_is_below_its_sources_the_last_of_which_leads_to_it() -> None:
+def test_what_the_report_shows_is_below_all_boxes_and_names_its_sources() -> None:
     steps = chain(20)
     port, both = (Socket("in"),), (Socket("in"), Socket("like"))
     shows = (Box("table", (), port, kind="report"), Box("faces", (), both, kind="report"))
-    ends = [("step0", "table", "in"), ("step19", "faces", "in"), ("step1", "faces", "like")]
+    ends = [("step0", "table", "in"), ("step19", "faces", "in"), ("step2", "faces", "like")]
     arrows = [Arrow(source, "x", name, port) for source, name, port in ends]
-    arrows.append(Arrow("step2", "x", "faces", "like"))
+    arrows.append(Arrow("step1", "x", "faces", "like"))
     picture = folded(Picture("", (*steps.boxes, *shows), (*steps.arrows, *arrows)))
     root = check(picture)
-    drawn = {group.get("data-arrow"): lines(group) for group in arrows_of(root)}
-    assert {name for name, line in drawn.items() if "report" in str(name) and line} == {
-        "step19.x report.faces"
-    }
-    report = box_of(root, "report")
-    told = [text.text for text in report.iter(f"{SVG}text") if text.get("class") != "name"]
-    assert told == ["from step0", "table", "from step19, step1, step2", "faces"]
-    assert [notes_of(root, f"step{number}") for number in range(3)] == [[]] * 3
+    assert not any(
+        lines(group) for group in arrows_of(root) if "report" in group.attrib["data-arrow"]
+    )
+    placed = rectangles(root)
+    left, top, right, _ = placed.pop("report")
+    assert top > max(bottom for *_, bottom in placed.values())
+    assert left <= min(box[0] for box in placed.values())
+    assert right >= max(box[2] for box in placed.values())
+    told = [text.text for text in box_of(root, "report").iter(f"{SVG}text")]
+    assert told == [
+        *("In the report", "from step0", "table"),
+        *("from step1, step2, step19", "faces"),
+    ]
+    assert all(notes_of(root, f"step{number}") == [] for number in range(20))
+    marked = [
+        name
+        for name in placed
+        if any(each.get("class") == "listed" for each in box_of(root, name).iter())
+    ]
+    assert marked == ["step0", "step1", "step2", "step19"]
+    legend = [text.text for text in root.iter(f"{SVG}text")]
+    assert legend.count("in the report") == 1
+
+
+def test_columns_of_what_the_report_shows_are_about_as_high_as_each_other() -> None:
+    port = (Socket("x"),)
+    sources = tuple(Box(f"score{number}", outputs=port) for number in range(9))
+    shows = [(each.name, f"{each.name}_0") for each in sources]
+    shows += [("score0", f"score0_{at}") for at in range(1, 6)]
+    boxes = tuple(Box(name, (), port, kind="report", title=name) for _, name in shows)
+    arrows = tuple(Arrow(source, "x", name, "x") for source, name in shows)
+    root = check(folded(Picture("", (*sources, *boxes), arrows)))
+    texts = [*box_of(root, "report").iter(f"{SVG}text")][1:]
+    heights: dict[str, float] = {}
+    for text in texts:
+        heights[text.attrib["x"]] = float(text.attrib["y"])
+    shown = [text.text for text in texts if text.get("class") == "port"]
+    assert shown == sorted(name for _, name in shows)
+    assert 1 < len(heights) < 9
+    assert max(heights.values()) < 1.5 * min(heights.values())
 
 
 def test_an_arrow_to_the_next_row_crosses_nothing_on_its_way_out() -> None:
@@ -605,7 +651,7 @@ def test_alternatives_axes_ports_and_fixed_labels_are_written() -> None:
     assert rows == [["trial", "seed", "sigma"], ["0", "7", "0.1"], ["first, last", "9", "0.2"]]
     assert len({x for _, x, _ in cells}) == 3
     hints = [element.findtext(f"{SVG}title") for element in root.iter(f"{SVG}text")]
-    assert "hidden: Mask" in hints
+    assert "hidden: Mask; to error" in hints
     assert texts.count("at trial=0") == 1  # both ports of `faces` have it
     assert root.findtext(f"{SVG}title") == "Three ways to fill"
     assert "gaps gaps.cut" in (root.findtext(f"{SVG}desc") or "")

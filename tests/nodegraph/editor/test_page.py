@@ -103,8 +103,8 @@ def test_cards_that_an_edit_does_not_change_stay_and_move(page: Page) -> None:
     before = page.evaluate(place)
     page.evaluate(f"{has_box('capture')}.stays = {has_box('error')}.stays = true")
     put_cursor(page, "fill.muscle")
-    page.keyboard.type(", fill.pca, fill.pchip")
-    until(page, f"/pchip/.test({has_box('fill')}.textContent)")
+    page.keyboard.type(", fill.neighbour_kalman")
+    until(page, f"/neighbour_kalman/.test({has_box('fill')}.textContent)")
     until(page, "!document.querySelector('#problems li')")
     assert page.evaluate(f"{has_box('capture')}.stays && {has_box('error')}.stays")
     assert page.evaluate(place) != before
