@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from html import escape
-from itertools import chain, islice, product, repeat
+from itertools import chain, product, repeat
 from textwrap import wrap
 from typing import NamedTuple
 
@@ -88,7 +88,6 @@ _HEIGHT = 3.0
 """Widths that a height is worth, where notes stand beside ports or below them."""
 _NARROWEST_COLUMN = 200.0
 _BETWEEN_COLUMNS = 20.0
-_BETWEEN_GROUPS = 8.0
 _INDENT = 10.0
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "does": 11.5, "chip": 11.0}
@@ -288,56 +287,26 @@ def _columns(
 
 
 def panel(box: Box, label: str, sources: Notes, wide: float) -> Shape:
-    """Return what the report shows, in columns, below the names of the boxes that it is made from.
-
-    The columns are about as high as each other.
-    """
+    """Return what the report shows, in columns, below the boxes that it is made from."""
     groups = [(_of(socket, sources), socket.items) for socket in box.inputs]
     groups += [([], box.lines)] if box.lines else []
-    most = max(1, min(len(groups), int(wide / _NARROWEST_COLUMN)))
-    column = (wide - 2 * INSET + _BETWEEN_COLUMNS) / most
-    blocks = [[*_block(names, items, column - _BETWEEN_COLUMNS)] for names, items in groups]
-    heights = [sum(leading for *_, leading in block) + _BETWEEN_GROUPS for block in blocks]
-    limit = max(heights)
-    columns = [1] * len(groups)
-    while len(columns) > most:
-        columns = _packed(heights, limit)
-        limit += _LEADING["port"] * (len(columns) > most)
+    count = max(1, min(len(groups), int(wide / _NARROWEST_COLUMN)))
+    column = (wide - 2 * INSET + _BETWEEN_COLUMNS) / count
     texts = [Text("name", label, INSET, 20.0)]
-    each_block = iter(blocks)
-    for at, count in enumerate(columns):
-        y = 27.0
-        for block in islice(each_block, count):
-            for style, text, indent, leading in block:
-                y += leading
-                texts.append(Text(style, text, INSET + at * column + indent, y - 3.5))
-            y += _BETWEEN_GROUPS
-    return Shape(box, wide, 30.0 + limit, tuple(texts), (), 0.0, {}, {})
-
-
-def _block(
-    names: Sequence[str], items: Iterable[str], wide: float
-) -> Iterator[tuple[str, str, float, float]]:
-    """Yield the lines of what is made from some boxes: style, text, indent, and leading."""
-    for style, text in (
-        ("note", f"from {', '.join(names)}" * bool(names)),
-        *zip(repeat("port"), items),
-    ):
-        for number, line in enumerate(wrap(clean(text), int(wide / _SIZES[style] / 0.6))):
-            apart = 3.0 * (style == "port" and not number)
-            yield style, line, _INDENT * (number > 0), _LEADING[style] + apart
-
-
-def _packed(heights: Iterable[float], limit: float) -> list[int]:
-    """Return how many of the blocks stand in each column, each as high as a limit at most."""
-    counts, left = list[int](), 0.0
-    for height in heights:
-        if height > left:
-            counts.append(0)
-            left = limit
-        counts[-1] += 1
-        left -= height
-    return counts
+    top = bottom = 27.0
+    for at, (names, items) in enumerate(groups):
+        if at % count == 0:
+            top = bottom
+        x, y = INSET + at % count * column, top
+        lines = [("note", f"from {', '.join(names)}")] if names else []
+        for style, text in (*lines, *zip(repeat("port"), items)):
+            y += 3.0 if style == "port" else 0.0
+            longest = int((column - _BETWEEN_COLUMNS) / _SIZES[style] / 0.6)
+            for number, line in enumerate(wrap(clean(text), longest)):
+                y += _LEADING[style]
+                texts.append(Text(style, line, x + _INDENT * (number > 0), y - 3.5))
+        bottom = max(bottom, y + 8.0)
+    return Shape(box, wide, bottom, tuple(texts), (), 0.0, {}, {})
 
 
 class _Side(NamedTuple):

@@ -17,7 +17,7 @@ from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
-from itertools import accumulate, islice, pairwise, starmap, takewhile
+from itertools import islice, pairwise, starmap, takewhile
 from typing import NamedTuple
 
 import networkx as nx
@@ -59,11 +59,6 @@ _WIDEST = 890.0
 _CHOICES = 3
 """Choices of bands: ports that say where cut arrows begin and end make boxes wider."""
 _SWEEPS = 16
-_STILL = 0.02
-_LOOSE = (1e-6, 0.0)
-"""Weight and height that a box without a wire wants: it stands close below the one above it."""
-_LIGHT = 1e-4
-"""Weight of other wires than the upper ones of boxes: these stand level first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -365,76 +360,43 @@ def _crossings(gaps: Iterable[Iterable[_Piece]], tops: Mapping[Cell, float]) -> 
 
 
 def _settled(
-    columns: list[list[Cell]], sizes: Mapping[Cell, Size], pieces: Sequence[_Piece]
+    columns: Sequence[Sequence[Cell]], sizes: Mapping[Cell, Size], pieces: Sequence[_Piece]
 ) -> dict[Cell, float]:
-    """Return the tops of all cells: level with the upper neighbour, and bends with each other."""
+    """Return the tops of all cells, level with those of their upper neighbours where they can be.
+
+    Bends of one wire are level with each other.
+    """
     tops: dict[Cell, float] = {}
     for column in columns:
         _stack(column, sizes, tops)
-    # numbers in place of cells, whose names are hashed anew at each look
-    numbers = {cell: at for at, cell in enumerate(tops)}
-    heights = list(tops.values())
-    near: list[list[tuple[float, float, int]]] = [[] for _ in heights]
     direct = [piece for piece in pieces if piece.left[0] != "bend" != piece.right[0]]
-    upper = {
+    after = {
         piece.left: piece.right for piece in sorted(direct, key=lambda each: -tops[each.right])
     }
     before = {
         piece.right: piece.left for piece in sorted(direct, key=lambda each: -tops[each.left])
     }
-    for piece in pieces:
-        bends = (piece.left[0] == "bend") + (piece.right[0] == "bend")
-        is_main = upper.get(piece.left) == piece.right and before.get(piece.right) == piece.left
-        weight = 1.0 if is_main or bends == 2 else _LIGHT
-        level = piece.left_offset - piece.right_offset if bends else 0.0
-        left, right = numbers[piece.left], numbers[piece.right]
-        near[right].append((weight, level, left))
-        near[left].append((weight, -level, right))
-    weights = [sum([weight for weight, _, _ in each]) for each in near]
-    stacks = []
-    for column in columns:
-        steps = accumulate((_step(*pair, sizes) for pair in pairwise(column)), initial=0.0)
-        stacks.append(([numbers[cell] for cell in column], [*steps][: len(column)]))
-    for sweep in range(4 * _SWEEPS):
-        moved = 0.0
-        for cells, offsets in reversed(stacks) if sweep % 2 else stacks:
-            wanted = []
-            for cell in cells:
-                weight = weights[cell]
-                mean = 0.0
-                for part, level, other in near[cell]:
-                    mean += part * (heights[other] + level)
-                wanted.append((weight, mean / weight) if weight else _LOOSE)
-            for cell, top in zip(cells, _apart(offsets, wanted), strict=True):
-                moved = max(moved, abs(top - heights[cell]))
-                heights[cell] = top
-        if moved < _STILL:
+    level: dict[Cell, list[Cell]] = {cell: [] for cell in tops}
+    for left, _, right, _ in pieces:
+        if left[0] == right[0] == "bend" or (after.get(left), before.get(right)) == (right, left):
+            level[left].append(right)
+            level[right].append(left)
+    tops = dict.fromkeys(tops, 0.0)
+    for sweep in range(_SWEEPS):
+        settled = dict(tops)
+        for column in reversed(columns) if sweep % 2 else columns:
+            above: list[Cell] = []
+            for cell in column:
+                least = [tops[each] + _step(each, cell, sizes) for each in above]
+                tops[cell] = max([tops[cell], *least, *map(tops.__getitem__, level[cell])])
+                above = [cell]
+        if tops == settled:
             break
-    tops = dict(zip(tops, heights, strict=True))
-    least = min(tops.values(), default=0.0)
-    return {cell: top - least for cell, top in tops.items()}
+    return tops
 
 
 def _step(upper: Cell, lower: Cell, sizes: Mapping[Cell, Size]) -> float:
     return sizes[upper].height + (0.0 if upper[0] == lower[0] == "bend" else _BETWEEN_CELLS)
-
-
-def _apart(offsets: Sequence[float], wanted: Iterable[tuple[float, float]]) -> list[float]:
-    """Return the tops closest to those wanted, in least squares, of cells that stand apart.
-
-    Cells that would overlap form a block at their common mean (pool adjacent violators). Offsets
-    are the least distances from the first cell; of each cell a weight and a top are wanted.
-    """
-    blocks: list[tuple[float, float, int]] = []
-    for offset, (weight, top) in zip(offsets, wanted, strict=False):
-        mean, count = top - offset, 1
-        while blocks and blocks[-1][1] >= mean:
-            other, before, members = blocks.pop()
-            mean = (other * before + weight * mean) / (other + weight)
-            weight, count = other + weight, count + members
-        blocks.append((weight, mean, count))
-    means = [mean for _, mean, count in blocks for _ in range(count)]
-    return [mean + offset for mean, offset in zip(means, offsets, strict=False)]
 
 
 def layout(
