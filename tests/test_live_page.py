@@ -133,7 +133,7 @@ def fed(folder: Path) -> Iterator[Fed]:
     with subprocess.Popen(
         [
             *(sys.executable, "-m", "nodegraph.cli.main", *words),
-            *("--plugin", str(plugin), "--only", "trial=0", "--only", "wait=15_frames", "--open"),
+            *("--plugin", str(plugin), "--only", "trial=0", "--only", "delay=15_frames", "--open"),
             "--json",
         ],
         text=True,

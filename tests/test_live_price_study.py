@@ -24,7 +24,7 @@ def test_nothing_fails_or_is_refused(built_in: Path) -> None:
 
 def test_who_sees_the_whole_take_errs_less_than_who_sees_nothing_ahead(built_in: Path) -> None:
     rows = table(built_in / "table.csv")
-    errors = {row["smooth"]: float(row["mean"]) for row in rows if row["wait"] == "whole take"}
+    errors = {row["smooth"]: float(row["mean"]) for row in rows if row["delay"] == "whole take"}
     assert max(errors["gcv"], errors["kalman_smoother"]) < errors["kalman_filter"]
     assert max(errors["kalman_filter"], errors["one_euro"]) < errors["without"]
 
@@ -32,7 +32,7 @@ def test_who_sees_the_whole_take_errs_less_than_who_sees_nothing_ahead(built_in:
 def test_no_method_waits_for_more_frames_than_its_group_does(built_in: Path) -> None:
     ahead: dict[str, set[str]] = {}
     for row in table(built_in / "table.csv"):
-        ahead.setdefault(row["wait"], set()).add(row["looks ahead"])
+        ahead.setdefault(row["delay"], set()).add(row["looks ahead"])
     few = {"", "0 frames", "1 frame", "3 frames", "4 frames"}
     assert ahead == {
         "no frame": {"", "0 frames"},

@@ -18,7 +18,7 @@ GRAPH = ROOT / "graphs" / "live.yaml"
 FILLS = ("muscle", "guenter", "lin_ouhyoung", "linear")
 WAIT = {"linear": 15}
 """Frames until the end of a gap."""
-STREAM: dict[str, int | str] = {"trial": 0, "wait": "15_frames"}
+STREAM: dict[str, int | str] = {"trial": 0, "delay": "15_frames"}
 ONLY = [text for axis, label in STREAM.items() for text in ("--only", f"{axis}={label}")]
 
 
@@ -47,7 +47,7 @@ def test_the_stream_gives_what_the_run_gives(studies: Studies, tmp_path: Path) -
         rows = list(csv.DictReader((tmp_path / f"{fill}.csv").read_text().splitlines()))
         errors = run["error"].at(fill=fill)
         for name, column in (("rmse", "rmse (mm)"), ("max", "max (mm)"), ("jump", "jump (mm)")):
-            last = counts["running"][f"error(trial=0, wait=15_frames, fill={fill})"][name]
+            last = counts["running"][f"error(trial=0, delay=15_frames, fill={fill})"][name]
             assert float(rows[-1][column]) == last
             assert last == pytest.approx(errors[name].mean(), rel=1e-9)
         assert len(rows) == 600
