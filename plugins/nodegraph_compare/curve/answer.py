@@ -48,7 +48,8 @@ _NEAR = 0.1
 """Share of the axis across within which its end has the only number."""
 
 _KINDS = {
-    "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee", "enough": "enough",
+    "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee",
+    "enough": "the fewest that are enough",
 }  # fmt: skip
 
 
@@ -305,7 +306,7 @@ def _picture(curves: Curves) -> str:
             f'<line class="enough" x1="{_LEFT:g}" x2="{_RIGHT:g}" y1="{level:.1f}" '
             f'y2="{level:.1f}"/>'
             f'<text class="end" x="{_RIGHT:g}" y="{level - 5:.1f}">'
-            f"{curves.enough:g} is enough</text>"
+            f"{escape(most_text(curves))} is enough</text>"
         )
     unit = unit_text(curves.unit)
     parts += [
@@ -388,16 +389,19 @@ def _scope(curves: Curves) -> Text:
         parts.append("shaded: what measurement noise alone does")
     if curves.enough is not None:
         parts.append(f"dashed: {most_text(curves)}, which is enough")
+    if _last(curves) is not None:
+        parts.append("black: the one that needs most")
     if "knee" in curves.marked.kinds.values():
         parts.append("knee: where a curve turns, so that more help less")
     several = f"{len(drawn)} curves" if len(drawn) > 1 else "One curve"
     kind = " of synthetic recordings" if recordings.synthetic else ""
     data = ", ".join(filter(None, [recordings.names, recordings.sizes]))
-    point = f"mean over {' and '.join(axes.blocks)}" if axes.blocks else "single result"
+    point = (
+        f"each point a mean over {' and '.join(axes.blocks)}" if axes.blocks else "each run once"
+    )
     people = "; untested on people" * recordings.synthetic
     held = (
-        f"{several}{kind}{f' ({data})' if data else ''}, each point a {point}: described, not "
-        f"tested; other draws may differ{people}."
+        f"{several}{kind}{f' ({data})' if data else ''}, {point}: other draws may differ{people}."
     )
     if kinds := dict.fromkeys(_KINDS[kind] for kind in curves.marked.kinds.values()):
         parts.append(f"circle: {' or '.join(kinds)}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nodegraph_compare.blocks import unsuccessful
 from nodegraph_compare.inference import CONFIDENCE
 from nodegraph_compare.left_out import absences, start_text
-from nodegraph_tables.style import scale_of, unit_text
+from nodegraph_tables.numbers import number_text
 
 if TYPE_CHECKING:
     from nodegraph import Across
@@ -27,9 +27,9 @@ def verdict(curves: Curves) -> str:
 
 
 def most_text(curves: Curves) -> str:
-    """Return the error that is small enough, as it was set."""
+    """Return the error that is small enough."""
     assert curves.enough is not None
-    return f"{scale_of(curves.unit) * curves.enough:g} {unit_text(curves.unit)}".rstrip()
+    return number_text(curves.enough, curves.unit)
 
 
 def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:

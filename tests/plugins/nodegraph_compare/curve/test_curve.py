@@ -174,7 +174,7 @@ def test_an_error_that_is_small_enough_is_marked_where_a_curve_stays_within_it()
     ]  # fmt: skip
     sentence, _, card = info_of(result.table).answer.lines
     assert sentence == (
-        "55 markers are enough for mse of at most 0.25 1 in 2 of 3 curves; "
+        "55 markers are enough for mse of at most 0.250\N{NO-BREAK SPACE}1 in 2 of 3 curves; "
         "the others do not come to it."
     )
     assert "; actor ME: 55 markers, mse 0.250" in card
@@ -191,14 +191,15 @@ def test_an_error_that_is_small_enough_is_marked_where_a_curve_stays_within_it()
     assert both.overall.mean == {"": 55}
     assert both.overall.beside == {"next fewer": {"": 45}}
     assert both.lines[0].startswith(
-        "55 markers are enough for mse of at most 0.25 1 in both curves (25 to 55 by curve)."
+        "55 markers are enough for mse of at most 0.250\N{NO-BREAK SPACE}1 in both curves "
+        "(25 to 55 by curve)."
     )
     assert (both.cards[0].headline, both.cards[0].value) == (
         ("55 markers",), ("enough for both curves",),
     )  # fmt: skip
     none = drawn(swept(ME=VALLEY, JZ=SLOPE), mark=0.01)
     assert info_of(none.table).answer.lines[0] == (
-        "No curve comes to mse of at most 0.01 1, with up to 55 markers."
+        "No curve comes to mse of at most 0.010\N{NO-BREAK SPACE}1, with up to 55 markers."
     )
 
 
