@@ -409,17 +409,16 @@ def _why(verdicts: Verdicts, take: int) -> Text:
     if of_all is not None and take == verdicts.best_over_all:
         first = f"{EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
-        claims = ["is clearly" if place in of_all.behind else f"{MAY_BE}," for place in rest]
+        claims = [" is clearly" if place in of_all.behind else f" {MAY_BE}," for place in rest]
         far = [_far(verdicts, of_all, place) for place in rest]
     else:
         counts = [f"{verdicts.behind_in(place) or 'none'}" for place in verdicts.least_behind]
-        fewest = ", no other in fewer" * (counts[0] != "none" and counts[0] in counts[1:2])
-        first = f"clearly behind in {counts[0]} of {len(groups)} groups{fewest}"
+        first = f"clearly behind the best in {counts[0]} of {len(groups)} groups"
         rest = [place for place in verdicts.least_behind if place != take][:1]
-        claims = [f"is clearly behind in {count}, at most" for count in counts[1:2]]
+        claims = [f": in {count}, at most" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
     after = [
-        say(f"next, {HERE} {claim} {HERE}", name, size)
+        say(f"next, {HERE}{claim} {HERE}", name, size)
         for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
     ]
     reason = joined("; ", [joined(", ", [first, worst]), *after])
@@ -639,7 +638,6 @@ def _held(verdicts: Verdicts) -> str:
         what = "holds" if judged else f"{described} intervals hold"
         whom = f"for further {verdicts.units}"
         if recordings.synthetic:
-            whom = f"for further {verdicts.units.removeprefix('synthetic ')} of this generator"
             whom += "; untested on people"
         return f"{units_text(scope)}{f' ({sizes})' if sizes else ''}: {what} {whom}."
     count = "one" if scope.clusters == 1 else str(scope.clusters)

@@ -135,12 +135,12 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
 
 
 def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
-    """Return the method to take, or else the best of the group, and how it stands there."""
+    """Return the best of the group, or the method to take where it may be as good."""
     take = verdicts.for_all
-    shown = group.best if take is None or take in group.best else (take,)
-    kind: Kind = "worse" if {*shown} & {*group.behind} else group.marks.get(shown[0], "rest")
+    shown = (take,) if take is not None and take in group.tied else group.best
+    kind: Kind = group.marks.get(shown[0], "rest")
     value, interval = _value(verdicts, group, shown[0])
-    names = say(f"{'take ' * (take is not None)}{HERE}", listing(method_words(verdicts, shown)))
+    names = listing(method_words(verdicts, shown))
     status = standing_text(_bare(verdicts), group, shown[0])
     return Card((), names, value, interval, rows=rows, status=status, kind=kind)
 
@@ -211,7 +211,7 @@ def _notes(verdicts: Verdicts, group: Verdict, most: int) -> dict[int, Text]:
     if paired is None or (group.best and not group.stands):
         return {}
     others = [place for place in group.known if place != paired.reference]
-    start = f"than {verdicts.methods[paired.reference]}: {HERE}"
+    start = f"difference to {verdicts.methods[paired.reference]}: {HERE}"
     if group.best:
         others = nearest_first(group, group.tied)
         start = f"from the {EXTREME[group.better]}: {HERE}"

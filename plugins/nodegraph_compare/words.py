@@ -375,19 +375,19 @@ def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:
 
 
 def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return which method is the best of a group that a verdict tells apart, and how one stands."""
-    here = "best" if verdicts.for_all is None else "best here"
-    if place not in group.best:
+    """Return how one of the best of a group, or what may be as good, stands to the others."""
+    if place in group.tied:
         mean = span_text([group.mean[group.best[0]]], verdicts.metric.unit)
         best, number = listing(best_words(verdicts, group.best)), Word(mean, "number")
-        (name,) = method_words(verdicts, [place])
-        first = say(f"{here}: {HERE} {HERE}; {HERE}", best, number, name)
-        if place in group.tied:
-            return joined(" ", [first, MAY_BE])
-        return say(f"{HERE} clearly behind: {HERE}", first, behind_text(verdicts, group, place))
+        return say(f"{MAY_BE} as {HERE} {HERE}", best, number)
+    take = verdicts.for_all
+    if take in group.behind:
+        (name,) = method_words(verdicts, [take])
+        far = behind_text(verdicts, group, take)
+        return say(f"best; {HERE} clearly behind: {HERE}", name, far)
     if group.tied:
-        return joined("; ", [here, others_text(verdicts, group)])
-    return (f"clearly {here}",) if group.behind else ()
+        return joined("; ", ["best", others_text(verdicts, group)])
+    return ("clearly best",) if group.behind else ()
 
 
 def others_text(verdicts: Verdicts, group: Verdict) -> Text:

@@ -16,6 +16,7 @@ from nodegraph_compare.words import (
     method_words,
     nearest_first,
     others_text,
+    plain_names,
     varying,
 )
 from nodegraph_tables.answer import (
@@ -234,7 +235,8 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
     if axis:
         parts.append(escape(f"axis: {', '.join(axis)}"))
     if verdicts.for_all is not None:
-        parts.append("<mark>tinted</mark>: the one to take")
+        (take,) = plain_names(verdicts, [verdicts.for_all])
+        parts.append(f"<mark>tinted</mark>: {escape(take)}, the one to take")
     return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
 
 

@@ -155,7 +155,7 @@ def test_without_a_better_end_others_are_held_against_a_baseline() -> None:
         low, high = finding.apart.get(row.name, (0.0, 0.0))
         ends = f"95 %: {low:.3f}".replace("-", "\N{MINUS SIGN}")
         note = plain(row.note)
-        assert note.startswith("than ridge: +") == (row.name != "ridge")
+        assert note.startswith("difference to ridge: +") == (row.name != "ridge")
         assert (ends in note) == (row.name != "ridge")
         assert low <= row.value - finding.mean["ridge"] <= high
 

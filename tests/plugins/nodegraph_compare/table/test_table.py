@@ -107,7 +107,8 @@ def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> No
     assert far["ratio"] == pytest.approx(np.exp(d.mean()))
     assert far["mean"] == pytest.approx(np.exp(logs["far"].mean()))
     assert far["p"] <= 0.05
-    assert words(frame)[2].startswith("Why near: clearly behind in none of 2 groups, best in each")
+    why = "Why near: clearly behind the best in none of 2 groups, best in each"
+    assert words(frame)[2].startswith(why)
     # too few units for any group have none over all of them, nor has a single group
     for few in (trials(2), trials(8, lengths=(5,))):
         assert table(few, within=("length",)).table["length"].notna().all()
@@ -493,9 +494,7 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     )
     verdicts = table_of(scores, within=("length",)).overview.verdicts
     held, *rest = scope_words(verdicts)
-    assert held == Word(
-        "8 synthetic faces: holds for further faces of this generator; untested on people."
-    )
+    assert held == Word("8 synthetic faces: holds for further synthetic faces; untested on people.")
     scope = plain(tuple(rest))
     assert "synthetic face (geometric mean over faces and groups), lower is better." in scope
     assert "Clearly: by paired tests, wrong in up to 5 % of such studies." in scope
@@ -725,7 +724,7 @@ def test_groups_of_which_few_blocks_are_left_are_distinguished() -> None:
     ]
     frame = table(Across(("length", "fill"), tuple(both)), within=("length",)).table
     short, long = words(frame)[3:5]
-    assert short.startswith("length 5: take bold")
+    assert short.startswith("length 5: bold")
     assert "used: 19 of 20 gaps" in short
     assert long.startswith("length 45: ")
     assert "used: 5 of 20 gaps" in long
