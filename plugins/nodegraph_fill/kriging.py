@@ -51,7 +51,7 @@ def kriging(
     *,
     neighbours: Annotated[int, Field(ge=1), Tune(20, 40)] = 20,
 ) -> Estimate:
-    """Fill gaps from other markers and from the course in time of what they leave (kriging).
+    """Fill gaps from other markers and from the marker's own course in time (kriging).
 
     Each coordinate of a marker, without its mean, is ``c[t] + r[t]``, seen with noise where the
     marker is present. c is what other markers tell of it, r the rest. They are independent

@@ -20,7 +20,7 @@ def soft_impute(
     *,
     shrinkage: Annotated[float, Field(gt=0, lt=1), Tune(0.001, 0.003, 0.01)] = 0.001,
 ) -> Estimate:
-    """Fill gaps from the matrix of least nuclear norm near the samples (Mazumder et al., 2010).
+    """Fill gaps from a matrix of low rank that is near the samples (Mazumder et al., 2010).
 
     The take is a matrix X of a row per frame and three columns per marker, each without its
     mean. Sought is the Z with the least
