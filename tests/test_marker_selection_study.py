@@ -1,4 +1,4 @@
-"""How many markers give the same expressions as all 60: command line to curves and faces."""
+"""How many of 60 markers are enough: command line to curves and faces."""
 
 from __future__ import annotations
 
