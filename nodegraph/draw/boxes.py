@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from html import escape
-from itertools import chain, product, repeat
+from itertools import chain, repeat
 from textwrap import wrap
 from typing import NamedTuple
 
@@ -84,8 +84,6 @@ _BASELINE = 13.3
 _MOST_LINES = 5
 _LONGEST_AT_PORT = 26
 _LONGEST_BESIDE = 32
-_HEIGHT = 3.0
-"""Widths that a height is worth, where notes stand beside ports or below them."""
 _NARROWEST_COLUMN = 200.0
 _BETWEEN_COLUMNS = 20.0
 _INDENT = 10.0
@@ -211,7 +209,8 @@ def shape(
         sum(widths) + _CHIP_GAP * (len(widths) - 1),
         *(wide for _, wide, _ in axes),
     )
-    inner, inputs, outputs = _sides(into, out, least)
+    inputs, outputs = _side(into), _side(out, at_end=True)
+    inner = max(least, _beside(inputs.lines, outputs.lines))
     notes = [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
     lines = [*_told(box, max(inner, _LEAST_LINE))]
     inner = max([inner, *(_wide(*line) for line in (*notes, *lines))])
@@ -317,28 +316,8 @@ class _Side(NamedTuple):
     height: float
 
 
-_Ports = list[tuple[Socket, list[str]]]
-
-
-def _sides(into: _Ports, out: _Ports, least: float) -> tuple[float, _Side, _Side]:
-    """Return the width, the inputs and the outputs of a box, with notes beside ports or below."""
-
-    def inside(sides: tuple[_Side, _Side]) -> float:
-        return max(least, _beside(*(side.lines for side in sides)))
-
-    choices = (_LONGEST_BESIDE, 0) if any(any(notes) for _, notes in (*into, *out)) else (0,)
-    sides = min(
-        product(
-            [_side(into, longest) for longest in choices],
-            [_side(out, longest, at_end=True) for longest in choices],
-        ),
-        key=lambda sides: inside(sides) + _HEIGHT * max(side.height for side in sides),
-    )
-    return inside(sides), *sides
-
-
-def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
-    """Return ports with notes, the first beside its port if both have at most some characters."""
+def _side(ports: Iterable[tuple[Socket, list[str]]], *, at_end: bool = False) -> _Side:
+    """Return ports with notes, the first beside its port if both have not too many characters."""
     lines, heights = list[Text](), dict[str, float]()
     y = 0.0
     for socket, notes in ports:
@@ -349,7 +328,7 @@ def _side(ports: _Ports, longest: int, *, at_end: bool = False) -> _Side:
         below = [line for text in own for line in _wrapped(text, _LONGEST_AT_PORT)]
         texts = [("port", socket.text, 0.0, _LEADING["port"])] if socket.text or not own else []
         texts += [("note", line, 0.0, _LEADING["note"]) for line in below]
-        if socket.text and own and len(f"{socket.text} {own[0]}") <= longest:
+        if socket.text and own and len(f"{socket.text} {own[0]}") <= _LONGEST_BESIDE:
             shift = _CHIP_GAP + _wide(*texts[at_end][:2])
             begin, end = (-shift, 0.0) if at_end else (0.0, shift)
             texts[:2] = (*texts[0][:2], begin, texts[0][3]), (*texts[1][:2], end, 0.0)

@@ -284,7 +284,7 @@ def _box(
         texts = texts or [_text(varied[uses[label]])]
         for axis, labels in kept[label].items():
             ends = map(str, dict.fromkeys((labels[0], labels[-1])))
-            texts.append(f"only at {axis} " + " \N{EN DASH} ".join(ends))
+            texts.append(f"at {axis} " + " \N{EN DASH} ".join(ends))
         alternatives += [Alternative(label, ", ".join(filter(None, texts)))] * node.has_alternatives
     axes = _with_values(common)
     told = {axis.name for axis in axes}

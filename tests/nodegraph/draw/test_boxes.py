@@ -53,16 +53,17 @@ def test_texts_of_ports_at_one_height_lie_beside_each_other() -> None:
     level = shape(Box("a", (), (recording,), (hidden,)), "a", readers=readers)
     below = shape(Box("a", (), (recording,), (Socket("x"), hidden)), "a", readers=readers)
     both = shape(Box("a", (), (recording, recording), (hidden,)), "a", readers=readers)
-    assert level.width == below.width < both.width
+    assert below.width < level.width == both.width
 
 
-def test_a_note_stands_beside_its_port_unless_the_box_would_be_much_wider() -> None:
+def test_a_note_stands_beside_its_port_unless_it_is_long() -> None:
     box = Box("a", (), (Socket("reference"),), (Socket("head_motion"),))
-    sources = (("reference", "model.neutral"),)
-    for label, beside in (("a_name_of_a_node_that_is_long", True), ("a", False)):
-        height = {text.text: text.y for text in shape(box, label, sources=sources).texts}
-        assert (height["reference"] == height["from model.neutral"]) == beside
+    for source, beside in (("model.neutral", True), ("model_of_the_actor.neutral", False)):
+        height = {
+            text.text: text.y for text in shape(box, "a", sources=(("reference", source),)).texts
+        }
+        assert (height["reference"] == height[f"from {source}"]) == beside
     readers = (("head_motion", "animation"),)
-    drawn = shape(Box("a", (), (), box.outputs), "a_name_of_a_node_that_is_long", readers=readers)
+    drawn = shape(Box("a", (), (), box.outputs), "a", readers=readers)
     ends = {text.text: text.x for text in drawn.texts if text.at_end}
     assert ends["to animation"] - ends["head_motion"] > width("to animation", 11.0)

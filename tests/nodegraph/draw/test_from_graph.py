@@ -257,8 +257,8 @@ def test_an_alternative_says_at_which_labels_it_is(graph_of: Callable[..., Graph
 
     assert settings(graph_of(text)) == [
         "fill.scale, power: 5",
-        "fill.hold, only at wait many",
-        "fill.scale, power: 2, only at wait few \N{EN DASH} many",
+        "fill.hold, at wait many",
+        "fill.scale, power: 2, at wait few \N{EN DASH} many",
         "fill.hold",
     ]
     assert settings(graph_of(text, only={"wait": ("none",)}))[1] == "fill.hold"
