@@ -58,7 +58,7 @@ def test_texts_of_ports_at_one_height_lie_beside_each_other() -> None:
 
 def test_a_note_stands_beside_its_port_unless_it_is_long() -> None:
     box = Box("a", (), (Socket("reference"),), (Socket("head_motion"),))
-    for source, beside in (("model.neutral", True), ("model_of_the_actor.neutral", False)):
+    for source, beside in (("model.neutral", True), ("actor_model.neutral", False)):
         height = {
             text.text: text.y for text in shape(box, "a", sources=(("reference", source),)).texts
         }
