@@ -247,10 +247,6 @@ class _Piece(NamedTuple):
     right: Cell
     right_offset: float
 
-    def drop(self, tops: Mapping[Cell, float]) -> float:
-        """Return how far the right end is below the left one."""
-        return tops[self.right] + self.right_offset - tops[self.left] - self.left_offset
-
 
 def _piece(sizes: Mapping[Cell, Size], begin: End, end: End) -> _Piece:
     (left, port), (right, right_port) = begin, end
@@ -280,7 +276,8 @@ def _lanes(gap: Sequence[_Piece], tops: Mapping[Cell, float]) -> dict[_Piece, in
     if len(gap) > _MOST_IN_LANES:
         return lanes
     begins = {piece: tops[piece.left] + piece.left_offset for piece in gap}
-    falls = {piece: fall for piece in gap if abs(fall := piece.drop(tops)) > _STEEP}
+    ends = {piece: tops[piece.right] + piece.right_offset for piece in gap}
+    falls = {piece: fall for piece in gap if abs(fall := ends[piece] - begins[piece]) > _STEEP}
 
     def turn(piece: _Piece) -> tuple[bool, float]:
         """Of wires that go down the upper one turns last, of those that go up the lower one."""

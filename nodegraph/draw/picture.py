@@ -48,8 +48,7 @@ class Socket:
     @property
     def text(self) -> str:
         """What is shown of the name."""
-        own = "" if self.items else self.name
-        return own if self.shown is None else self.shown
+        return self.name if self.shown is None else self.shown
 
     @property
     def value(self) -> str:
@@ -374,8 +373,7 @@ def _said_once(picture: Picture) -> Picture:
     does = set[str]()
     boxes = []
     for box in picture.boxes:
-        if box.does in does:
-            box = replace(box, does="")
+        box = replace(box, does=box.does if box.does not in does else "")
         does.add(box.does)
         known = first.setdefault(box.alternatives, box.name)
         if len(box.alternatives) > 1 and known != box.name:
