@@ -59,7 +59,7 @@ class Call:
 def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
     node, registry = call.node, call.registry
-    is_ours = registry is None or call.plugin in registry.shipped
+    is_ours = _is_ours(call)
     notes = Notes(node, call.settings, with_reads=not is_ours)
     # set and reset by hand: a context manager for each step would take three times as long
     noted = notes_of_call.set(notes)
@@ -79,6 +79,7 @@ def perform(call: Call) -> Outcome:
             notes.warnings += _calls.end()
         values = values_of(node, returned)
         notes.check_threads()
+        notes.warnings += _broken_promises(call, values)
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
         reason = printable(message_of(refusal)) or "no reason given"
@@ -99,6 +100,20 @@ def perform(call: Call) -> Outcome:
             dict.fromkeys(one_line(printable(text)) for text in notes.warnings)
         )
     return outcome
+
+
+def _is_ours(call: Call) -> bool:
+    return call.registry is None or call.plugin in call.registry.shipped
+
+
+def _broken_promises(call: Call, values: Sequence[object]) -> Iterator[str]:
+    """Yield what a third party's node breaks of its family's promises, as far as a call shows."""
+    node, registry = call.node, call.registry
+    if registry is None or _is_ours(call):
+        return
+    outputs = {port.name: value for port, value in zip(node.outputs, values, strict=True)}
+    for promise, where in registry.hooks.broken_promises(node, call.inputs, outputs, call.settings):
+        yield f"{where} (every {node.family}.* node promises: {promise})"
 
 
 def timed_out(call: Call) -> Outcome:

@@ -7,19 +7,21 @@ that names the plugin and the hook; everything else continues.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from inspect import getattr_static
+from inspect import getattr_static, getdoc
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 import pluggy
 
 from nodegraph.errors import nearest
+from nodegraph.node.declaration import UNDECLARED
+from nodegraph.node.decorator import Node
 from nodegraph.plugin.guards import HookSource, guard, guard_item
-from nodegraph.plugin.hook_types import Contract, Format, Viewer, expect
+from nodegraph.plugin.hook_types import Contract, Format, Tried, Viewer, expect
 from nodegraph.plugin.hooks import GROUP, HOOKS, Shape, specifications
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin, error_text, package_of
@@ -102,11 +104,57 @@ class HookResults:
         scheme, _, name = path.partition(":")
         return bool(name) and scheme in self.of("places")
 
-    def contracts(self, family: str) -> Iterator[tuple[Contract, HookSource]]:
-        """Yield the promises of a family, the last plugin's first."""
-        for name, promises, source in self._items("contracts"):
-            if name == family:
-                yield from _of_type(promises, Contract, source)
+    def broken_promises(
+        self,
+        node: Node,
+        inputs: Mapping[str, object],
+        outputs: Mapping[str, object],
+        settings: Mapping[str, object],
+        again: Callable[..., Mapping[str, Any] | None] | None = None,
+    ) -> Iterator[tuple[str, str]]:
+        """Yield what a call of a node breaks of its family's promises: the promise, and where.
+
+        Parameters
+        ----------
+        node
+        inputs, outputs
+            The values at its ports.
+        settings
+            Those that it was called with; the others have their defaults.
+        again
+            Calls it with other inputs, as a contract needs it: see `Tried`. None: no contract is
+            followed beyond the point where it does that.
+        """
+        settings = {**node.defaults, **settings}
+        lookahead = node.lookahead(settings)
+        tried = Tried(
+            inputs=inputs,
+            outputs=outputs,
+            settings=settings,
+            units={name: setting.unit for name, setting in node.settings.items() if setting.unit},
+            doc=node.doc,
+            lookahead=None if lookahead is UNDECLARED else lookahead,
+            meets_ends=bool(node.meets_ends(settings)),
+            again=again or _not_again,
+        )
+        for contract, source in self._contracts.get(node.family, ()):
+            name = getattr(contract, "__name__", repr(contract))
+            promise = (getdoc(contract) or name).partition("\n")[0].rstrip(".")
+            try:
+                for violation in contract(tried):
+                    yield promise, violation
+            except _CalledAgain:
+                continue
+            except Exception as error:
+                yield promise, source.failure(name, error)
+
+    @cached_property
+    def _contracts(self) -> Mapping[str, Sequence[tuple[Contract, HookSource]]]:
+        """Promises by family, the last plugin's first."""
+        contracts: dict[str, list[tuple[Contract, HookSource]]] = {}
+        for family, promises, source in self._items("contracts"):
+            contracts.setdefault(family, []).extend(_of_type(promises, Contract, source))
+        return contracts
 
     def _named(self, hook: str) -> dict[str, Any]:
         """Return the items of a hook that returns a mapping; of one name, the first plugin's."""
@@ -164,6 +212,14 @@ class HookResults:
             else:
                 _warn_of_unknown_hooks(manager, plugin)
         return manager
+
+
+class _CalledAgain(Exception):
+    """A contract has called a node that may not be called again."""
+
+
+def _not_again(*_: object, **__: object) -> NoReturn:
+    raise _CalledAgain
 
 
 class _Manager(pluggy.PluginManager):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import inspect
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from nodegraph.errors import NodeError, nearest
-from nodegraph.node.declaration import UNDECLARED
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
 from nodegraph.plugin.formats import formats_of
-from nodegraph.plugin.guards import HookSource, PluginError
-from nodegraph.plugin.hook_types import Contract, Tried, expect
+from nodegraph.plugin.guards import PluginError
+from nodegraph.plugin.hook_types import expect
 from nodegraph.plugin.loading import error_text, package_of
 from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.testing.faults import Faults
@@ -217,7 +215,6 @@ def _call_on_specimens(
     registry: Registry,
     faults: Faults,
 ) -> None:
-    contracts = list(registry.hooks.contracts(node.family))
     declined: list[str] = []
     is_accepted = is_long_checked = False
     for specimen, values in cases(node, inputs, registry):
@@ -232,8 +229,12 @@ def _call_on_specimens(
                 # one is enough: most is long on a stream that is not on a whole take
                 check_live_form(trial, outputs, long=not is_long_checked)
                 is_long_checked = True
-            for contract, source in contracts:
-                _check_contract(contract, source, trial, outputs)
+            for promise, violation in registry.hooks.broken_promises(
+                node, trial.inputs, outputs, trial.settings, trial.again
+            ):
+                trial.add_fault(
+                    f"breaks what every {node.family}.* node promises: {promise}", violation
+                )
     if not is_accepted and not faults:
         faults.add("declines every specimen, so that nothing of it is tested", detail=declined[0])
 
@@ -248,30 +249,3 @@ def _check_columns(trial: Trial, outputs: Mapping[str, object]) -> None:
                 "Columns(...), or omit that if they depend on the data",
                 ", ".join(undeclared),
             )
-
-
-def _check_contract(
-    contract: Contract, source: HookSource, trial: Trial, outputs: Mapping[str, object]
-) -> None:
-    name = getattr(contract, "__name__", repr(contract))
-    node = trial.node
-    settings = {**node.defaults, **trial.settings}
-    lookahead = node.lookahead(settings)
-    tried = Tried(
-        inputs=trial.inputs,
-        outputs=outputs,
-        settings=settings,
-        units={name: setting.unit for name, setting in node.settings.items() if setting.unit},
-        doc=node.doc,
-        lookahead=None if lookahead is UNDECLARED else lookahead,
-        meets_ends=bool(node.meets_ends(settings)),
-        again=trial.again,
-    )
-    try:
-        violations = list(contract(tried))
-    except Exception as error:
-        violations = [source.failure(name, error)]
-    if violations:
-        promise = (inspect.getdoc(contract) or name).partition("\n")[0].rstrip(".")
-    for violation in violations:
-        trial.add_fault(f"breaks what every {node.family}.* node promises: {promise}", violation)

@@ -202,7 +202,7 @@ def places(recording: Trajectories, where: NDArray[np.bool_]) -> str:
     """Return the first of some samples and the number of others as text."""
     frame, marker = np.argwhere(where)[0]
     count = int(np.count_nonzero(where))
-    more = f" and {count - 1} more samples" if count > 1 else ""
+    more = f" and {count - 1} more {'samples' if count > 2 else 'sample'}" if count > 1 else ""
     return f"frame {frame}, marker {recording.markers[marker]!r}{more}"
 
 
