@@ -9,6 +9,7 @@ from enum import StrEnum
 from functools import cached_property
 
 from nodegraph.equality import change, difference
+from nodegraph.errors import listed
 from nodegraph.formatting import labels_of
 from nodegraph.plugin.hook_results import HookResults
 from nodegraph.runs.record import Cell, Record, RecordedCode, RecordedStep
@@ -230,8 +231,9 @@ def _ended_otherwise(pair: Pair) -> bool:
 
 def choices(was: Record, now: Record) -> Iterator[str]:
     """Yield a text per input, and per axis, with another value."""
-    kinds = (("input", was.inputs, now.inputs), ("axis", was.axes, now.axes))
-    for kind, before, after in kinds:
+    for kind, before, after in (
+        ("input", was.inputs, now.inputs), ("axis", _labels(was), _labels(now)),
+    ):  # fmt: skip
         for name in {**before, **after}:
             if name not in before:
                 yield f"{kind} {name} is new: {after[name]}"
@@ -239,6 +241,11 @@ def choices(was: Record, now: Record) -> Iterator[str]:
                 yield f"{kind} {name} is gone, it was {before[name]}"
             elif before[name] != after[name]:
                 yield f"{kind} {name} was {before[name]}, now {after[name]}"
+
+
+def _labels(record: Record) -> dict[str, object]:
+    """Return the labels of each axis as text: ``(5, 15)``."""
+    return {name: f"({listed(labels)})" for name, labels in record.axes.items()}
 
 
 def by_digest(store: Store) -> Judge:

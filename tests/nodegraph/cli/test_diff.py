@@ -53,7 +53,7 @@ def test_combinations_of_one_run_only_are_counted(command: Command) -> None:
     edit("toy.yaml", "[1, 5]", "[2, 5]")
     status, out = compared(command)
     assert status == 1
-    assert "axis length was [1, 5], now [2, 5]" in out
+    assert "axis length was (1, 5), now (2, 5)" in out
     assert "only in was: " in out
     assert "gaps (1)" in out
     assert "fill (2)" in out
