@@ -390,7 +390,7 @@ def _scope(curves: Curves) -> Text:
     if curves.enough is not None:
         parts.append(f"dashed: {most_text(curves)}, which is enough")
     if _last(curves) is not None:
-        parts.append("black: the one that needs most")
+        parts.append("thick: the one that needs most")
     if "knee" in curves.marked.kinds.values():
         parts.append("knee: where a curve turns, so that more help less")
     several = f"{len(drawn)} curves" if len(drawn) > 1 else "One curve"
