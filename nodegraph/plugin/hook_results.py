@@ -125,6 +125,9 @@ class HookResults:
             Calls it with other inputs, as a contract needs it: see `Tried`. None: no contract is
             followed beyond the point where it does that.
         """
+        contracts = self._contracts.get(node.family)
+        if contracts is None:
+            return
         settings = {**node.defaults, **settings}
         lookahead = node.lookahead(settings)
         tried = Tried(
@@ -137,7 +140,7 @@ class HookResults:
             meets_ends=bool(node.meets_ends(settings)),
             again=again or _not_again,
         )
-        for contract, source in self._contracts.get(node.family, ()):
+        for contract, source in contracts:
             name = getattr(contract, "__name__", repr(contract))
             promise = (getdoc(contract) or name).partition("\n")[0].rstrip(".")
             try:
