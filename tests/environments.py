@@ -60,8 +60,8 @@ class Environment:
         return Path(sysconfig.get_path("purelib", "venv", {"base": base}))
 
     def files(self) -> set[Path]:
-        """Return all that was installed."""
-        return set(self.site_packages.rglob("*"))
+        """Return all that was installed, but for what Python compiles."""
+        return {path for path in self.site_packages.rglob("*") if "__pycache__" not in path.parts}
 
     def install(self, *words: str | Path) -> None:
         """Install with pip, which downloads nothing."""
@@ -79,7 +79,6 @@ class Environment:
             "HOME": str(self.home),
             "XDG_CACHE_HOME": str(self.home / ".cache"),
             "NUMBA_CACHE_DIR": "",
-            "PYTHONDONTWRITEBYTECODE": "1",  # what an installation holds is compared
             "NODEGRAPH_STORE": str(self.folder / "store"),
         }
         return run(str(path), *map(str, words), cwd=self.folder, variables=variables).stdout
