@@ -27,7 +27,7 @@ _MONOSPACE = 0.61
 _BOLD = 1.1
 
 
-_Parts = tuple[tuple[str, float, float, bool], ...]
+_Parts = tuple[tuple[str, float, float, str], ...]
 _cached = lru_cache(10_000)  # the same names, lengths and lines stand at many boxes
 
 
@@ -114,9 +114,8 @@ class Chip:
 
     Attributes
     ----------
-    texts : tuple of (str, float, float, bool)
-        Each with the distances of its start and its baseline from the corner, and whether it is a
-        name and no note.
+    texts : tuple of (str, float, float, str)
+        Each with the distances of its start and its baseline from the corner, and its style.
     label : str
         Of an alternative.
     """
@@ -213,6 +212,11 @@ def shape(
     inner = max(least, _beside(inputs.lines, outputs.lines))
     notes = [("note", line) for line in _wrapped(_at(", ".join(common)), _LONGEST_NOTE)]
     lines = [*_told(box, max(inner, _LEAST_LINE))]
+    if len(out) > 1 and not into:
+        free = least - _BETWEEN_SIDES - _beside((), outputs.lines)
+        told, lines = [*_told(box, max(free, _LEAST_LINE))], []
+        inputs = _Side(_stacked(told, 0.0, 2.5), {}, _height(told))
+        inner = max(inner, _beside(inputs.lines, outputs.lines))
     inner = max([inner, *(_wide(*line) for line in (*notes, *lines))])
     hint = clean(label) if shortened(label) != clean(label) else ""
     texts = [Text("name", shortened(label), INSET, 20.0, hint)]
@@ -223,20 +227,12 @@ def shape(
         {name: top + height for name, height in side.heights.items()} for side in (inputs, outputs)
     )
     y = top + max(inputs.height, outputs.height)
-    for _, line in notes:
-        y += _LEADING["note"]
-        texts.append(Text("note", line, INSET, y - 3.0))
-    rule = y + 6.0
+    texts += _stacked(notes, INSET, y)
+    rule = y + _LEADING["note"] * len(notes) + 6.0
+    texts += _stacked(lines, INSET, rule + 3.0)
     high = max([0.0, *(sum(high + _ROW_GAP for *_, high in column) for column in columns)])
-    lead = sum([_LEADING[style] for style, _ in lines]) + 3.0
-    stand_in = bool(columns) and all(each.source for each in alternatives)
-    first_row = rule + _CHIP_GAP + (lead if lines and not stand_in else 0.0)
-    y = rule + 3.0 + (high + _ROW_GAP if stand_in else 0.0)
-    for style, text in lines:
-        y += _LEADING[style]
-        hint = clean(text) if shortened(text) != clean(text) else ""
-        texts.append(Text(style, shortened(text), INSET, y - 3.0, hint))
-    y = max(rule, y * bool(lines), (first_row + high - _ROW_GAP) * bool(columns))
+    first_row = rule + _height(lines) + _CHIP_GAP
+    y = max(rule + _height(lines), (first_row + high - _ROW_GAP) * bool(columns))
     chips: list[Chip] = []
     x, top = inner + 1.0, y
     for axis, (parts, wide, count) in zip(box.axes, axes, strict=True):
@@ -340,6 +336,20 @@ def _side(ports: Iterable[tuple[Socket, list[str]]], *, at_end: bool = False) ->
     return _Side(lines, heights, y)
 
 
+def _stacked(lines: Iterable[tuple[str, str]], x: float, y: float) -> list[Text]:
+    """Return lines one below the other."""
+    texts = list[Text]()
+    for style, text in lines:
+        y += _LEADING[style]
+        hint = clean(text) if shortened(text) != clean(text) else ""
+        texts.append(Text(style, shortened(text), x, y - 3.0, hint))
+    return texts
+
+
+def _height(lines: Sequence[tuple[str, str]]) -> float:
+    return sum(_LEADING[style] for style, _ in lines) + 3.0 * bool(lines)
+
+
 def _wide(style: str, text: str) -> float:
     return width(shortened(text), _SIZES[style], bold=style == "name", monospace=style == "line")
 
@@ -360,14 +370,24 @@ def _row(alternative: Alternative, *, states: bool) -> _Row:
     """Return the row of an alternative; details that are long stand below its label."""
     label = shortened(alternative.label)
     beside = _CHIP_INSET + width(label, _SIZES["chip"]) + _CHIP_GAP
-    details = _wrapped(alternative.details, _LONGEST_IN_ROW)
-    is_long = len(label) + max(map(len, details), default=0) > _LONGEST_BESIDE_LABEL
-    x = 2.0 * _CHIP_INSET if is_long else beside
-    parts = [(text, x, _BASELINE + at * _LINE, False) for at, text in enumerate(details, is_long)]
-    wide = max([beside, *(x + width(text, _SIZES["chip"]) for text in details)])
+    settings, source = (_wrapped(text, _LONGEST_IN_ROW) for text in alternative.details)
+    details = [[("setting", text)] for text in settings]
+    if settings and source and len(settings[-1] + source[0]) < _LONGEST_IN_ROW:
+        details[-1].append(("note", source[0]))
+        source = source[1:]
+    details += [[("note", text)] for text in source]
+    longest = max((sum(len(text) for _, text in line) for line in details), default=0)
+    is_long = len(label) + longest > _LONGEST_BESIDE_LABEL
+    parts = [(label, _CHIP_INSET, _BASELINE, "name")]
+    wide = beside
+    for at, line in enumerate(details, is_long):
+        x = 2.0 * _CHIP_INSET if is_long else beside
+        for style, text in line:
+            parts.append((text, x, _BASELINE + at * _LINE, style))
+            x += width(text, _SIZES["chip"]) + _CHIP_GAP
+        wide = max(wide, x - _CHIP_GAP)
     high = CHIP_HEIGHT + (len(details) - 1 + is_long) * _LINE * bool(details)
-    name = label, _CHIP_INSET, _BASELINE, True
-    return (name, *parts), wide + (_STATE if states else _CHIP_GAP), high
+    return tuple(parts), wide + (_STATE if states else _CHIP_GAP), high
 
 
 def _axis(axis: Axis) -> tuple[_Parts, float, int]:
@@ -379,12 +399,13 @@ def _axis(axis: Axis) -> tuple[_Parts, float, int]:
     table: list[tuple[str, ...]] = [(text,) for text in _wrapped(str(axis), _LONGEST_AXIS)]
     if axis.values:
         table = [(axis.name, *axis.settings), *axis.values]
-    parts: list[tuple[str, float, float, bool]] = []
+    parts: list[tuple[str, float, float, str]] = []
     x = 0.0
     for place, column in enumerate(zip(*table, strict=True)):
         texts = [shortened(text, _LONGEST_VALUE) if place else text for text in column]
         x += _CHIP_INSET
-        parts += [(text, x, _BASELINE + at * _LINE, place == 0) for at, text in enumerate(texts)]
+        style = "note" if place else "name"
+        parts += [(text, x, _BASELINE + at * _LINE, style) for at, text in enumerate(texts)]
         x += max(width(text, size, bold=place == 0) for text in texts)
     return tuple(parts), x + _CHIP_INSET, len(table)
 

@@ -83,6 +83,5 @@ def _edge(arrow: Arrow, numbers: Mapping[str, int], boxes: Mapping[str, Box]) ->
     begin = f"n{numbers[arrow.source]}:o{outputs.index(arrow.source_port)}:s"
     end = f"n{numbers[arrow.target]}:i{inputs.index(arrow.target_port)}:n"
     styles = ["style=dashed"] * arrow.truth + ["penwidth=3"] * arrow.gathers
-    notes = [f"at {arrow.fixed}"] if arrow.fixed else []
-    styles += [f"label={_quoted('; '.join(notes))}"] if notes else []
+    styles += [f"label={_quoted(f'at {arrow.fixed}')}"] if arrow.fixed else []
     return f"  {begin} -> {end}" + (f" [{', '.join(styles)}]" if styles else "") + ";"

@@ -31,7 +31,7 @@ from nodegraph.graph.axis_text import axis_text
 from nodegraph.graph.methods import PASS
 from nodegraph.graph.model import Method
 from nodegraph.graph.pass_through import PassThrough
-from nodegraph.graphfile.spec import Reference, Variable
+from nodegraph.graphfile.spec import Reference
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port
 
@@ -297,7 +297,7 @@ def _box(
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
         does = described.doc
-        lines = [*filter(None, ["" if does else described.name, _text(_from_fields(graph, node))])]
+        lines = [] if does else [described.name]
     shown = [entry for entry in graph.spec.report if entry.node == node.name]
     return Box(
         node.name,
@@ -415,15 +415,6 @@ def _told_again(axis: Axis) -> Axis:
             rows = [row for row in axis.values if row[1:] != usual]
             return axis._replace(values=(*rows, ("others", *usual)))
     return axis
-
-
-def _from_fields(graph: Graph, node: GraphNode) -> dict[str, str]:
-    """Return the settings that fields of an axis give to a graph used as a node, as written."""
-    return {
-        name: str(each.value).removeprefix("$")
-        for name, each in graph.spec.nodes[node.name].settings.items()
-        if isinstance(each.value, Variable) and each.value.field
-    }
 
 
 def _value_text(value: object) -> str:

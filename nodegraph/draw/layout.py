@@ -5,15 +5,15 @@ stands in a column after its sources, the barycentres of its neighbours order ea
 wire over several columns takes a place in each of them. The contents of a frame are laid out by
 themselves; outside, the frame is one cell, whose edge wires cross at the same heights. Columns
 that are wider than a page together stand in bands, like lines of text. Arrows of one output run
-to the next band; of any other, and of what passes boxes to a side input, the port where it ends
-says where it begins: long lines around the boxes cannot be followed. What the report lists stands
-below all bands.
+to the next band; of any other, and of what passes boxes to a side input or a row, the end says
+where it begins: long lines around the boxes cannot be followed. What the report lists stands below
+all bands.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right, insort
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -34,7 +34,8 @@ End = tuple[Cell, Hashable]
 Wire = tuple[End, End]
 
 LABEL_SIZE = 13.0
-_LEAST_PANEL = 500.0
+LEAST_WIDTH = 500.0
+"""Of the panel and the legend, though the drawing is narrower."""
 LABEL_HEIGHT = 26.0
 PADDING = 16.0
 _HEAD = LABEL_HEIGHT + PADDING / 2
@@ -52,7 +53,7 @@ _AFTER = 14.0
 
 
 _BAND = 0.9
-_CUT = 0.08
+_CUT = 0.06
 """Cost of a reader in another band, and half of that of an output; a full band costs 1 besides."""
 _WIDEST = 890.0
 """Width of a drawing whose smallest text has more than 8 pixels on a page of 720."""
@@ -211,10 +212,10 @@ def _bands_of(area: Area, part: Iterable[Cell]) -> _Bands:
     return {cell: bisect_right(starts, depth) - 1 for cell, depth in depths.items()}
 
 
-def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
+def _depths(cells: Iterable[Cell], wires: Collection[Wire]) -> dict[Cell, int]:
     """Return the column of each cell: after its sources, and no earlier than its readers need.
 
-    Those without a wire stand after all others.
+    Those without a wire stand after all others, each in a column.
     """
     network: nx.DiGraph[Cell] = nx.DiGraph()
     cells = tuple(cells)
@@ -234,9 +235,10 @@ def _depths(cells: Iterable[Cell], wires: Iterable[Wire]) -> dict[Cell, int]:
         # with fewer readers than sources, a later cell would make more wires longer than shorter
         elif network.out_degree(cell) >= max(1, network.in_degree(cell)):
             depths[cell] = min(depths[reader] for reader in network.succ[cell]) - 1
-    return {
-        cell: {"entry": 0, "exit": last + 1}.get(cell[0], depths.get(cell, 0)) for cell in cells
-    }
+    wired = {cell for wire in wires for cell, _ in wire}
+    depths |= {cell: at for at, cell in enumerate((c for c in inner if c not in wired), last)}
+    ends = {"entry": 0, "exit": max(depths.values(), default=last) + 1}
+    return {cell: ends.get(cell[0], depths.get(cell, 0)) for cell in cells}
 
 
 class _Piece(NamedTuple):
@@ -436,7 +438,7 @@ def layout(
     placed = _placed(first, _outlines(shapes, led), links, led)
     for box in picture.boxes:
         if box.is_list:
-            wide, top = max(placed.width, _LEAST_PANEL), placed.height + 2 * _BETWEEN_CELLS
+            wide, top = max(placed.width, LEAST_WIDTH), placed.height + _BETWEEN_CELLS
             shapes.append(panel(box, "In the report", _notes(picture, cut)[box.name][1], wide))
             corners = (*placed.corners, (0.0, top))
             high = top + shapes[-1].height
@@ -527,12 +529,15 @@ def _bands(
     frames = _drawable_frames(tuple([each.name for each in outlines]), links)
     ways = {link: _way(link, frames) for link in links}
     area = _framed(outlines, frames, ways.values())[()]
-    bands = _bands_of(area, area.sizes)
-    if max(bands.values(), default=0) and len(parts := _parts(area)) > 1:
+    wired = {cell for wire in area.wires for cell, _ in wire}
+    linked = Area({cell: area.sizes[cell] for cell in area.sizes if cell in wired}, area.wires)
+    bands = _bands_of(linked, linked.sizes)
+    if max(bands.values(), default=0) and len(parts := _parts(linked)) > 1:
         first = 0
         for part in parts:
             bands |= {cell: first + band for cell, band in _bands_of(area, part).items()}
             first = max(bands[cell] for cell in part) + 1
+    _fill(bands, area)
     inside = [wire for wire in area.wires if bands[wire[0][0]] == bands[wire[1][0]]]
     depths = _depths(area.sizes, inside)
     passing = {
@@ -541,6 +546,26 @@ def _bands(
         if _is_side(end, area.sizes) and depths[end[0]] > depths[begin[0]] + 1
     }
     return bands, frozenset(link for link, way in ways.items() if passing & {w for _, w in way})
+
+
+def _fill(bands: _Bands, area: Area) -> None:
+    """Give each cell that is in no band the first one with room."""
+    depths = _depths(area.sizes, area.wires)
+    columns: dict[tuple[int, int], float] = {}
+    for cell, band in bands.items():
+        column = band, depths[cell]
+        columns[column] = max(columns.get(column, 0.0), area.sizes[cell].width)
+    reach: defaultdict[int, float] = defaultdict(float)
+    for (band, _), wide in columns.items():
+        reach[band] += wide + _BETWEEN_COLUMNS
+    for cell, size in area.sizes.items():
+        if cell not in bands:
+            room = _WIDEST - size.width
+            band = next(
+                band for band in range(len(area.sizes)) if band not in reach or reach[band] <= room
+            )
+            bands[cell] = band
+            reach[band] += size.width + _BETWEEN_COLUMNS
 
 
 class Placed(NamedTuple):
@@ -707,9 +732,9 @@ def _steps(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> int:
 
 
 def _is_side(end: End, sizes: Mapping[Cell, Size]) -> bool:
-    """Return whether a wire ends neither at the first input of a box nor at a row."""
+    """Return whether a wire ends not at the first input of a box, but at another or at a row."""
     cell, port = end
-    return isinstance(port, str) and port not in (*sizes[cell].inputs,)[:1] and port[:1] != " "
+    return isinstance(port, str) and port not in (*sizes[cell].inputs,)[:1]
 
 
 def _led(

@@ -97,25 +97,16 @@ class _Drawing:
 
         stroke, fill = look.get("stroke", "none"), look.get("fill", "none")
         width = float(look.get("stroke-width", 1.0)) * _POINTS
-        style: dict[str, Any] = {
-            "zorder": self._count,
-            "linewidth": width if stroke != "none" else 0,
-        }
+        style: dict[str, Any] = {"zorder": self._count, "linewidth": width * (stroke != "none")}
         dashes = [
             float(length) * _POINTS / width for length in look.get("stroke-dasharray", "").split()
         ]
         if dashes:
             style["linestyle"] = (0, dashes)
         if kind == "line":
-            ends = [[float(look[f"{axis}{end}"]) for end in (1, 2)] for axis in "xy"]
-            self._axis.add_line(
-                Line2D(
-                    [x + end for end in ends[0]],
-                    [y + end for end in ends[1]],
-                    color=stroke,
-                    **style,
-                )
-            )
+            xs = [x + float(look["x1"]), x + float(look["x2"])]
+            ys = [y + float(look["y1"]), y + float(look["y2"])]
+            self._axis.add_line(Line2D(xs, ys, color=stroke, **style))
             return
         alpha = float(look.get("fill-opacity", 1.0))
         style |= {"facecolor": "none" if fill == "none" else (fill, alpha), "edgecolor": stroke}

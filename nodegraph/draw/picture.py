@@ -78,14 +78,14 @@ class Alternative(NamedTuple):
     source: str = ""
 
     @property
-    def details(self) -> str:
-        """What follows the label: ``neighbours: 40 · from aligned``."""
+    def details(self) -> tuple[str, str]:
+        """What follows the label: ``neighbours: 40`` and ``from aligned``."""
         source = f"from {self.source}" if self.source else ""
-        settings = "" if source and self.settings == UNCHANGED else self.settings
-        return " \N{MIDDLE DOT} ".join(filter(None, (settings, source)))
+        return "" if source and self.settings == UNCHANGED else self.settings, source
 
     def __str__(self) -> str:
-        return f"{self.label} {self.details}".rstrip()
+        details = " \N{MIDDLE DOT} ".join(filter(None, self.details))
+        return f"{self.label} {details}".rstrip()
 
 
 class Axis(NamedTuple):

@@ -11,7 +11,7 @@ from textwrap import wrap
 
 from nodegraph.draw.boxes import INSET, Chip, Shape, Text, clean, escaped, shortened, width
 from nodegraph.draw.frames import Frame
-from nodegraph.draw.layout import LABEL_HEIGHT, PADDING, Point, layout
+from nodegraph.draw.layout import LABEL_HEIGHT, LEAST_WIDTH, PADDING, Point, layout
 from nodegraph.draw.picture import Arrow, Box, Picture
 from nodegraph.gc_pause import gc_paused
 
@@ -39,6 +39,7 @@ _LOOK = {
     "name": 'font-size="15" font-weight="650"',
     "line": 'font-size="11.5" fill="#5b6675" font-family="monospace"',
     "does": 'font-size="11.5" fill="#5b6675"',
+    "setting": 'font-size="11" fill="#5b6675"',
     "port": 'font-size="12"',
     "note": 'font-size="11" fill="#0b63c4"',
     "label": 'font-size="13" font-weight="650" fill="#5b6675"',
@@ -157,7 +158,7 @@ def _styles(picture: Picture, drawn: Sequence[Arrow]) -> _Samples:
     if any(box.is_list for box in picture.boxes):
         samples.append((_dot(20, 0), "in the report"))
     for kind, text, radius in (
-        ("input", "reads data", 7),
+        ("input", "data", 7),
         ("compares", "compares alternatives", 3),
         ("report", "in the report", 3),
     ):
@@ -202,8 +203,6 @@ def _legend(paragraphs: Iterable[_Samples], widest: float, top: float) -> tuple[
 
 
 _MARGIN = 10.0
-_LEGEND = 500.0
-"""Width at which a legend needs no more lines, though the drawing is narrower."""
 _SMALLEST_SCALE = 0.6
 _LINE = 21.0
 """Height of a line above the boxes."""
@@ -245,9 +244,9 @@ def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str
     boxes = [_box(shape, *corner, marks, listed) for shape, corner in corners]
     drawn = [arrow for arrow, lines in lines_of if lines]
     samples = _styles(picture, drawn), _types(picture, marks)
-    explained, wide, high = _legend(samples, max(placed.width, _LEGEND), placed.height + 18.0)
+    explained, wide, high = _legend(samples, max(placed.width, LEAST_WIDTH), placed.height + 9.0)
     wide = max(placed.width, wide)
-    above = _heading(picture, max(wide, _LEGEND)) if heading else []
+    above = _heading(picture, max(wide, LEAST_WIDTH)) if heading else []
     return _document(
         picture, [*above, *frames, *arrows, *boxes, explained], wide, high, _LINE * len(above)
     )
@@ -378,14 +377,12 @@ def _text(text: Text) -> str:
 
 
 def _chip(chip: Chip) -> str:
-    looks = (
-        _LOOK.get(f"chip {chip.style} text", _LOOK["chip text"]),
-        f'class="note" {_LOOK["note"]}',
-    )
+    looks = {each: f'class="{each}" {_LOOK[each]}' for each in ("note", "setting")}
+    looks["name"] = _LOOK.get(f"chip {chip.style} text", _LOOK["chip text"])
     texts = [
-        f'<text {looks[0] if is_name else looks[1]} x="{number(chip.x + x)}"'
-        f' y="{number(chip.y + y)}">{escaped(text)}</text>'
-        for text, x, y, is_name in chip.texts
+        f'<text {looks[style]} x="{number(chip.x + x)}" y="{number(chip.y + y)}">'
+        f"{escaped(text)}</text>"
+        for text, x, y, style in chip.texts
     ]
     name = f' data-alternative="{escaped(chip.label)}"' if chip.label else ""
     return (

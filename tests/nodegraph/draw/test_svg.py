@@ -290,6 +290,45 @@ def test_an_arrow_that_passes_a_box_to_a_side_input_is_named_at_its_ends() -> No
     assert "from gaps" in notes_of(root, "faces")
 
 
+def test_an_arrow_that_passes_a_box_to_a_row_is_named_there() -> None:
+    port = (Socket("x"),)
+    rows = tuple(Alternative(name, "order: 3", name) for name in ("filled", "despiked"))
+    boxes = (*plain(["filled", "despiked"], []).boxes, Box("steps", (), port, (), rows))
+    ways = [("filled", "despiked"), ("filled", "steps"), ("despiked", "steps")]
+    arrows = tuple(Arrow(source, "x", target, "x") for source, target in ways)
+    root = check(Picture("", boxes, arrows))
+    drawn = {group.get("data-arrow"): bool(lines(group)) for group in arrows_of(root)}
+    assert drawn == {
+        "filled.x despiked.x": True,
+        "filled.x steps.x": False,
+        "despiked.x steps.x": True,
+    }
+    assert notes_of(root, "steps") == ["from filled", "from despiked"]  # and no settings
+
+
+def test_a_box_without_inputs_tells_what_it_does_beside_its_outputs() -> None:
+    outputs = (Socket("detections"), Socket("neutral"), Socket("truth"))
+    box = Box("face", ("synthesize.face", "seconds: 8 s"), (), outputs, does="Make a face")
+    texts = [*check(Picture("", (box,))).iter(f"{SVG}text")]
+    heights = {text.text: float(text.attrib["y"]) for text in texts}
+    assert heights["seconds: 8 s"] < heights["truth"]
+    assert {text.text for text in texts if text.get("text-anchor") == "end"} == {
+        socket.name for socket in outputs
+    }
+
+
+def test_a_box_that_no_arrow_joins_stands_in_the_first_row_with_room() -> None:
+    port = (Socket("x"),)
+    names = ["a", "b", "c", "d"]
+    wide = [Box(name, ("x" * 42,), port, port) for name in names]
+    alone = [Box("alone", (), (), port), Box("large", ("x" * 42,), (), port)]
+    arrows = tuple(Arrow(source, "x", target, "x") for source, target in pairwise(names))
+    boxes = rectangles(check(Picture("", (*wide, *alone), arrows)))
+    assert boxes["a"][1] == boxes["b"][1] == boxes["alone"][1] < boxes["c"][1]
+    assert boxes["alone"][0] > boxes["b"][2]
+    assert boxes["large"][1] > boxes["c"][3]
+
+
 def test_labels_that_are_fixed_once_are_not_said_again_further_on() -> None:
     port, both = (Socket("x"),), (Socket("x"), Socket("y"))
     boxes = (
