@@ -26,7 +26,6 @@ _WIDTHS = {
 _MONOSPACE = 0.61
 _BOLD = 1.1
 
-
 _Parts = tuple[tuple[str, float, float, str], ...]
 _cached = lru_cache(10_000)  # the same names, lengths and lines stand at many boxes
 
@@ -90,7 +89,6 @@ _INDENT = 10.0
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "does": 11.5, "chip": 11.0}
 _LEADING = {"port": 16.0, "note": 13.5, "line": 16.0, "does": 14.5}
-
 
 Notes = tuple[tuple[str, str], ...]
 """Ports, each with a text."""

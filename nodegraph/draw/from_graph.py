@@ -283,8 +283,8 @@ def _box(
         texts = [*filter(None, (_told(label, uses[label], methods), _text(own)))]
         texts = texts or [_text(varied[uses[label]])]
         for axis, labels in kept[label].items():
-            ends = map(str, dict.fromkeys((labels[0], labels[-1])))
-            texts.append(f"at {axis} " + " \N{EN DASH} ".join(ends))
+            ends = [*map(str, dict.fromkeys((labels[0], labels[-1])))]
+            texts.append("only " * (len(ends) == 1) + f"at {axis} " + " \N{EN DASH} ".join(ends))
         alternatives += [Alternative(label, ", ".join(filter(None, texts)))] * node.has_alternatives
     axes = _with_values(common)
     told = {axis.name for axis in axes}

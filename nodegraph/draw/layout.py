@@ -50,8 +50,6 @@ _MOST_IN_LANES = 24
 _BEFORE = 13.0
 _AFTER = 14.0
 """Room before and after a box, for arrows from one band to the next."""
-
-
 _BAND = 0.9
 _CUT = 0.06
 """Cost of a reader in another band, and half of that of an output; a full band costs 1 besides."""
@@ -551,10 +549,9 @@ def _bands(
 def _fill(bands: _Bands, area: Area) -> None:
     """Give each cell that is in no band the first one with room."""
     depths = _depths(area.sizes, area.wires)
-    columns: dict[tuple[int, int], float] = {}
+    columns: defaultdict[tuple[int, int], float] = defaultdict(float)
     for cell, band in bands.items():
-        column = band, depths[cell]
-        columns[column] = max(columns.get(column, 0.0), area.sizes[cell].width)
+        columns[band, depths[cell]] = max(columns[band, depths[cell]], area.sizes[cell].width)
     reach: defaultdict[int, float] = defaultdict(float)
     for (band, _), wide in columns.items():
         reach[band] += wide + _BETWEEN_COLUMNS

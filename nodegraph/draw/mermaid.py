@@ -68,8 +68,7 @@ def _line(arrow: Arrow) -> str:
 
 
 def _label(arrow: Arrow) -> str:
-    ends = [arrow.source_port, arrow.target_port]
-    label = _text(" to ".join(dict.fromkeys(ends)))
+    label = _text(" to ".join(dict.fromkeys((arrow.source_port, arrow.target_port))))
     notes = ["truth"] * (arrow.truth and arrow.gathers)
     notes += [f"at {arrow.fixed}"] if arrow.fixed else []
     return "<br/>".join([label, *map(_text, notes)])

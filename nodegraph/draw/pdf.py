@@ -86,7 +86,6 @@ class _Drawing:
             fontweight="bold" if "font-weight" in look else "normal",
             family="monospace" if look.get("font-family") == "monospace" else "DejaVu Sans",
             ha={"middle": "center", "end": "right"}.get(look.get("text-anchor", ""), "left"),
-            va="baseline",
             parse_math=False,
             zorder=self._count,
         )
@@ -98,11 +97,8 @@ class _Drawing:
         stroke, fill = look.get("stroke", "none"), look.get("fill", "none")
         width = float(look.get("stroke-width", 1.0)) * _POINTS
         style: dict[str, Any] = {"zorder": self._count, "linewidth": width * (stroke != "none")}
-        dashes = [
-            float(length) * _POINTS / width for length in look.get("stroke-dasharray", "").split()
-        ]
-        if dashes:
-            style["linestyle"] = (0, dashes)
+        if dashes := look.get("stroke-dasharray", "").split():
+            style["linestyle"] = (0, [float(length) * _POINTS / width for length in dashes])
         if kind == "line":
             xs = [x + float(look["x1"]), x + float(look["x2"])]
             ys = [y + float(look["y1"]), y + float(look["y2"])]

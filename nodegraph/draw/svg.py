@@ -50,9 +50,9 @@ _LOOK = {
     "legend": 'font-size="11" fill="#5b6675"',
     "heading": 'font-size="16" font-weight="650"',
 }
+"""Sizes, and light colours for programs that do not read `picture.css`."""
 _COLOURS = ("#5b6675", "#00756b", "#8430b0", "#b8225f", "#3d7a1f", "#2f5fd0", "#7d6200")
 """Of sockets: of types that have no mark of their own, then of those that have one."""
-"""Sizes, and light colours for programs that do not read `picture.css`."""
 
 
 @lru_cache(10_000)
@@ -136,7 +136,6 @@ _CORNERS: Mapping[int, Sequence[Point]] = {
 """Of a diamond, triangles to the right and down, and a hexagon; before them stand a small square,
 a circle and a square."""
 
-
 _Samples = list[tuple[str, str]]
 """What is drawn in the legend, each with its meaning."""
 
@@ -212,12 +211,10 @@ _LINE = 21.0
 def svg(picture: Picture, *, sockets: bool = False, heading: bool = True) -> str:
     """Return the picture as SVG, for a file of its own or inside a page.
 
-    Boxes stand in columns, so that arrows run to the right, and none runs through a box; what is
-    wider than a page goes on below, like lines of text; a side input from farther away says where
-    it begins. What the report lists stands below all, and has a mark where it begins. Boxes whose
-    dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is wide.
-    Types of ports show on hover. Colours follow the reader's light or dark scheme; a page sets
-    ``--picture-paper`` and ``--picture-face`` to fit its own.
+    Boxes stand in columns, wrapped like lines of text, and what the report lists below all. Boxes
+    whose dotted names have a common prefix stand in a frame. Truth is dashed, a gathering arrow is
+    wide. Types of ports show on hover. Colours follow the reader's light or dark scheme; a page
+    sets ``--picture-paper`` and ``--picture-face`` to fit its own.
 
     Parameters
     ----------

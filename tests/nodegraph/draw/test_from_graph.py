@@ -257,7 +257,7 @@ def test_an_alternative_says_at_which_labels_it_is(graph_of: Callable[..., Graph
 
     assert settings(graph_of(text)) == [
         "fill.scale, power: 5",
-        "fill.hold, at wait many",
+        "fill.hold, only at wait many",
         "fill.scale, power: 2, at wait few \N{EN DASH} many",
         "fill.hold",
     ]
