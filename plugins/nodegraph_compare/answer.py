@@ -412,8 +412,8 @@ def _why(verdicts: Verdicts, take: int) -> Text:
         claims = [" is clearly" if place in of_all.behind else f" {MAY_BE}," for place in rest]
         far = [_far(verdicts, of_all, place) for place in rest]
     else:
-        counts = [f"{verdicts.behind_in(place) or 'none'}" for place in verdicts.least_behind]
-        first = f"clearly behind the best in {counts[0]} of {len(groups)} groups"
+        counts = [len(groups) - verdicts.behind_in(place) for place in verdicts.least_behind]
+        first = f"best or may be as good in {counts[0]} of {len(groups)} groups"
         rest = [place for place in verdicts.least_behind if place != take][:1]
         claims = [f": in {count}, at most" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
@@ -623,7 +623,7 @@ def scope_words(verdicts: Verdicts) -> Text:
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
             f"{number_name(verdicts, unit)}{geometric}{end}.",
-            "Clearly: by paired tests, wrong in up to 5 % of such studies." * several,
+            "Clearly: p of at most 0.05 in paired tests, adjusted for their number." * several,
         ],
     )
 

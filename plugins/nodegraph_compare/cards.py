@@ -185,11 +185,13 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
 
 def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
     """Return what the dots of a group are, apart from the rest."""
-    if not group.stands:
-        return {}
     kinds: dict[int, Kind] = {}
+    if verdicts.metric.better == "none" or (verdicts.is_sequence and not group.stands):
+        return kinds
     if not verdicts.is_sequence:
-        if group.baseline is not None:
+        if not group.told:
+            kinds = dict.fromkeys(group.known, "open")
+        if group.stands and group.baseline is not None:
             kinds[group.baseline] = "before"
         return kinds | dict(group.marks)
     better = "raises" if verdicts.metric.better == "higher" else "lowers"

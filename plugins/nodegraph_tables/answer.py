@@ -94,7 +94,7 @@ MAY_BE = "may be as good"
 """Said of what is not certain to be worse than the best."""
 
 Text = tuple[str | Word, ...]
-Kind = Literal["best", "tied", "before", "worse", "rest"]
+Kind = Literal["best", "tied", "open", "before", "worse", "rest"]
 
 
 HERE = "\N{OBJECT REPLACEMENT CHARACTER}"
@@ -290,9 +290,9 @@ class Row(Value):
     value : float
     low, high : float
         Ends of its interval; NaN where there is none.
-    kind : {"best", "tied", "before", "worse", "rest"}
-        What a verdict says of it: the best, not certain to be worse, what the others are held
-        against, clearly worse than that; or nothing.
+    kind : {"best", "tied", "open", "before", "worse", "rest"}
+        What a verdict says of it: the best, not certain to be worse, not told apart from others,
+        what these are held against, clearly worse than that; or nothing.
     note : text
         What is said of it beside its number.
     for_all : bool
@@ -400,7 +400,7 @@ class Card(Value):
     facts : tuple of (term, text)
     status : text
         How the headline stands beside what else the card compares.
-    kind : {"best", "tied", "before", "worse", "rest"}
+    kind : {"best", "tied", "open", "before", "worse", "rest"}
         What a verdict says of the headline, which has its colour; see `Row`.
     """
 

@@ -397,12 +397,10 @@ def _scope(curves: Curves) -> Text:
     kind = " of synthetic recordings" if recordings.synthetic else ""
     data = ", ".join(filter(None, [recordings.names, recordings.sizes]))
     point = (
-        f"each point a mean over {' and '.join(axes.blocks)}" if axes.blocks else "each run once"
+        f"each point a mean over {' and '.join(axes.blocks)}" if axes.blocks else "each of one draw"
     )
     people = "; untested on people" * recordings.synthetic
-    held = (
-        f"{several}{kind}{f' ({data})' if data else ''}, {point}: other draws may differ{people}."
-    )
+    held = f"{several}{kind}{f' ({data})' if data else ''}, {point}: others may differ{people}."
     if kinds := dict.fromkeys(_KINDS[kind] for kind in curves.marked.kinds.values()):
         parts.append(f"circle: {' or '.join(kinds)}")
     return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])

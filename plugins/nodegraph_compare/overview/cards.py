@@ -250,11 +250,10 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
             yield "worse", "clearly worse"
             yield "rest", "hardly changed"
         return
-    if len(verdicts.methods) < 2 or not any(group.told for group in groups):
-        return
     yield "best", "best"
     yield "tied", MAY_BE
     if any(group.behind for group in groups):
-        yield "rest", "clearly behind" + ", or not told apart" * any(not g.told for g in groups)
+        yield "rest", "clearly behind"
+    yield "open", "not told apart"
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"

@@ -107,7 +107,7 @@ def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> No
     assert far["ratio"] == pytest.approx(np.exp(d.mean()))
     assert far["mean"] == pytest.approx(np.exp(logs["far"].mean()))
     assert far["p"] <= 0.05
-    why = "Why near: clearly behind the best in none of 2 groups, best in each"
+    why = "Why near: best or may be as good in 2 of 2 groups, best in each"
     assert words(frame)[2].startswith(why)
     # too few units for any group have none over all of them, nor has a single group
     for few in (trials(2), trials(8, lengths=(5,))):
@@ -497,7 +497,7 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     assert held == Word("8 synthetic faces: holds for further synthetic faces; untested on people.")
     scope = plain(tuple(rest))
     assert "synthetic face (geometric mean over faces and groups), lower is better." in scope
-    assert "Clearly: by paired tests, wrong in up to 5 % of such studies." in scope
+    assert "Clearly: p of at most 0.05 in paired tests, adjusted for their number." in scope
     assert "recording" not in scope
 
 
