@@ -215,13 +215,14 @@ def labels_text(labels: Sequence[Label], longest: int = 90, between: str = ", ")
 
 
 def _arrow(graph: Graph, ends: _Ends, references: Sequence[Reference]) -> Arrow:
-    source, output, target, port = ends
-    feed = graph.nodes[target].first.inputs.get(port)
+    source, output, target, target_port = ends
+    feed = graph.nodes[target].first.inputs.get(target_port)
+    port = graph.nodes[source].first.node.output(output)
     common = set.intersection(*(set(reference.at.items()) for reference in references))
     return Arrow(
         *ends,
         gathers=isinstance(feed, Gather),
-        truth=_is_truth(graph.nodes[source], output),
+        truth=port is not None and port.truth,
         fixed=labels_of(
             {axis: label for axis, label in references[0].at.items() if (axis, label) in common}
         ),
@@ -451,8 +452,3 @@ def _without_usual_name(output: Socket, inputs: Iterable[Socket]) -> Socket:
 def socket_of(port: Port) -> Socket:
     """Return a port as it is drawn."""
     return Socket(port.name, port.kind)
-
-
-def _is_truth(node: GraphNode, output: str) -> bool:
-    port = node.first.node.output(output)
-    return port is not None and port.truth

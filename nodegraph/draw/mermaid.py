@@ -55,20 +55,15 @@ def _text(text: str) -> str:
 
 def _box(box: Box, label: str) -> str:
     begin, end = _SHAPES[box.kind]
-    lines = [label, *box.texts]
-    lines += [" | ".join(map(str, box.alternatives))] if box.alternatives else []
-    lines += [", ".join(map(str, box.axes))] if box.axes else []
-    return begin + "<br/>".join(_text(line) for line in lines) + end
+    lines = [*box.texts, " | ".join(map(str, box.alternatives)), ", ".join(map(str, box.axes))]
+    return begin + "<br/>".join(map(_text, [label, *filter(None, lines)])) + end
 
 
 def _line(arrow: Arrow) -> str:
-    if arrow.gathers:
-        return "==>"
-    return "-.->" if arrow.truth else "-->"
+    return "==>" if arrow.gathers else "-.->" if arrow.truth else "-->"
 
 
 def _label(arrow: Arrow) -> str:
     label = _text(" to ".join(dict.fromkeys((arrow.source_port, arrow.target_port))))
-    notes = ["truth"] * (arrow.truth and arrow.gathers)
-    notes += [f"at {arrow.fixed}"] if arrow.fixed else []
+    notes = ["truth"] * (arrow.truth and arrow.gathers) + [f"at {arrow.fixed}"] * bool(arrow.fixed)
     return "<br/>".join([label, *map(_text, notes)])

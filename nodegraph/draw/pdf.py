@@ -70,7 +70,7 @@ class _Drawing:
         self._count += 1
         if kind == "text":
             self._text(element.text or "", x, y, look)
-        elif kind in ("rect", "line", "path") and look.get("d") != "":
+        elif kind in ("rect", "path") and look.get("d") != "":
             self._shape(kind, x, y, look)
         below = {name: look[name] for name in _INHERITED if name in look}
         for inside in element:
@@ -91,7 +91,6 @@ class _Drawing:
         )
 
     def _shape(self, kind: str, x: float, y: float, look: dict[str, str]) -> None:
-        from matplotlib.lines import Line2D
         from matplotlib.patches import FancyBboxPatch, PathPatch
 
         stroke, fill = look.get("stroke", "none"), look.get("fill", "none")
@@ -99,11 +98,6 @@ class _Drawing:
         style: dict[str, Any] = {"zorder": self._count, "linewidth": width * (stroke != "none")}
         if dashes := look.get("stroke-dasharray", "").split():
             style["linestyle"] = (0, [float(length) * _POINTS / width for length in dashes])
-        if kind == "line":
-            xs = [x + float(look["x1"]), x + float(look["x2"])]
-            ys = [y + float(look["y1"]), y + float(look["y2"])]
-            self._axis.add_line(Line2D(xs, ys, color=stroke, **style))
-            return
         alpha = float(look.get("fill-opacity", 1.0))
         style |= {"facecolor": "none" if fill == "none" else (fill, alpha), "edgecolor": stroke}
         if kind == "path":

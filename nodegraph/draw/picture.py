@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -232,8 +232,8 @@ class Picture:
         ]
         if twice:
             raise ValueError(f"several boxes are named {twice[0]!r}; each needs its own name")
-        outputs = {box.name: _names(box.outputs) for box in self.boxes}
-        inputs = {box.name: _names(box.inputs) for box in self.boxes}
+        outputs = {box.name: [each.name for each in box.outputs] for box in self.boxes}
+        inputs = {box.name: [each.name for each in box.inputs] for box in self.boxes}
         for arrow in self.arrows:
             _check_end(arrow, arrow.source, arrow.source_port, outputs)
             _check_end(arrow, arrow.target, arrow.target_port, inputs)
@@ -254,11 +254,7 @@ def origins(picture: Picture) -> list[str]:
     ]
 
 
-def _names(sockets: Iterable[Socket]) -> tuple[str, ...]:
-    return tuple(socket.name for socket in sockets)
-
-
-def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, tuple[str, ...]]) -> None:
+def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, list[str]]) -> None:
     if box not in ports:
         raise ValueError(f"arrow {arrow}: no box is named {box!r}; there is {', '.join(ports)}")
     if port not in ports[box]:
@@ -270,9 +266,10 @@ def folded(picture: Picture) -> Picture:
     """Return a picture of few boxes, as it takes to follow a study.
 
     One box lists all those that only show something: boxes of the report that no other box reads;
-    those made from the same last box share a port. A graph that is used as a node is one box, and
-    so are linked boxes that none of the report's answers reads; a box that makes one alternative is
-    its row. Alternatives that several boxes have, and what they do, stand at the first.
+    those made from the same last box share a port, and outputs that no other box reads stand last.
+    A graph that is used as a node is one box, and so are linked boxes that none of the report's
+    answers reads; a box that makes one alternative is its row. Alternatives that several boxes
+    have, and what they do, stand at the first.
     """
     picture = _together(picture, _graphs_of(picture))
     picture = _together(picture, _rows_of(picture))
@@ -313,10 +310,16 @@ def folded(picture: Picture) -> Picture:
             own[ends] = Arrow(*ends, name, port, gathers=gathers, truth=arrow.truth)
         wires += own.values()
     lines = tuple(_item(box) for item, box in shown.items() if not into[item])
-    boxes = (box for box in picture.boxes if box.name not in shown)
-    kept = (arrow for arrow in picture.arrows if arrow.target not in shown)
+    kept = [arrow for arrow in picture.arrows if arrow.target not in shown]
+    going_on = {(arrow.source, arrow.source_port) for arrow in kept}
+    boxes = (_sorted(box, going_on) for box in picture.boxes if box.name not in shown)
     card = Box(name, lines, tuple(sockets), kind="report")
     return replace(picture, boxes=(*boxes, card), arrows=(*kept, *wires))
+
+
+def _sorted(box: Box, first: Collection[tuple[str, str]]) -> Box:
+    outputs = sorted(box.outputs, key=lambda each: (box.name, each.name) not in first)
+    return replace(box, outputs=tuple(outputs))
 
 
 def _item(box: Box) -> str:

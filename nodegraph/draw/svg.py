@@ -27,7 +27,7 @@ _LOOK = {
     "frame input": 'fill="#f1f4f8" stroke="#aeb8c5" stroke-width="1.2"',
     "frame report": 'fill="#ffffff" stroke="#0b63c4" stroke-width="2.2"',
     "frame compares": 'fill="#ffffff" stroke="#00756b" stroke-width="2.2"',
-    "rule": 'stroke="#e4e8ee"',
+    "rule": 'fill="none" stroke="#e4e8ee"',
     "around": 'fill="#7f8fa4" fill-opacity="0.08" stroke="#aeb8c5" stroke-dasharray="2 3"',
     "wire": 'fill="none" stroke="#6c7889" stroke-width="1.6" stroke-linecap="round"',
     "wire truth": 'fill="none" stroke="#a04a00" stroke-width="1.6" stroke-dasharray="6 4.5"',
@@ -338,8 +338,8 @@ def _box(
     ]
     if (shape.inputs or shape.outputs) and shape.rule < shape.height:
         parts.append(
-            f'<line class="rule" {_LOOK["rule"]} x1="1" x2="{number(shape.width - 1)}"'
-            f' y1="{number(shape.rule)}" y2="{number(shape.rule)}"/>'
+            f'<path class="rule" {_LOOK["rule"]}'
+            f' d="M{_pair((1, shape.rule))}L{_pair((shape.width - 1, shape.rule))}"/>'
         )
     parts += [_text(text) for text in shape.texts] + [_chip(chip) for chip in shape.chips]
     if marks:

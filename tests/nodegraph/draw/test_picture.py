@@ -74,6 +74,21 @@ def test_boxes_that_only_show_are_one_list() -> None:
     assert folded(picture) == picture
 
 
+def test_outputs_that_only_the_list_reads_stand_below_the_others() -> None:
+    port, outputs = (Socket("x"),), (Socket("error"), Socket("noise"), Socket("filled"))
+    boxes = (
+        Box("fill", outputs=outputs),
+        Box("drawn", inputs=port),
+        Box("table", inputs=port, kind="report"),
+    )
+    arrows = (
+        Arrow("fill", "filled", "drawn", "x"),
+        *(Arrow("fill", name, "table", "x") for name in ("error", "noise")),
+    )
+    fill, *_ = folded(Picture("", boxes, arrows)).boxes
+    assert [socket.name for socket in fill.outputs] == ["filled", "error", "noise"]
+
+
 def test_a_box_called_report_keeps_its_name() -> None:
     port = (Socket("x"),)
     boxes = (Box("report", outputs=port), *(Box(n, (), port, kind="report") for n in "ab"))

@@ -629,7 +629,7 @@ def test_a_program_without_the_style_sheet_finds_all_colours() -> None:
     assert style.index("@supports") < style.index("{")
     assert "var(" not in ElementTree.tostring(root, encoding="unicode")
     for kind, needed in (
-        ("rect", "fill"), ("path", "fill"), ("text", "font-size"), ("line", "stroke"),
+        ("rect", "fill"), ("path", "fill"), ("text", "font-size"),
     ):  # fmt: skip
         assert all(needed in element.attrib for element in root.iter(f"{SVG}{kind}")), kind
 
@@ -754,7 +754,7 @@ def test_names_stay_text() -> None:
     arrow = Arrow(HOSTILE, HOSTILE, "last", HOSTILE, fixed=HOSTILE)
     drawn = svg(Picture(HOSTILE, (box, last), (arrow,)), sockets=True)
     tags = {element.tag.removeprefix(SVG) for element in ElementTree.fromstring(drawn).iter()}
-    assert tags <= {"svg", "title", "desc", "style", "g", "rect", "line", "path", "text"}
+    assert tags <= {"svg", "title", "desc", "style", "g", "rect", "path", "text"}
     assert "<script" not in drawn
 
 
