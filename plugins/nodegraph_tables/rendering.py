@@ -68,7 +68,7 @@ def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
         answer=info.answer.lines,
         lead=answer_html(info.answer) if cards else "",
         styles=(lead_style(),) if cards else (),
-        grid=grid_of(table, caption),
+        grid=grid_of(table, info.title or caption),
         title=info.title,
         kind="table",
     )
