@@ -89,7 +89,7 @@ def built_in(studies: Studies) -> Path:
 
 def test_it_says_what_the_weights_are_of(built_in: Path) -> None:
     text = " ".join((built_in / "printed.txt").read_text().split())
-    assert "3 curves of synthetic recordings (12 s, 60 markers, 60 Hz), each run once:" in text
+    assert "3 curves of synthetic recordings (12 s, 60 markers, 60 Hz), each of one draw:" in text
 
 
 def test_fewer_markers_cost_more_and_every_actor_has_a_floor(built_in: Path) -> None:
@@ -121,7 +121,7 @@ def test_the_faces_are_those_with_the_fewest_markers_that_are_enough(built_in: P
         assert all(float(each["rmse"]) > 0.05 for each in fewer)
         assert f"{row['actor']}, k {row['k']}" in html
         assert f"{row['markers']} of 60 markers" in html
-    assert "with so many or more, weights of expressions (0 to 1) are within" in html
+    assert "Enough: weights of expressions (0 to 1) within" in html
 
 
 def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path) -> None:
