@@ -131,7 +131,7 @@ def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path)
     }
     for name in ("against-chance_table.csv", "left-out_table.csv"):
         groups = {(row["take"], row["k"]) for row in table(built_in / name)}
-        assert groups == set(itertools.product(("own", "held_out"), ("10", "20", "40")))
+        assert groups == set(itertools.product(("own", "another_actor"), ("10", "20", "40")))
         assert {"random", "qr", "pfa"} <= table(built_in / name)[0].keys()
     assert "What the text claims" in (built_in / "report.html").read_text()
 

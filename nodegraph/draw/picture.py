@@ -267,6 +267,7 @@ def folded(picture: Picture) -> Picture:
 
     One box lists all those that only show something: boxes of the report that no other box reads;
     those made from the same last box share a port, and outputs that no other box reads stand last.
+    Boxes that an answer is made from stand first.
     A graph that is used as a node is one box, and so are linked boxes that none of the report's
     answers reads; a box that makes one alternative is its row. Alternatives that several boxes
     have, and what they do, stand at the first.
@@ -274,6 +275,9 @@ def folded(picture: Picture) -> Picture:
     picture = _together(picture, _graphs_of(picture))
     picture = _together(picture, _rows_of(picture))
     picture = _said_once(_together(picture, _asides_of(picture)))
+    main = answering(picture)
+    first = sorted(picture.boxes, key=lambda box: box.name not in main)
+    picture = replace(picture, boxes=tuple(first))
     shown = {box.name: box for box in picture.boxes if box.kind == "report" and not box.is_list}
     while read := {
         arrow.source
@@ -458,7 +462,8 @@ def _as_box(
         rows.append(row)
     lines, does = box.lines, box.does
     if not box.passes and rows == [*box.alternatives]:
-        does = f"{len(parts)} steps: {', '.join(part.name for part in parts)}"
+        before = ", ".join(part.name for part in parts if part is not box)
+        does = f"The last of {len(parts)} steps, after {before}"
         lines = tuple(line for part in parts[: not inputs] for line in part.settings)
     order = {each: at for at, (_, each) in enumerate(box.names)}
     sockets = sorted(inputs.values(), key=lambda each: order.get(each.text, len(order)))

@@ -175,7 +175,8 @@ def test_linked_boxes_that_no_answer_is_made_from_are_one() -> None:
     picture = folded(Picture("", boxes, arrows))
     by_name = {box.name: box for box in picture.boxes}
     assert [*by_name] == ["take", "fill", "moved", "alone", "report"]
-    assert (by_name["moved"].lines, by_name["moved"].does) == ((), "2 steps: still, moved")
+    moved = by_name["moved"]
+    assert (moved.lines, moved.does) == ((), "The last of 2 steps, after still")
     assert [socket.name for socket in by_name["moved"].outputs] == ["still", "output"]
     assert [str(arrow) for arrow in picture.arrows if arrow.target == "report"] == [
         *("fill.output to report.table", "moved.still to report.faces"),
