@@ -130,14 +130,14 @@ def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path)
         *("fig1.svg", "fig2_figure.svg", "how-few_figure.svg", "against-chance_figure.svg"),
     }
     for name in ("against-chance_table.csv", "left-out_table.csv"):
-        groups = {(row["take"], row["k"]) for row in table(built_in / name)}
+        groups = {(row["chosen_on"], row["k"]) for row in table(built_in / name)}
         assert groups == set(itertools.product(("own", "another_actor"), ("10", "20", "40")))
         assert {"random", "qr", "pfa"} <= table(built_in / name)[0].keys()
     assert "What the text claims" in (built_in / "report.html").read_text()
 
 
 def test_rivals_choose_as_many_markers(built_in: Path) -> None:
-    run = ng.run(GRAPH, only={"actor": ["face_1"], "take": ["own"]}, axis={"k": [10], "seed": [0]})
+    run = ng.run(GRAPH, only={"actor": ["face_1"], "chosen_on": ["own"]}, axis={"k": [10], "seed": [0]})
     sizes = {labels["chosen"]: len(selection.chosen) for labels, selection in run["chosen"]}
     assert max(sizes.values()) - min(sizes.values()) <= 1
 

@@ -460,6 +460,9 @@ def _as_box(
             told = f"{made[row.source]}, {row.settings}".removesuffix(f", {UNCHANGED}")
             row = row._replace(settings=told.removesuffix(", "), source="")
         rows.append(row)
+    reading = {row.source for row in box.alternatives} - made.keys()
+    if rows != [*box.alternatives] and len(reading) == 1:  # from where the only arrow comes
+        rows = [row._replace(source="") for row in rows]
     lines, does = box.lines, box.does
     if not box.passes and rows == [*box.alternatives]:
         before = ", ".join(part.name for part in parts if part is not box)

@@ -218,3 +218,18 @@ def test_a_box_that_makes_one_alternative_is_its_row() -> None:
     )
     assert (chosen.axes, chosen.compares, chosen.kind) == ((axis,), True, "node")
     assert [socket.text for socket in chosen.inputs] == ["in", "in"]
+
+
+def test_the_only_alternative_that_reads_need_not_say_from_where() -> None:
+    out = (Socket("out"),)
+    boxes = (
+        Box("face", outputs=out, kind="input"),
+        Box("other", ("read.take",), (), out, kind="input"),
+        Box(
+            *("take", (), (Socket("in"),), out),
+            (Alternative("own", "unchanged", "face"), Alternative("other", source="other")),
+        ),
+    )
+    arrows = tuple(Arrow(source, "out", "take", "in") for source in ("face", "other"))
+    *_, take = folded(Picture("", boxes, arrows)).boxes
+    assert [str(row) for row in take.alternatives] == ["own unchanged", "other read.take"]
