@@ -137,7 +137,8 @@ def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path)
 
 
 def test_rivals_choose_as_many_markers(built_in: Path) -> None:
-    run = ng.run(GRAPH, only={"actor": ["face_1"], "chosen_on": ["own"]}, axis={"k": [10], "seed": [0]})
+    one = {"actor": ["face_1"], "chosen_on": ["own"]}
+    run = ng.run(GRAPH, only=one, axis={"k": [10], "seed": [0]})
     sizes = {labels["chosen"]: len(selection.chosen) for labels, selection in run["chosen"]}
     assert max(sizes.values()) - min(sizes.values()) <= 1
 

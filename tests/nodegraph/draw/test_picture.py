@@ -225,11 +225,13 @@ def test_the_only_alternative_that_reads_need_not_say_from_where() -> None:
     boxes = (
         Box("face", outputs=out, kind="input"),
         Box("other", ("read.take",), (), out, kind="input"),
+        Box("error", inputs=(Socket("in"),)),
         Box(
             *("take", (), (Socket("in"),), out),
             (Alternative("own", "unchanged", "face"), Alternative("other", source="other")),
         ),
     )
-    arrows = tuple(Arrow(source, "out", "take", "in") for source in ("face", "other"))
+    ways = (("face", "take"), ("other", "take"), ("face", "error"))
+    arrows = tuple(Arrow(source, "out", target, "in") for source, target in ways)
     *_, take = folded(Picture("", boxes, arrows)).boxes
     assert [str(row) for row in take.alternatives] == ["own unchanged", "other read.take"]
