@@ -233,5 +233,8 @@ def test_the_only_alternative_that_reads_need_not_say_from_where() -> None:
     )
     ways = (("face", "take"), ("other", "take"), ("face", "error"))
     arrows = tuple(Arrow(source, "out", target, "in") for source, target in ways)
-    *_, take = folded(Picture("", boxes, arrows)).boxes
-    assert [str(row) for row in take.alternatives] == ["own unchanged", "other read.take"]
+    by_name = {box.name: box for box in folded(Picture("", boxes, arrows)).boxes}
+    assert [str(row) for row in by_name["take"].alternatives] == [
+        "own unchanged",
+        "other read.take",
+    ]
