@@ -270,6 +270,7 @@ def _box(
     }
     uses = {label: method.node.name for label, method in node.methods.items()}
     methods = {*uses.values()} - {PASS}
+    is_same = len(methods) == 1 and (len(used) > 1 or not node.has_alternatives)
     varied: dict[str, dict[str, _Setting]] = {}
     for label, method in node.methods.items():
         defaults = {name: method.node.settings[name].default for name in settings[label]}
@@ -281,7 +282,7 @@ def _box(
     alternatives = []
     for label, each in settings.items():
         own = {name: each[name] for name in each if name not in common}
-        texts = [*filter(None, (_told(label, uses[label], methods), _text(own)))]
+        texts = [*filter(None, (_told(label, uses[label], is_same=is_same), _text(own)))]
         texts = texts or [_text(varied[uses[label]])]
         for axis, labels in kept[label].items():
             ends = [*map(str, dict.fromkeys((labels[0], labels[-1])))]
@@ -290,10 +291,10 @@ def _box(
     axes = _with_values(common)
     told = {axis.name for axis in axes}
     others = {name: each for name, each in common.items() if getattr(each, "axis", "") not in told}
-    lines = [*methods] if len(methods) == 1 else []
+    lines = [*methods] if is_same else []
     lines += filter(None, [_text(others)])
     used_by = {method.node for method in node.methods.values() if method.node.name in methods}
-    clauses = _CLAUSES.match(next(iter(used_by)).summary) if len(methods) == 1 else None
+    clauses = _CLAUSES.match(next(iter(used_by)).summary) if is_same else None
     does = clauses[1].strip() if clauses else ""
     is_graph = isinstance(described, PassThrough) and not node.has_alternatives
     if is_graph and described.name != PASS:
@@ -321,11 +322,11 @@ def _box(
     )
 
 
-def _told(label: Label, use: str, methods: Collection[str]) -> str:
+def _told(label: Label, use: str, *, is_same: bool) -> str:
     """Return the method of an alternative that neither its label nor the box tells."""
     if use == PASS:
         return UNCHANGED
-    return "" if len(methods) == 1 or str(label).startswith(use.rpartition(".")[2]) else use
+    return "" if is_same or str(label).startswith(use.rpartition(".")[2]) else use
 
 
 def _kept(graph: Graph, node: GraphNode, method: Label) -> dict[str, list[Label]]:

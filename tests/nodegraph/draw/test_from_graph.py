@@ -104,13 +104,16 @@ def test_a_box_says_what_its_method_does(
     nodes:
       capture: {use: read.number}
       some: {use: some.of, in: capture}
-      both: {in: capture, alternatives: {same: some.of, pass: {}}}
+      both: {in: capture, alternatives: {same: some.of, again: some.of, pass: {}}}
+      one: {in: capture, alternatives: {same: some.of, pass: {}}}
       several: {in: capture, alternatives: [some.of, fill.hold]}
     """
     boxes = {
         box.name: box for box in picture_of(graph_of(text, more=[node("some.of")(any_of)])).boxes
     }
-    assert [boxes[name].does for name in ("some", "both", "several")] == [does, does, ""]
+    said = [boxes[name].does for name in ("some", "both", "one", "several")]
+    assert said == [does, does, "", ""]
+    assert [row.settings for row in boxes["one"].alternatives] == ["some.of", "unchanged"]
 
 
 def test_a_gathering_port_says_what_it_gathers(graph_of: Callable[..., Graph]) -> None:
