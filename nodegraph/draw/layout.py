@@ -641,7 +641,7 @@ def _placed(
         x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
         band = bands["box", link.target]
         lane, right = lanes[band, *link[:2]]
-        between = gaps[band] - _LANE * lane
+        between = gaps[band] - _BETWEEN_CELLS - _LANE * (lane - 1)
         left = x - _BEFORE - _LANE * lane
         begin = _moved(
             corners[link.source], (widths[link.source], outputs[link.source][link.source_port])

@@ -109,7 +109,7 @@ def _too_many(nodes: int, name: str) -> str:
 
 def _drawn(picture: Picture) -> str:
     """Return a picture as SVG; empty if it is too large for a page."""
-    return svg(picture, sockets=True) if len(picture.boxes) <= _MOST_BOXES else ""
+    return svg(picture, sockets=True, heading=False) if len(picture.boxes) <= _MOST_BOXES else ""
 
 
 def _drawn_spec(spec: GraphSpec, registry: Registry) -> str:

@@ -238,7 +238,10 @@ class OpenRun:
             return {"drawing": "", "message": f"The graph is not drawn: {error}"}
         if len(graph.nodes) > MOST_ON_A_PAGE:
             return {"drawing": "", "message": "The graph is too large to draw."}
-        return {"drawing": svg(picture_of(graph, whole=True), sockets=True), "message": ""}
+        return {
+            "drawing": svg(picture_of(graph, whole=True), sockets=True, heading=False),
+            "message": "",
+        }
 
     def described(self, node: str) -> str:
         """Return the methods of a node and its place in the graph; empty if they are unknown."""

@@ -1,6 +1,6 @@
 // The states of the steps of a run on the cards of its graph.
 nodegraph.define("states", ["page"], ({ svg }) => {
-  const GAP = 40; // free on the left of a card
+  const GAP = 20; // free on the left of a card
 
   const duration = (seconds) => {
     const whole = Math.round(seconds);
