@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
+from typing import Any
 
 from nodegraph.equality import change, difference
-from nodegraph.errors import listed
 from nodegraph.formatting import labels_of
 from nodegraph.plugin.hook_results import HookResults
 from nodegraph.runs.record import Cell, Record, RecordedCode, RecordedStep
@@ -231,21 +231,23 @@ def _ended_otherwise(pair: Pair) -> bool:
 
 def choices(was: Record, now: Record) -> Iterator[str]:
     """Yield a text per input, and per axis, with another value."""
-    for kind, before, after in (
-        ("input", was.inputs, now.inputs), ("axis", _labels(was), _labels(now)),
-    ):  # fmt: skip
+    kinds: tuple[tuple[str, Mapping[str, Any], Mapping[str, Any], Callable[[Any], str]], ...] = (
+        ("input", was.inputs, now.inputs, str),
+        ("axis", was.axes, now.axes, _labels),
+    )
+    for kind, before, after, text in kinds:
         for name in {**before, **after}:
             if name not in before:
-                yield f"{kind} {name} is new: {after[name]}"
+                yield f"{kind} {name} is new: {text(after[name])}"
             elif name not in after:
-                yield f"{kind} {name} is gone, it was {before[name]}"
+                yield f"{kind} {name} is gone, it was {text(before[name])}"
             elif before[name] != after[name]:
-                yield f"{kind} {name} was {before[name]}, now {after[name]}"
+                yield f"{kind} {name} was {text(before[name])}, now {text(after[name])}"
 
 
-def _labels(record: Record) -> dict[str, object]:
-    """Return the labels of each axis as text: ``(5, 15)``."""
-    return {name: f"({listed(labels)})" for name, labels in record.axes.items()}
+def _labels(labels: Iterable[object]) -> str:
+    """Return labels as text: ``(5, 15)``."""
+    return f"({', '.join(map(str, labels))})"
 
 
 def by_digest(store: Store) -> Judge:

@@ -48,6 +48,17 @@ def test_an_edited_method_and_its_outputs_are_named(command: Command) -> None:
     ]
 
 
+def test_labels_are_compared_however_many_there_are(command: Command) -> None:
+    edit("toy.yaml", "[1, 5]", str([*range(1, 25)]))
+    ran(command)
+    edit("toy.yaml", "24]", "99]")
+    status, out = compared(command)
+    assert status == 1
+    assert "axis length was (1, 2, " in out
+    assert "23, 24), now (1, 2, " in out
+    assert "23, 99)" in out
+
+
 def test_combinations_of_one_run_only_are_counted(command: Command) -> None:
     ran(command)
     edit("toy.yaml", "[1, 5]", "[2, 5]")
