@@ -60,7 +60,9 @@ def _box(box: Box, label: str) -> str:
 
 
 def _line(arrow: Arrow) -> str:
-    return "==>" if arrow.gathers else "-.->" if arrow.truth else "-->"
+    if arrow.gathers:
+        return "==>"
+    return "-.->" if arrow.truth else "-->"
 
 
 def _label(arrow: Arrow) -> str:

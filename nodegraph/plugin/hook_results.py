@@ -141,15 +141,13 @@ class HookResults:
             again=again or _not_again,
         )
         for contract, source in contracts:
-            name = getattr(contract, "__name__", repr(contract))
-            promise = (getdoc(contract) or name).partition("\n")[0].rstrip(".")
             try:
                 for violation in contract(tried):
-                    yield promise, violation
+                    yield _promise(contract), violation
             except _CalledAgain:
                 continue
             except Exception as error:
-                yield promise, source.failure(name, error)
+                yield _promise(contract), source.failure(_name(contract), error)
 
     @cached_property
     def _contracts(self) -> Mapping[str, Sequence[tuple[Contract, HookSource]]]:
@@ -215,6 +213,15 @@ class HookResults:
             else:
                 _warn_of_unknown_hooks(manager, plugin)
         return manager
+
+
+def _name(contract: Contract) -> str:
+    return getattr(contract, "__name__", repr(contract))
+
+
+def _promise(contract: Contract) -> str:
+    """Return what a contract states."""
+    return (getdoc(contract) or _name(contract)).partition("\n")[0].rstrip(".")
 
 
 class _CalledAgain(Exception):
