@@ -88,7 +88,7 @@ _BETWEEN_COLUMNS = 20.0
 _INDENT = 10.0
 _BETWEEN_SIDES = 18.0
 _SIZES = {"port": 12.0, "note": 11.0, "name": 15.0, "line": 11.5, "does": 11.5, "chip": 11.0}
-_LEADING = {"port": 16.0, "note": 13.5, "line": 16.0, "does": 14.5}
+_LEADING = {"port": 16.0, "note": 13.5, "name": 19.0, "line": 16.0, "does": 14.5}
 
 Notes = tuple[tuple[str, str], ...]
 """Ports, each with a text."""
@@ -216,9 +216,8 @@ def shape(
         inputs = _Side(_stacked(told, 0.0, 2.5), {}, _height(told))
         inner = max(inner, _beside(inputs.lines, outputs.lines))
     inner = max([inner, *(_wide(*line) for line in (*notes, *lines))])
-    hint = clean(label) if shortened(label) != clean(label) else ""
-    texts = [Text("name", shortened(label), INSET, 20.0, hint)]
-    top = 23.0
+    texts = _stacked([("name", label)], INSET, 4.0)
+    top = 4.0 + _LEADING["name"]
     for x, side in ((INSET, inputs), (INSET + inner, outputs)):
         texts += [replace(line, x=x + line.x, y=top + line.y) for line in side.lines]
     ins, outs = (
