@@ -9,9 +9,12 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph import execute
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Event, HowToRun, Listener, open_store
+from nodegraph.execute import results
+from nodegraph.execute.events import Event, Listener
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.resume import open_store
+from nodegraph.execute.run import execute
 from nodegraph.execute.settings import settings_of
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Run(execute.Run):
+class Run(results.Run):
     """A finished run that can be saved.
 
     Attributes
@@ -201,7 +204,7 @@ def run_graph(
     settings = settings_of(graph, how, nodes, store)
     graph = graph.until(nodes) if nodes else graph
     events: list[Event] = []
-    finished = execute.execute(
+    finished = execute(
         plan(graph),
         how=how,
         store=store,
@@ -245,7 +248,7 @@ def _graph_html(graph: Graph) -> str:
     return graph_html(graph)
 
 
-def _run_html(run: execute.Run) -> str:
+def _run_html(run: results.Run) -> str:
     from nodegraph.notebook import run_html
 
     return run_html(run)
@@ -258,7 +261,7 @@ def show_in_notebooks() -> None:
     if shell is not None:
         html = shell.display_formatter.formatters["text/html"]
         html.for_type(Graph, _graph_html)
-        html.for_type(execute.Run, _run_html)
+        html.for_type(results.Run, _run_html)
 
 
 show_in_notebooks()

@@ -15,9 +15,11 @@ from typing import IO, Any
 import pytest
 
 from nodegraph.api import reported
-from nodegraph.execute import HowToRun, Run, execute
 from nodegraph.execute.call import Call
+from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.outcome import Outcome
+from nodegraph.execute.results import Run
+from nodegraph.execute.run import execute
 from nodegraph.execute.schedule import Schedule
 from nodegraph.graph import Choices, build
 from nodegraph.graphfile import read_graph_text
@@ -40,7 +42,8 @@ SCRIPT = """
     import sys
     from pathlib import Path
     from nodegraph import node
-    from nodegraph.execute import HowToRun, execute
+    from nodegraph.execute.executor import HowToRun
+    from nodegraph.execute.run import execute
     from nodegraph.graph import Choices, build
     from nodegraph.plan import plan
     from nodegraph.plugin.registry import Registry

@@ -10,9 +10,9 @@ import networkx as nx
 from nodegraph.audit.drift import AuditGrade, CallResult, Drift, drift, floor_of
 from nodegraph.audit.repeat import Case, Repeats
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run
 from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.processes import WorkerEndedError
+from nodegraph.execute.results import Run
 from nodegraph.plan import Step
 from nodegraph.state import State
 

@@ -13,12 +13,12 @@ from types import TracebackType
 
 from nodegraph.audit.drift import CallResult
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run
 from nodegraph.execute.call import Call, collecting_warnings, perform
 from nodegraph.execute.messages import CallCodec
 from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.processes import Worker, WorkerEndedError
+from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.schedule import Schedule
 from nodegraph.state import State

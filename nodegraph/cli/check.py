@@ -57,8 +57,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 def check(arguments: Namespace) -> int:
     """Print the steps of a graph, and how many of them are stored."""
     from nodegraph.cli.graphs import graph_of, left_out_lines, store_of
-    from nodegraph.execute import StoredSteps
     from nodegraph.execute.preflight import check_files_and_settings
+    from nodegraph.execute.resume import StoredSteps
     from nodegraph.plan import plan
 
     graph = graph_of(arguments)

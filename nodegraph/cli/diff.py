@@ -30,7 +30,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def diff(arguments: Namespace) -> int:
     """Print where two runs differ first, by how much, and what explains it."""
     from nodegraph.cli.answers import print_json
-    from nodegraph.execute import open_store
+    from nodegraph.execute.resume import open_store
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.compare import by_digest, choices, compare
     from nodegraph.runs.record_files import read_record

@@ -44,7 +44,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def export(arguments: Namespace) -> int:
     """Write a value of a run as a file, in the format that the suffix names."""
-    from nodegraph.execute import open_store
+    from nodegraph.execute.resume import open_store
     from nodegraph.plugin.registry import Registry
     from nodegraph.runs.record_files import read_record
     from nodegraph.runs.recorded_value import recorded_value

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from nodegraph.execute import Event, EventKind
+from nodegraph.execute.events import Event, EventKind
 from nodegraph.formatting import name_at, number_of
 from nodegraph.state import State
 

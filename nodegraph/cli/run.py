@@ -48,7 +48,7 @@ def run(arguments: Namespace) -> int:
     from nodegraph.cli.answers import print_json
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
     from nodegraph.cli.summary import print_summary, run_answer
-    from nodegraph.execute import executor_of
+    from nodegraph.execute.executor import executor_of
     from nodegraph.runs.folder import RunFolder
 
     graph = graph_of(arguments)

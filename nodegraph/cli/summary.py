@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from nodegraph.execute import Run
+    from nodegraph.execute.results import Run
     from nodegraph.plugin.hook_types import Grid
 
 _MOST_SENTENCES = 6

@@ -24,7 +24,7 @@ from nodegraph.state import State
 if TYPE_CHECKING:
     from nodegraph.audit.audit import Audited
     from nodegraph.cli.answers import Repeated
-    from nodegraph.execute import Run
+    from nodegraph.execute.results import Run
     from nodegraph.graph import Graph
     from nodegraph.lock.conclusions import Reported
     from nodegraph.lock.lockfile import Lock
@@ -67,7 +67,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def verify(arguments: Namespace) -> int:
     """Run a study, and print how far its results agree with its lock, or when repeated."""
     from nodegraph.cli.graphs import graph_of, run_of
-    from nodegraph.execute import open_store
+    from nodegraph.execute.resume import open_store
     from nodegraph.lock.lockfile import is_lock, read_lock
     from nodegraph.lock.restore import edited_files, unlocked
     from nodegraph.plugin.registry import Registry

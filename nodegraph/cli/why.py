@@ -21,7 +21,7 @@ def why(graph: Graph, arguments: Namespace) -> None:
     """Print which part of the key of each step of a node changed since an earlier run."""
     from nodegraph.cli.answers import ExplainedStep, WhyAnswer, print_json
     from nodegraph.cli.graphs import run_folder, store_of
-    from nodegraph.execute import StoredSteps
+    from nodegraph.execute.resume import StoredSteps
     from nodegraph.plan import plan
     from nodegraph.runs.record_files import read_record
     from nodegraph.runs.why import Why

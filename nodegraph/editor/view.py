@@ -13,8 +13,8 @@ from nodegraph.draw.from_graph import picture_of
 from nodegraph.draw.from_spec import picture_of_spec
 from nodegraph.editor.outline import Span, outline_of
 from nodegraph.errors import GraphError, Place, Problem, Problems, one_line
-from nodegraph.execute import StoredSteps, open_store
 from nodegraph.execute.preflight import check_files_and_settings
+from nodegraph.execute.resume import StoredSteps, open_store
 from nodegraph.formatting import number_of
 from nodegraph.graph import Graph, build
 from nodegraph.graphfile import GraphSpec, read_graph_text

@@ -8,14 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nodegraph.errors import NodegraphError, message_of, one_line, without_middle
 from nodegraph.formatting import printable
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Across
-from nodegraph.plan import Output, Plan, Step
 from nodegraph.state import State
+
+if TYPE_CHECKING:
+    from nodegraph.plan import Output, Plan, Step
 
 _READ_ONLY = ("read-only", "readonly", "WRITEABLE", "cannot assign to field")
 """Beginnings of the errors of numpy, numba and frozen dataclasses on writing to a locked value."""

@@ -23,8 +23,8 @@ from typing import Any, Literal
 
 from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import execute
 from nodegraph.execute.numeric_threads import one_thread_each, one_thread_here
+from nodegraph.execute.run import execute
 from nodegraph.graph import Graph
 from nodegraph.live.addresses import (
     RETRY_SECONDS,

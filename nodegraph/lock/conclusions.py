@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.formatting import name_at
 
 Rows = list[list[str]]

@@ -23,7 +23,7 @@ import yaml
 from pydantic import Field, ValidationError
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graphfile.reader import not_utf8
 from nodegraph.lock.conclusions import reported_by
 from nodegraph.lock.portable import FileNames, portable, refuse_paths, relative

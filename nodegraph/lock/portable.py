@@ -10,7 +10,8 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run, RunSettings
+from nodegraph.execute.results import Run
+from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import Graph, Method
 from nodegraph.lock.results import Results
 from nodegraph.plugin.registry import Registry

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from statistics import median
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.lock.sketch import FLOOR, Sketch, sketch
 from nodegraph.node.ports import Port
 from nodegraph.node.values import Files

@@ -6,7 +6,7 @@ import re
 from importlib.resources import files
 
 from nodegraph.draw.from_graph import drawing_for_page, labels_text
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.formatting import duration
 from nodegraph.graph import Graph
 from nodegraph.report.from_run import compose

@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 from nodegraph.draw.from_graph import drawing_for_page
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import NotStored, Run
 from nodegraph.execute.events import plain
-from nodegraph.execute.results import Values
+from nodegraph.execute.results import NotStored, Run, Values
 from nodegraph.filenames import file_stem, fold, portable_paths
 from nodegraph.formatting import labels_of, size_text
 from nodegraph.graph.axis_text import axis_text

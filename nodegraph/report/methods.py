@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath, PureWindowsPath
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import GraphNode, Method
 from nodegraph.node.description import (
     SettingText,

@@ -13,7 +13,7 @@ from nodegraph.report.study import NoteSubject, StepNote, Study
 from nodegraph.state import State
 
 if TYPE_CHECKING:
-    from nodegraph.execute import Run
+    from nodegraph.execute.results import Run
     from nodegraph.graph import Graph
 
 _KIND_OF_STATE: dict[State, NoteSubject] = {

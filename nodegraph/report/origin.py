@@ -9,7 +9,7 @@ from functools import cached_property
 
 import networkx as nx
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph.methods import PASS
 from nodegraph.node.ports import Across, Label
 from nodegraph.plan import Output, Step

@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.plugin.loading import error_text
 from nodegraph.report.from_run import Composed, compose
 from nodegraph.report.page import page

@@ -25,7 +25,7 @@ from nodegraph.state import State
 from nodegraph.store import files
 
 if TYPE_CHECKING:
-    from nodegraph.execute import Event
+    from nodegraph.execute.events import Event
 
 RECORD = "run.json"
 STEPS = "steps.jsonl.gz"

@@ -7,9 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run, RunSettings, StoredSteps
 from nodegraph.execute.events import plain
 from nodegraph.execute.outcome import Outcome, skipped
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import StoredSteps
+from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.node.ports import Label

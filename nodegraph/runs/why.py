@@ -10,7 +10,7 @@ from functools import cached_property
 
 import networkx as nx
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.formatting import first_and_more
 from nodegraph.plan import Plan, Step

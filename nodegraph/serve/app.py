@@ -16,7 +16,7 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from nodegraph.errors import GraphError, NodegraphError, listed, nearest
-from nodegraph.execute import NotStored, Run
+from nodegraph.execute.results import NotStored, Run
 from nodegraph.formatting import labels_of
 from nodegraph.report import page
 from nodegraph.report.merge import linked, merged

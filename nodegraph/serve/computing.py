@@ -7,7 +7,7 @@ import threading
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import suppress
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 
 _EVERY = 0.5
 """Seconds between two looks whether the reader still waits for another computation to end."""

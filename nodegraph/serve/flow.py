@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from nodegraph.errors import NodegraphError, listed
-from nodegraph.execute import NotStored, Run
+from nodegraph.execute.results import NotStored, Run
 from nodegraph.formatting import number_of
 from nodegraph.node.ports import Port
 from nodegraph.plan import Output, outputs_in

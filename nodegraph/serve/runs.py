@@ -15,8 +15,10 @@ from typing import Any
 from nodegraph.draw import svg
 from nodegraph.draw.from_graph import MOST_ON_A_PAGE, picture_of
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import Run, RunSettings, open_store
 from nodegraph.execute.outcome import Outcome
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import open_store
+from nodegraph.execute.settings import RunSettings
 from nodegraph.filenames import portable_name
 from nodegraph.formatting import number_of
 from nodegraph.graph import Graph

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from urllib.parse import urlencode
 
 from nodegraph.errors import NodegraphError, Refusal, listed, nearest
-from nodegraph.execute import NotStored, Run, Values
+from nodegraph.execute.results import NotStored, Run, Values
 from nodegraph.formatting import labels_of, name_at
 from nodegraph.node.ports import Label
 from nodegraph.plugin.hook_types import Rendered

@@ -18,7 +18,7 @@ from pathlib import Path, PurePath
 from typing import NamedTuple
 
 from nodegraph.errors import NodegraphError, listed
-from nodegraph.execute import open_store
+from nodegraph.execute.resume import open_store
 from nodegraph.filenames import fold, portable_name
 from nodegraph.formatting import number_of, options_of
 from nodegraph.plugin.registry import Registry

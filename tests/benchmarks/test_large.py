@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from nodegraph import node
-from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

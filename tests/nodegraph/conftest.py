@@ -12,7 +12,10 @@ import pytest
 from nodegraph import GraphError
 from nodegraph.api import reported
 from nodegraph.errors import Problem
-from nodegraph.execute import HowToRun, Run, execute, open_store
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import open_store
+from nodegraph.execute.run import execute
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

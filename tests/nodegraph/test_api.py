@@ -11,7 +11,7 @@ import pytest
 import nodegraph as ng
 from nodegraph.api import reported
 from nodegraph.cli.main import main
-from nodegraph.execute import Event
+from nodegraph.execute.events import Event
 from nodegraph.graph import Graph
 from nodegraph.plugin import loading
 from nodegraph.plugin.registry import Registry, default_registry

@@ -13,7 +13,7 @@ import pytest
 
 from nodegraph import node
 from nodegraph.api import show_in_notebooks
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph
 from nodegraph.notebook import graph_html, run_html
 

@@ -8,7 +8,7 @@ import networkx as nx
 import pytest
 
 from nodegraph import Absent, Across, node
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph
 from nodegraph.plan import Output, Plan
 from nodegraph.plan import plan as make_plan

@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph import Across, GraphError, node
-from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

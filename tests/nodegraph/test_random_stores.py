@@ -13,7 +13,11 @@ from types import SimpleNamespace
 import pytest
 
 from nodegraph import Across, hookimpl
-from nodegraph.execute import Event, HowToRun, Run, execute, open_store
+from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import open_store
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import Plan, Step, plan

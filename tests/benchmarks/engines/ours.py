@@ -6,8 +6,9 @@ from pathlib import Path
 
 import nodegraph as ng
 from nodegraph import node
-from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.resume import open_store
+from nodegraph.execute.run import execute
 from nodegraph.graph import build as build_graph
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

@@ -15,7 +15,10 @@ from nodegraph import Refusal, node
 from nodegraph.api import reported
 from nodegraph.audit.audit import AGAIN, PROCESS, STORED, THREADS, Audited, audit, cases
 from nodegraph.audit.drift import AuditGrade
-from nodegraph.execute import HowToRun, Run, execute, open_store
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import open_store
+from nodegraph.execute.run import execute
 from nodegraph.graph import Choices, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

@@ -14,7 +14,8 @@ import pytest
 from pydantic import AfterValidator
 
 from nodegraph import Across, InputFile, NodegraphError, hookimpl, node
-from nodegraph.execute import Event, Run
+from nodegraph.execute.events import Event
+from nodegraph.execute.results import Run
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Packer, Store

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 import pytest
 
 from nodegraph.cli.progress import Display, counts_text, progress, settled_line
-from nodegraph.execute import Event
+from nodegraph.execute.events import Event
 
 _COUNTED = {"done": "run"}
 

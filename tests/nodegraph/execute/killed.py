@@ -19,7 +19,11 @@ from pathlib import Path
 import numpy as np
 
 from nodegraph import Across, node
-from nodegraph.execute import Event, HowToRun, Run, execute, open_store
+from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import open_store
+from nodegraph.execute.run import execute
 from nodegraph.graph import Choices, build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

@@ -6,7 +6,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nodegraph.execute import Event, HowToRun, Run
+from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 
 
 def test_a_line_is_json_whatever_is_in_it() -> None:

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from nodegraph import NodegraphError, node
-from nodegraph.execute import HowToRun, Run
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 from nodegraph.plugin.registry import Registry
 
 WAYS = [HowToRun("serial"), HowToRun("threads", 1), HowToRun("threads", 4)]

@@ -7,7 +7,8 @@ from textwrap import dedent
 
 import pytest
 
-from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

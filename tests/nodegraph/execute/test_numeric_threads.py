@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from nodegraph.execute import HowToRun, execute
+from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.numeric_threads import one_thread_each
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

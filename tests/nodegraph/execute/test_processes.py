@@ -11,8 +11,10 @@ from typing import IO, Any
 import pytest
 
 from nodegraph import NodegraphError, node
-from nodegraph.execute import HowToRun, Run, processes
+from nodegraph.execute import processes
 from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 
 TWO = HowToRun("processes", 2)
 ONE = HowToRun("processes", 1)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from nodegraph.execute import Run
 from nodegraph.execute.remaining_time import RemainingTime
+from nodegraph.execute.results import Run
 from nodegraph.plan import Step
 
 TEXT = """

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from nodegraph import NodegraphError
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 
 TEXT = """
 axes: {k: [1, 2], one: [7]}

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 from nodegraph import hookimpl, node
-from nodegraph.execute import Event, HowToRun, Run
+from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 from nodegraph.plugin.kind import Kind
 from nodegraph.plugin.loading import Plugin
 from nodegraph.store import Store

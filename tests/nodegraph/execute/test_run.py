@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from nodegraph import NodegraphError, node
-from nodegraph.execute import Event, HowToRun, Run
+from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 from nodegraph.node.ports import Absent
 from nodegraph.state import State
 

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 import pytest
 
 from nodegraph import Across, Value, node
-from nodegraph.execute import HowToRun, Run, execute
 from nodegraph.execute.call import perform
+from nodegraph.execute.executor import HowToRun
 from nodegraph.execute.outcome import Outcome
+from nodegraph.execute.results import Run
+from nodegraph.execute.run import execute
 from nodegraph.execute.schedule import Schedule
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Graph

@@ -9,7 +9,7 @@ import pytest
 from pandas.testing import assert_frame_equal
 
 from nodegraph import Refusal, node
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 
 AXES = """
     axes: {k: [1, 2], trial: {count: 2}}

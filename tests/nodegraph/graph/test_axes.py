@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from nodegraph import Across
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph
 from tests.nodegraph.conftest import ProblemsOf
 

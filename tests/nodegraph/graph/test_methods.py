@@ -8,7 +8,7 @@ import pytest
 
 from nodegraph import Across, node
 from nodegraph.errors import GraphError
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph
 from nodegraph.node.ports import Port
 from tests.nodegraph.conftest import ProblemsOf

@@ -10,7 +10,7 @@ import pytest
 
 from nodegraph import Deprecated, Unit, node
 from nodegraph.api import load
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph
 from nodegraph.node.decorator import node_of
 from nodegraph.node.description import describe_settings, summary_of

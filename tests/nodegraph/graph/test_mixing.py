@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from nodegraph import Truth, node
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.graph import Graph
 from nodegraph.runs.record import record
 

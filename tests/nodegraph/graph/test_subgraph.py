@@ -13,7 +13,8 @@ from nodegraph import NodegraphError, Truth, api, node
 from nodegraph.draw import dot, mermaid, svg
 from nodegraph.draw.from_graph import picture_of
 from nodegraph.errors import GraphError
-from nodegraph.execute import HowToRun, Run
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 from nodegraph.graph import Choices, Graph, PassThrough, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.plugin.registry import Registry

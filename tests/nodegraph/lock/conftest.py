@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import pytest
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.lock.lockfile import Lock, lock_text, read_lock
 
 TEXT = """

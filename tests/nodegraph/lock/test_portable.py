@@ -9,7 +9,7 @@ import pytest
 
 import nodegraph as ng
 from nodegraph import NodegraphError, Refusal, node
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.lock.lockfile import lock_of
 from nodegraph.lock.portable import FileNames, portable, refuse_paths, relative
 from nodegraph.lock.results import Results

@@ -10,7 +10,7 @@ from types import ModuleType
 import pytest
 
 from nodegraph import NodegraphError
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.lock.lockfile import Lock
 from nodegraph.lock.restore import StoreWithoutResults, unlocked

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nodegraph import node
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.lock.results import Results
 from nodegraph.runs.record import record
 from nodegraph.runs.recorded_value import StoredValues

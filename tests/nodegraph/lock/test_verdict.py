@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.lock.portable import FileNames, portable
 from nodegraph.lock.results import Results
 from nodegraph.lock.verdict import BySketch, changes_everywhere, verdict

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import pytest
 
 from nodegraph import Files, Kind, Rendered, hookimpl, node
-from nodegraph.execute import Run, execute
+from nodegraph.execute.results import Run
+from nodegraph.execute.run import execute
 from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text

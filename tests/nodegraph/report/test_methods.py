@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from nodegraph import node
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.report.from_run import compose
 from nodegraph.report.merge import merged
 from nodegraph.report.methods import Methods

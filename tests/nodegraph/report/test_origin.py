@@ -8,7 +8,8 @@ from typing import Annotated
 import pytest
 
 from nodegraph import Across, Kind, Provenance, Rendered, Unit, hookimpl, node
-from nodegraph.execute import Run, execute
+from nodegraph.execute.results import Run
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from nodegraph.execute import Run, RunSettings
+from nodegraph.execute.results import Run
+from nodegraph.execute.settings import RunSettings
 from nodegraph.report.write import write_run
 from nodegraph.runs.folder import RunFolder
 

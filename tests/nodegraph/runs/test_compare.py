@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.runs.compare import Agreement, Judged, Pair, StepChange, changes, compare
 from nodegraph.runs.record import Record, RecordedCode, RecordedStep, record
 

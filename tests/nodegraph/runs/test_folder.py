@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from nodegraph import NodegraphError
-from nodegraph.execute import Event
+from nodegraph.execute.events import Event
 from nodegraph.runs.folder import RunFolder
 
 

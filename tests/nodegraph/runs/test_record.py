@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 
-from nodegraph.execute import Run
+from nodegraph.execute.results import Run
 from nodegraph.runs.record import record
 from nodegraph.runs.record_files import record_bytes, steps_bytes
 from tests.records import steps_of

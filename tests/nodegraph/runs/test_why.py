@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.execute import Run, StoredSteps, open_store
+from nodegraph.execute.results import Run
+from nodegraph.execute.resume import StoredSteps, open_store
 from nodegraph.graph import Graph
 from nodegraph.plan import plan
 from nodegraph.runs.record import Record, record

@@ -26,7 +26,7 @@ from playwright.sync_api import Page
 from starlette.responses import PlainTextResponse
 
 import nodegraph as ng
-from nodegraph.execute import Event
+from nodegraph.execute.events import Event
 from nodegraph.runs.folder import RunFolder
 from nodegraph.serve import server
 from tests.browser import middle, needs_axe, until, violations

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from nodegraph import Absent, Across, Value
-from nodegraph.execute import open_store
+from nodegraph.execute.resume import open_store
 from nodegraph.plugin.registry import Registry
 from nodegraph.store import About, DamagedEntry, Store, Unstorable, Upkeep
 from tests.nodegraph.store import forged

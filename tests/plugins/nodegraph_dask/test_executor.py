@@ -19,8 +19,10 @@ import pytest
 from distributed import Client, LocalCluster
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute import HowToRun, Run, messages
+from nodegraph.execute import messages
 from nodegraph.execute.events import Event
+from nodegraph.execute.executor import HowToRun
+from nodegraph.execute.results import Run
 from nodegraph.plugin.registry import Registry
 from nodegraph.state import State
 from nodegraph_dask import cluster as cluster_module

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from nodegraph.execute import execute
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.node.decorator import node

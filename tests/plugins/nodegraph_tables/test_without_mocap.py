@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import nodegraph_tables
-from nodegraph.execute import execute
+from nodegraph.execute.run import execute
 from nodegraph.graph import build
 from nodegraph.graphfile import read_graph_text
 from nodegraph.node.decorator import node
