@@ -41,7 +41,7 @@ def view(arguments: Namespace) -> int:
         from nodegraph.serve.files import MOST_BODY, application_of_files
         from nodegraph.serve.server import LocalServer
 
-    registry = Registry.installed(arguments.plugin)
+    registry = Registry.installed(arguments.plugin, nodes_with="readers")
     files = read_files(arguments.files, registry, values_of(arguments, "with"))
     server = LocalServer(
         lambda: application_of_files(files, registry), arguments.port, most_body=MOST_BODY

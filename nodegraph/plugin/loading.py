@@ -45,6 +45,10 @@ class Plugin:
     distribution: str = ""
     digest: str = ""
 
+    def has(self, hook: str) -> bool:
+        """Return whether it implements a hook."""
+        return hasattr(self.module, f"{hooks.GROUP}_{hook}")
+
 
 @dataclass(frozen=True)
 class BrokenPlugin:

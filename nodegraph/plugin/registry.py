@@ -14,7 +14,7 @@ from nodegraph.errors import NodeError, NodegraphError, UnknownNodeError, closes
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.plugin import loading
 from nodegraph.plugin.hook_results import HookResults
-from nodegraph.plugin.hooks import GROUP, HOOKS
+from nodegraph.plugin.hooks import HOOKS
 from nodegraph.plugin.loading import BrokenPlugin, NodesHookError, Plugin, error_text
 
 
@@ -49,8 +49,15 @@ class Registry:
     _by_scheme: dict[tuple[str, str], Registered] = field(default_factory=dict)
 
     @classmethod
-    def installed(cls, files: Iterable[Path] = ()) -> Registry:
+    def installed(cls, files: Iterable[Path] = (), *, nodes_with: str = "") -> Registry:
         """Return the registry of all installed plugins and of Python files that are plugins.
+
+        Parameters
+        ----------
+        files
+        nodes_with
+            A hook: the nodes of installed plugins without it, whose import takes as long as that
+            of all else, are left out.
 
         Raises
         ------
@@ -61,7 +68,8 @@ class Registry:
         registry = cls(broken=broken)
         for plugin in plugins:
             try:
-                registry._add_plugin(plugin)
+                needed = not nodes_with or plugin.has(nodes_with)
+                registry._add_plugin(plugin, with_nodes=needed)
             except Exception as error:
                 broken.append(BrokenPlugin(plugin.name, error_text(error)))
         for each in broken:
@@ -164,14 +172,12 @@ class Registry:
         except Exception as error:
             raise NodegraphError(f"{file}: {error_text(error)}") from error
         has_nodes = any(registered.plugin == plugin.name for registered in self)
-        has_other_hooks = any(
-            hasattr(plugin.module, f"{GROUP}_{hook}") for hook in HOOKS if hook != "nodes"
-        )
+        has_other_hooks = any(plugin.has(hook) for hook in HOOKS if hook != "nodes")
         if not has_nodes and not has_other_hooks:
             hint = 'write @node("family.method") above a function'
             warnings.warn(f"{file}: defines no nodes; {hint}", stacklevel=3)
 
-    def _add_plugin(self, plugin: Plugin) -> None:
+    def _add_plugin(self, plugin: Plugin, *, with_nodes: bool = True) -> None:
         for other in (loading.built_in(), *self.loaded):
             if other.name == plugin.name:
                 raise NodegraphError(
@@ -179,7 +185,8 @@ class Registry:
                 )
             if other.module is plugin.module:
                 raise NodegraphError(f"it is the same module as plugin {other.name!r}")
-        self._add_nodes(plugin.name, plugin.distribution, loading.nodes_of(plugin))
+        if with_nodes:
+            self._add_nodes(plugin.name, plugin.distribution, loading.nodes_of(plugin))
         self.loaded.append(plugin)
 
     def _add_nodes(

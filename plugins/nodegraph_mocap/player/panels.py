@@ -21,6 +21,8 @@ _OUTER = 0.1
 
 _ROOM = 1.12
 _FRAMES = 60
+_POINTS = 20_000
+"""Of those of a recording, evenly spaced, that say where it lies."""
 
 
 def panel_of(label: str, shown: Trajectories | Animation, view: str) -> Panel:
@@ -32,6 +34,7 @@ def panel_of(label: str, shown: Trajectories | Animation, view: str) -> Panel:
         seen = frontal(shown, view)
         chosen = shown.measured if shown.measured.any() else shown.present
         points = shown.positions[chosen]
+        points = points[:: len(points) // _POINTS + 1]
     centre, radius = _fit(points, seen)
     return Panel(
         label=label, shown=shown, centre=centre, right=seen.right, up=seen.up, radius=radius

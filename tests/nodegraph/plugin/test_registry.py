@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -135,3 +136,14 @@ def test_installed_plugins_are_read_once(install: Install) -> None:
         assert default_registry() is default_registry()
     finally:
         default_registry.cache_clear()
+
+
+def test_nodes_of_plugins_without_a_hook_can_be_left_out_but_not_those_of_files(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "own.py"
+    lines = ("from nodegraph import node", "", "@node('fill.own')")
+    file.write_text("\n".join([*lines, "def own(x: float) -> float:", "    return x", ""]))
+    registry = Registry.installed([file], nodes_with="readers")
+    assert {each.plugin for each in registry} == {"files", "own"}
+    assert {plugin.name for plugin in registry.loaded} >= {"fill", "mocap"}

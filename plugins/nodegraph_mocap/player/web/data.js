@@ -26,7 +26,12 @@ nodegraph.define("mocap/player/data", [], () => {
     return steps;
   };
 
-  const scaledBy = (steps, step) => Float32Array.from(steps, (count) => count * step);
+  // A loop: Float32Array.from takes ten times as long.
+  const scaledBy = (steps, step) => {
+    const scaled = new Float32Array(steps.length);
+    for (let i = 0; i < steps.length; i += 1) scaled[i] = steps[i] * step;
+    return scaled;
+  };
 
   // How much of each stretch of time is missing, filled, repaired: (marker, stretch), 255 for all of it.
   const stripOf = (blob, { strip, markers }) => strip && {
