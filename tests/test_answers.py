@@ -114,10 +114,10 @@ def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
         each.data for each in answer.results if (each.node, each.output) == ("table", "table")
     )
     yield "JSON of the table", str(data["answer"]["sentence"])  # type: ignore[index]
-    why = plain(shown.answer.why)
-    assert data["answer"]["why"] == why  # type: ignore[index]
-    assert why in unescape(re.sub(r"<[^>]*>", "", html))
-    assert why in answer.answer or not why
+    certainty = plain(shown.answer.certainty)
+    assert data["answer"]["certainty"] == certainty  # type: ignore[index]
+    assert certainty in unescape(re.sub(r"<[^>]*>", "", html))
+    assert certainty in answer.answer or not certainty
     notebook = re.search(r'<p class="answer">(.*?)</p>', run_html(run), re.S)
     assert notebook is not None
     yield "notebook", unescape(notebook[1])
@@ -195,15 +195,12 @@ def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> N
     for card, found, (best, tied) in zip(
         overview.answer.cards, overview.answer.findings, marks, strict=False
     ):
-        # the headline is the best, or the method to take where it may be as good
+        # without a verdict a headline names at most the only method
         named = {part.method for part in card.headline if not isinstance(part, str)}
-        kinds = {"best": best, "tied": tied}
-        assert card.kind == next((kind for kind, of in kinds.items() if named & of), "rest")
-        assert (card.kind != "rest") == bool(best)
+        assert card.kind == ("best" if best else "rest")
+        assert named == best or not best
         is_behind = overview.answer.take in found.behind
         assert ("clearly behind" in plain(card.status)) == is_behind
-        if card.kind == "tied":
-            assert {part.text for part in card.status if not isinstance(part, str)} & best
         if card.rows is None or overview.verdicts.is_sequence:
             continue
         rows = (*card.rows.rows, *card.rows.others)

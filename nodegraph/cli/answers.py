@@ -25,11 +25,10 @@ class Result:
         What a plugin says of the value; of a table: ``columns``, ``rows`` (a list per
         row, null for a number that is missing), ``units`` and ``better`` by column, ``best`` and
         ``tied`` (rows by column), ``cells``: the columns that hold the interval and the p of
-        another, and ``answer``: its ``sentence`` and ``scope``, ``why`` a method is the one to take
-        for all its ``groups`` (empty without such a one), and of each of these whether there is a
-        ``verdict``, which methods are ``best``, ``tied`` (not certain to be worse), ``behind`` and
-        ``first`` by the mean, and their ``mean``, ``low``, ``high`` and ``p``; ``overall`` is the
-        same of all groups taken together, or null.
+        another, and ``answer``: its ``sentence``, ``scope`` and ``certainty``, and of each of its
+        ``groups`` whether there is a ``verdict``, which methods are ``best``, ``tied`` (not certain
+        to be worse), ``behind`` and ``first`` by the mean, and their ``mean``, ``low``, ``high``
+        and ``p``; ``overall`` is the same of all groups taken together, or null.
     """
 
     node: str

@@ -228,17 +228,16 @@ class _Shown:
             if isinstance(value, Files):
                 self._add_files(result, value)
                 return
-            # the files beside the report have the author's words too
-            caption = result.entry.caption or result.entry.title
             entry = result.entry
-            origin = RunOrigin(self._run, result.node, result.labels, caption, entry.answer)
+            title = entry.title or str(result)
+            origin = RunOrigin(self._run, result.node, result.labels, entry.caption, entry.answer)
             try:
-                rendered = render_in_run(value, str(result), origin)
+                rendered = render_in_run(value, title, origin)
             except NodegraphError as error:
                 if not entry.answer:
                     raise
                 self._refuse_answer(result, str(error))
-                rendered = render_in_run(value, str(result), replace(origin, answer=()))
+                rendered = render_in_run(value, title, replace(origin, answer=()))
             if rendered is not None:
                 self._add_rendered(result, rendered)
         except Exception as error:  # a result that cannot be shown must not cost the others

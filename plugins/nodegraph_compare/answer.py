@@ -13,6 +13,7 @@ import numpy as np
 
 from nodegraph_compare.cards import cards_of
 from nodegraph_compare.described import described, is_described
+from nodegraph_compare.inference import LEVEL
 from nodegraph_compare.question import EXTREME
 from nodegraph_compare.words import (
     UNCLEAR,
@@ -79,15 +80,14 @@ def answer_of(verdicts: Verdicts) -> Answer:
     )
     if is_described(named):
         answer = described(named)
-        scope = joined(" ", [scope_words(named), _LINES * any(each.low for each in findings)])
-        return Answer(answer.sentence, scope, answer.cards, findings=findings)
+        lines = (_LINES,) if any(each.low for each in findings) else ()
+        scope = scope_words(named)
+        return replace(answer, scope=scope, findings=findings, certainty=lines)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
     overall = None if verdicts.overall is None else _finding(verdicts, verdicts.overall)
-    answer = Answer(_sentence(named), scope_words(named), cards, (), findings, overall)
-    if verdicts.for_all is None:
-        return answer
-    take = str(verdicts.methods[verdicts.for_all])
-    return replace(answer, take=take, why=_why(named, verdicts.for_all))
+    take = "" if verdicts.for_all is None else str(verdicts.methods[verdicts.for_all])
+    told = (_sentence(named), scope_words(named), cards, (), findings, overall, take)
+    return Answer(*told, _certainty(named))
 
 
 def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -> Finding:
@@ -209,9 +209,19 @@ def _by_leader(groups: Sequence[Verdict]) -> dict[tuple[int, ...], list[Verdict]
 
 
 def _number(verdicts: Verdicts, groups: Sequence[Verdict], place: int) -> Word:
-    """Return the mean of a method, or the span of its means in several groups."""
-    means = [float(group.mean[place]) for group in groups]
-    return Word(span_text(sorted({min(means), max(means)}), verdicts.metric.unit), "number")
+    """Return the mean of a method, or the range of its means in several groups."""
+    return _range(verdicts, [float(group.mean[place]) for group in groups])
+
+
+def _range(verdicts: Verdicts, means: Sequence[float]) -> Word:
+    """Return numbers of groups from least to largest, by what they range: ``1 to 2 mm by length``.
+
+    Without that they would read like an interval.
+    """
+    text = span_text(sorted({min(means), max(means)}), verdicts.metric.unit)
+    axes = [verdicts.within[axis] for axis in varying(verdicts)]
+    by = f" by {axes[0] if len(axes) == 1 else 'group'}" if " to " in text else ""
+    return Word(f"{text}{by}", "number")
 
 
 def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdict]) -> Text:
@@ -400,7 +410,21 @@ def _for_all(verdicts: Verdicts, told: Sequence[Verdict], place: int) -> Text:
     return say(f"One method for all: {HERE}{HERE}.", *best_words(verdicts, [place]), also)
 
 
-def _why(verdicts: Verdicts, take: int) -> Text:
+def _certainty(verdicts: Verdicts) -> Text:
+    """Return why a method is the one to take, and by which rule methods are told apart."""
+    stands = [group for group in verdicts.groups if group.stands]
+    if not stands or verdicts.metric.better == "none":
+        return ()
+    take = () if verdicts.for_all is None else _taken(verdicts, verdicts.for_all)
+    units = {units_text(group.scope) for group in stands}
+    over = f" of {units.pop()}" if len(units) == 1 else ""
+    rule = f"Clearly: p of at most {LEVEL:g} in paired tests{over}, adjusted for their number."
+    is_open = not verdicts.is_sequence and any(not group.told for group in stands)
+    none = "None clearly best: no other is clearly worse than the first." * is_open
+    return joined(" ", [take, rule, none])
+
+
+def _taken(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
     worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take), take))
@@ -422,7 +446,7 @@ def _why(verdicts: Verdicts, take: int) -> Text:
         for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
     ]
     reason = joined("; ", [joined(", ", [first, worst]), *after])
-    return say(f"Why {HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
+    return say(f"{HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
 
 
 def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
@@ -524,8 +548,7 @@ def _beside_means(verdicts: Verdicts, of: Sequence[tuple[Verdict, int]]) -> list
 def _values(verdicts: Verdicts, known: Sequence[Verdict]) -> Text:
     """Return the mean of the only method, or the range of its means."""
     place = known[0].known[0]
-    means = [float(np.nanmin(group.mean)) for group in known]
-    ends = Word(span_text(sorted({min(means), max(means)}), verdicts.metric.unit), "number")
+    ends = _range(verdicts, [float(np.nanmin(group.mean)) for group in known])
     if not str(verdicts.methods[place]):
         return say(f"The mean {verdicts.metric.name} is {HERE}.", ends)
     (name,) = method_words(verdicts, [place])
@@ -608,7 +631,6 @@ def scope_words(verdicts: Verdicts) -> Text:
         for text, count in cautions.items()
         if text
     ]
-    several = sum(group.stands for group in groups) > 1
     end = "" if metric.better == "none" else f", {metric.better} is better"
     are_clusters = any(group.scope.kind == "clusters" for group in groups)
     over = verdicts.units.removeprefix("synthetic ") if are_clusters else "recordings"
@@ -623,7 +645,6 @@ def scope_words(verdicts: Verdicts) -> Text:
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
             f"{number_name(verdicts, unit)}{geometric}{end}.",
-            "Clearly: p of at most 0.05 in paired tests, adjusted for their number." * several,
         ],
     )
 

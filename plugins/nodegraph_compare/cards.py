@@ -51,7 +51,7 @@ from nodegraph_tables.numbers import (
     span_text,
     without_rounding,
 )
-from nodegraph_tables.style import SHARE
+from nodegraph_tables.style import bare_unit
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -135,13 +135,11 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
 
 
 def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
-    """Return the best of the group, or the method to take where it may be as good."""
-    take = verdicts.for_all
-    shown = (take,) if take is not None and take in group.tied else group.best
-    kind: Kind = group.marks.get(shown[0], "rest")
-    value, interval = _value(verdicts, group, shown[0])
-    names = listing(method_words(verdicts, shown))
-    status = standing_text(_bare(verdicts), group, shown[0])
+    """Return the best of the group, and how others stand to it."""
+    value, interval = _value(verdicts, group, group.best[0])
+    names = listing(method_words(verdicts, group.best))
+    status = standing_text(_bare(verdicts), group)
+    kind: Kind = group.marks.get(group.best[0], "rest")
     return Card((), names, value, interval, rows=rows, status=status, kind=kind)
 
 
@@ -154,7 +152,7 @@ def _value(verdicts: Verdicts, group: Verdict, place: int) -> tuple[Text, Text]:
     """Return the mean of a method, and its interval."""
     unit = verdicts.metric.unit
     low, high = float(group.low[place]), float(group.high[place])
-    between = span_text([low, high], "share" if unit == "share" else "")
+    between = span_text([low, high], bare_unit(unit))
     # one without width in the digits shown says nothing
     shown = np.isfinite(low) and " to " in between
     interval: Text = (Word(f"95 %: {between}", "number"),) if shown else ()
@@ -166,7 +164,8 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
     described = verdicts.is_sequence or verdicts.metric.better == "none"
     ranked = [place for place in group.ranked if place in group.known]
     is_below = len(verdicts.groups) > ONE_ROW
-    kinds, notes = _kinds(verdicts, group), _notes(verdicts, group, 1 if is_below else _MOST_NAMES)
+    is_one = is_below or group.told
+    kinds, notes = _kinds(verdicts, group), _notes(verdicts, group, 1 if is_one else _MOST_NAMES)
     means = without_rounding(group.mean.tolist())
     rows = [
         Row(
@@ -223,9 +222,9 @@ def _notes(verdicts: Verdicts, group: Verdict, most: int) -> dict[int, Text]:
 
 
 def _bare(verdicts: Verdicts) -> Verdicts:
-    """Return verdicts whose numbers have no unit but that of shares, as it stands beside them."""
+    """Return verdicts whose numbers have no unit, but for shares, as it stands beside them."""
     metric = verdicts.metric
-    return replace(verdicts, metric=replace(metric, unit=SHARE if metric.unit == SHARE else ""))
+    return replace(verdicts, metric=replace(metric, unit=bare_unit(metric.unit)))
 
 
 def _step_notes(verdicts: Verdicts, group: Verdict) -> dict[int, Text]:

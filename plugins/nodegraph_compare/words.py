@@ -20,7 +20,7 @@ from nodegraph_tables.numbers import (
     span_text,
     to_digits_of,
 )
-from nodegraph_tables.style import unit_text
+from nodegraph_tables.style import bare_unit, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -374,29 +374,29 @@ def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:
     return text if text.startswith(MINUS) else f"+{text}"
 
 
-def standing_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return how one of the best of a group, or what may be as good, stands to the others."""
-    if place in group.tied:
-        mean = span_text([group.mean[group.best[0]]], verdicts.metric.unit)
-        best, number = listing(best_words(verdicts, group.best)), Word(mean, "number")
-        return say(f"{MAY_BE} as {HERE} {HERE}", best, number)
+def standing_text(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return how others stand to the best of a group.
+
+    They are the method to take, where that is another; else those that may be as good, or else the
+    nearest.
+    """
     take = verdicts.for_all
-    if take in group.behind:
+    if group.stands and take is not None and take not in group.best:
         (name,) = method_words(verdicts, [take])
-        far = behind_text(verdicts, group, take)
-        return say(f"best; {HERE} clearly behind: {HERE}", name, far)
-    if group.tied:
-        return joined("; ", ["best", others_text(verdicts, group)])
-    return ("clearly best",) if group.behind else ()
+        claim = "clearly behind" if take in group.behind else MAY_BE
+        start = f"{'best; ' * group.told}{HERE} {HERE}, {claim}"
+        return say(start, name, _behind_text(verdicts, group, take))
+    if group.told and group.tied:
+        tied = method_words(verdicts, group.tied)
+        return say(f"best; {HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")
+    if not group.behind:
+        return ()
+    nearest = nearest_first(group, group.behind)[0]
+    (name,) = method_words(verdicts, [nearest])
+    return say(f"clearly best; next, {HERE} {HERE}", name, _behind_text(verdicts, group, nearest))
 
 
-def others_text(verdicts: Verdicts, group: Verdict) -> Text:
-    """Return which others may be as good as the best of a group."""
-    tied = method_words(verdicts, group.tied)
-    return say(f"{HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")
-
-
-def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+def _behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
     best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
     text = _above(verdicts, group, place, group.best[0])
@@ -411,7 +411,7 @@ def within_text(verdicts: Verdicts, group: Verdict, place: int, paired: Paired) 
     ends = to_digits_of(
         mean, [float(paired.difference_low[place]), float(paired.difference_high[place])]
     )
-    between = Word(f"95 %: {span_text(ends, 'share' if unit == 'share' else '')}", "number")
+    between = Word(f"95 %: {span_text(ends, bare_unit(unit))}", "number")
     far = Word(_above(verdicts, group, place, paired.reference), "number")
     return say(f"{HERE} ({HERE})", far, between)
 

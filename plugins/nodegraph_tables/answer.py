@@ -27,7 +27,7 @@ from nodegraph_tables.numbers import (
     shares_text,
     without_rounding,
 )
-from nodegraph_tables.style import SHARE, scale_of, unit_text
+from nodegraph_tables.style import SHARE, bare_unit, scale_of, unit_text
 
 if TYPE_CHECKING:
     from nodegraph import Placeholder
@@ -358,7 +358,9 @@ class Rows(Value):
 
     def number(self, row: Row) -> str:
         """Return the number of a row as a reader sees it, without a unit but of shares."""
-        return shares_text([row.value]) if self.unit == SHARE else number_text(row.value)
+        if self.unit == SHARE:
+            return shares_text([row.value])
+        return number_text(row.value, bare_unit(self.unit))
 
     def words(self, headline: Text) -> list[Text]:
         """Return what is said of rows, and the first; or, without a headline, every row.
@@ -498,8 +500,8 @@ class Answer(Value):
         The same over all groups taken together.
     take : str
         The method to take whichever the group is; empty without one.
-    why : text
-        Why that one, and which is next.
+    certainty : text
+        How certain that is: by which rule, and why that method is the one to take.
     """
 
     sentence: Text = ()
@@ -509,7 +511,7 @@ class Answer(Value):
     findings: tuple[Finding, ...] = ()
     overall: Finding | None = None
     take: str = ""
-    why: Text = ()
+    certainty: Text = ()
 
     @property
     def held(self) -> str:
@@ -518,8 +520,8 @@ class Answer(Value):
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The answer in words: its sentence, what it holds for, why, then each part."""
-        first = (plain(text) for text in (self.sentence, self.scope, self.why) if text)
+        """The answer in words: its sentence, what it holds for, how certain, then each part."""
+        first = (plain(text) for text in (self.sentence, self.scope, self.certainty) if text)
         return (*first, *(card.line for card in self.cards), *self.more)
 
     @property
@@ -673,7 +675,7 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
     ]
     if not numbers:
         raise NodegraphError(f"{part.text}: no method comes first")
-    return ends_text(numbers, unit)
+    return f"{ends_text(numbers, unit)}{_by(found, numbers)}"
 
 
 def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -682,7 +684,17 @@ def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
     means = [_as_shown(finding.mean) for finding in found]
     pairs = [(_known(mean, pair[0], part), _known(mean, pair[1], part)) for mean in means]
     pairs.sort(key=lambda means: means[0] - means[1])
-    return difference_text([pairs[0], pairs[-1]], found[0].unit)
+    if pairs[0][0] < pairs[0][1]:
+        raise NodegraphError(f"{part.text} is below 0; write {{difference {pair[1]} to {pair[0]}}}")
+    return f"{difference_text([pairs[0], pairs[-1]], found[0].unit)}{_by(found, pairs)}"
+
+
+def _by(found: Sequence[Finding], numbers: Sequence[object]) -> str:
+    """Return by what numbers range, which would read like an interval without: `` by length``."""
+    if len({*numbers}) < 2:
+        return ""
+    axes = [axis for axis in found[0].group if len({each.group[axis] for each in found}) > 1]
+    return f" by {axes[0] if len(axes) == 1 else 'group'}"
 
 
 def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -701,7 +713,7 @@ def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:
     else:
         name = part.label or next(iter(finding.first), "the best")
         ends = (_known(finding.low, name, part), _known(finding.high, name, part))
-    return f"95 %: {ends_text(ends, SHARE if finding.unit == SHARE else '')}"
+    return f"95 %: {ends_text(ends, bare_unit(finding.unit))}"
 
 
 def _count_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -754,28 +766,39 @@ _NUMBERS: Mapping[str, Callable[[Sequence[Finding], Placeholder], str]] = {
 """Placeholders in whose place numbers stand."""
 
 
-def answer_html(answer: Answer) -> Markup:
-    """Return an answer as HTML; `lead_style` is its style sheet."""
+def answer_html(answer: Answer, caption: str = "") -> Markup:
+    """Return an answer as HTML; `lead_style` is its style sheet.
+
+    Parameters
+    ----------
+    answer
+    caption
+        What the author says of the numbers.
+    """
     more = len(answer.cards) - MOST_CARDS
-    rest = f"{more} more are in the table." if more > 0 else ""
-    cards = cards_html(answer.cards[:MOST_CARDS])
-    return lead_of_parts(answer, cards, rest)
+    rest = f'<p class="lead-key">{more} more are in the table.</p>' if more > 0 else ""
+    return lead_of_parts(answer, cards_html(answer.cards[:MOST_CARDS]) + rest, caption)
 
 
-def lead_of_parts(answer: Answer, cards: str, legend: str) -> Markup:
+def lead_of_parts(answer: Answer, cards: str, caption: str, methods: Text = ()) -> Markup:
     """Return the HTML of an answer whose cards are HTML already.
 
-    What it holds for stands above them; what the numbers are, and a legend, below.
+    Above them stands what it holds for, how certain it is, and what the words below mean: what was
+    measured, and what methods do.
     """
     held = joined(" ", [part for part in answer.scope if isinstance(part, Word)])
-    rest = [part.strip() for part in (*answer.scope, legend) if isinstance(part, str)]
-    above = (("sentence", answer.sentence), ("why", answer.why), ("held", held))
-    below = (("scope", joined(" ", rest)),)
-    first, last = (
-        "".join(f'<p class="lead-{name}">{html_of(text)}</p>' for name, text in texts if text)
-        for texts in (above, below)
+    measured = [part.strip() for part in (*answer.scope, caption) if isinstance(part, str)]
+    sentence = f'<p class="lead-sentence">{html_of(answer.sentence)}</p>'
+    facts = _facts_html("facts", {"For whom": held, "How certain": answer.certainty})
+    words = _facts_html("words", {"Measured": joined(" ", measured), "Methods": methods})
+    return Markup(f'<div class="lead">{sentence}{facts}{words}{cards}</div>')
+
+
+def _facts_html(name: str, facts: Mapping[str, Text]) -> str:
+    items = "".join(
+        f"<dt>{term}</dt><dd>{html_of(text)}</dd>" for term, text in facts.items() if text
     )
-    return Markup(f'<div class="lead">{first}{cards}{last}</div>')
+    return f'<dl class="lead-{name}">{items}</dl>' if items else ""
 
 
 def cards_html(cards: Sequence[Card]) -> str:
@@ -792,15 +815,18 @@ def lead_style() -> str:
 
 
 def _card(card: Card) -> str:
-    kind = f"lead-winner {card.kind}"
     value = f"<b>{html_of(card.value)}</b> " if card.value else ""
     value += f"<small>{html_of(card.aside)}</small>" if card.aside else ""
+    value = f'<span class="lead-value">{value}</span>' if value else ""
     facts = "".join(f"<dt>{escape(term)}</dt><dd>{html_of(text)}</dd>" for term, text in card.facts)
     return (
         '<article class="lead-card">'
         + (f'<h3 aria-level="2">{html_of(card.title)}</h3>' if card.title else "")
-        + (f'<p class="{kind}">{_headline(card.headline)}</p>' if card.headline else "")
-        + (f'<p class="lead-value">{value}</p>' if value else "")
+        + (
+            f'<p class="lead-winner {card.kind}">{_headline(card.headline)} {value}</p>'
+            if card.headline or value
+            else ""
+        )
         + (f'<p class="lead-status {card.kind}">{html_of(card.status)}</p>' if card.status else "")
         + card.picture
         + (_rows_html(card.rows, judged=card.kind != "rest") if card.rows else "")

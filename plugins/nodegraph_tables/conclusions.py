@@ -77,7 +77,7 @@ def _answer_data(answer: Answer) -> dict[str, object]:
     return {
         "sentence": plain(answer.sentence),
         "scope": plain(answer.scope),
-        "why": plain(answer.why),
+        "certainty": plain(answer.certainty),
         "groups": [_finding_data(finding) for finding in answer.findings],
         "overall": None if answer.overall is None else _finding_data(answer.overall),
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from nodegraph_tables.style import SHARE, SMALLEST_CHANCE, scale_of, unit_text
+from nodegraph_tables.style import SHARE, SMALLEST_CHANCE, is_count, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -23,14 +23,17 @@ ROUNDING = 1e-15
 
 
 def number_text(value: float, unit: str = "") -> str:
-    """Return a number: three decimals below 1, two below 10, fewer above; shares in percent.
+    r"""Return a number: three decimals below 1, two below 10, fewer above; shares in percent.
 
-    `page.number` of the scripts of a report writes numbers by the same rule.
+    `page.number` of the scripts of a report writes numbers by the same rule. Of a number out of
+    many, from 1 on, none stands, as the chance of the draw is larger.
 
     Examples
     --------
     >>> number_text(213.0), number_text(12.34), number_text(0.49712)
     ('213', '12.3', '0.497')
+    >>> number_text(8.39, "of 100,000")
+    '8\xa0of 100,000'
     """
     return span_text([value], unit)
 
@@ -42,7 +45,7 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
     """
     scale = scale_of(unit)
     texts = dict.fromkeys(
-        f"{value:,}" if isinstance(value, int) else _digits(scale * value) for value in values
+        f"{value:,}" if isinstance(value, int) else _digits(scale * value, unit) for value in values
     )
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
@@ -147,7 +150,7 @@ def ends_text(values: Iterable[float], unit: str = "") -> str:
     return shares_text(ends) if unit == SHARE else span_text(ends, unit)
 
 
-def _digits(value: float) -> str:
+def _digits(value: float, unit: str) -> str:
     size = abs(value)
     if not math.isfinite(value):
         return "\N{EN DASH}" if math.isnan(value) else "\N{INFINITY}"
@@ -156,10 +159,12 @@ def _digits(value: float) -> str:
     if not SMALLEST <= size < LARGEST:
         digits, _, power = f"{value:.1e}".partition("e")
         return f"{digits}e{int(power):+d}".replace("-", MINUS)
-    return f"{value:,.{_decimals(size)}f}".replace("-", MINUS)
+    return f"{value:,.{_decimals(size, unit)}f}".replace("-", MINUS)
 
 
-def _decimals(size: float) -> int:
+def _decimals(size: float, unit: str) -> int:
+    if is_count(unit):
+        return int(size < 1)
     return 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
 
 
@@ -183,7 +188,7 @@ def _common_decimals(value: float, to: float, unit: str) -> int | None:
     if counts or not SMALLEST <= largest < LARGEST:
         return None
     # shares are shown in fewer digits
-    return int(largest < _WHOLE) if unit == SHARE else _decimals(largest)
+    return int(largest < _WHOLE) if unit == SHARE else _decimals(largest, unit)
 
 
 def _difference(value: float, to: float, unit: str) -> str:
@@ -191,7 +196,7 @@ def _difference(value: float, to: float, unit: str) -> str:
         return f"{value - to:,}".replace("-", MINUS)
     decimals = _common_decimals(value, to, unit)
     if value == to or decimals is None:
-        return _digits(value - to)
+        return _digits(value - to, unit)
     difference = round(value, decimals) - round(to, decimals)
     text = f"{abs(difference):,.{decimals}f}"
     if not float(text.replace(",", "")):

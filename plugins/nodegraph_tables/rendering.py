@@ -44,19 +44,20 @@ def render_table(table: Table, title: str) -> Rendered:
     in the CSV that a spreadsheet would take for a formula, as they begin with ``=``, ``+``, ``-``
     or ``@`` and are not numbers, begin with an apostrophe there.
     """
-    return _rendered(table, info_of(table).title or title)
+    return _rendered(table, "", title)
 
 
 def render_table_in_run(table: Table, title: str, origin: Provenance) -> Rendered:
     """Return a table as `render_table` does, with the caption that the graph gives it."""
     info = info_of(table)
     told = replace(info, answer=in_authors_words(info.answer, origin.answer))
-    return _rendered(with_info(table, told), origin.caption or info.title or title)
+    return _rendered(with_info(table, told), origin.caption, title)
 
 
-def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
+def _rendered(table: pd.DataFrame, words: str, title: str) -> Rendered:
     table = _with_named_rows(table)
     info = info_of(table)
+    caption = words or info.title or title
     columns, constants = without_constants(columns_of(table))
     notes = [*constants, *info.notes]
     csv = _csv(table)
@@ -66,7 +67,7 @@ def _rendered(table: pd.DataFrame, caption: str) -> Rendered:
         text=_text(columns, notes),
         files={".csv": csv, ".tex": latex_of(table, caption).encode()},
         answer=info.answer.lines,
-        lead=answer_html(info.answer) if cards else "",
+        lead=answer_html(info.answer, words) if cards else "",
         styles=(lead_style(),) if cards else (),
         grid=grid_of(table, info.title or caption),
         title=info.title,

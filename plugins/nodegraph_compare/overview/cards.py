@@ -10,13 +10,11 @@ from markupsafe import Markup, escape
 
 from nodegraph_compare.cards import line_of
 from nodegraph_compare.words import (
-    behind_text,
     best_words,
     group_title,
     method_words,
-    nearest_first,
-    others_text,
     plain_names,
+    standing_text,
     varying,
 )
 from nodegraph_tables.answer import (
@@ -52,9 +50,7 @@ _SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
 def answer_html(
-    answer: Answer,
-    verdicts: Verdicts,
-    summaries: Mapping[Label, str],
+    answer: Answer, verdicts: Verdicts, summaries: Mapping[Label, str], caption: str = ""
 ) -> Markup:
     """Return the answer, and the verdicts of all groups.
 
@@ -67,6 +63,8 @@ def answer_html(
         Of the comparison, with labels as a reader sees them.
     summaries
         What methods do, by their labels, in a sentence.
+    caption
+        What the author says of the numbers.
     """
     does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
     told = with_descriptions(answer, does)
@@ -76,19 +74,18 @@ def answer_html(
         cells = tuple(_cell(verdicts, group) for group in verdicts.every)
         inside = _grid(verdicts, with_descriptions(cells, does))
     else:
-        inside = f"{key(verdicts, told.cards)}{cards_html(told.cards)}"
-    return lead_of_parts(told, inside + _described(told), legend(verdicts))
+        inside = cards_html(told.cards)
+    return lead_of_parts(told, f"{key(verdicts, told.cards)}{inside}", caption, _described(told))
 
 
-def _described(answer: Answer) -> str:
-    """Return what each method does that the sentence names, and why it says so."""
-    words = (*answer.sentence, *answer.why)
+def _described(answer: Answer) -> Text:
+    """Return what each method does that the sentence names, or why it is taken."""
+    words = (*answer.sentence, *answer.certainty)
     does = {word.label: word.does for word in words if isinstance(word, Word) and word.does}
     texts = [
         say(f"{HERE}: {text}", Word(label, "method", does=text)) for label, text in does.items()
     ]
-    inside = html_of(joined(" ", texts))
-    return f'<p class="lead-methods">{inside}</p>' if texts else ""
+    return joined(" ", texts)
 
 
 def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
@@ -149,7 +146,7 @@ def _filled(verdicts: Verdicts, group: Verdict | None, text: _Cell) -> str:
     best = () if group is None or not group.told else group.best
     tint = ' class="for-all"' if verdicts.for_all in best else ""
     first, number, *more = map(html_of, text)
-    rest = "".join(f"<div><small>{each}</small></div>" for each in more)
+    rest = "".join(f"<div><small>{each}</small></div>" for each in more if each)
     return f"{tint}>{first}{number and Markup(' <small>{}</small>').format(number)}{rest}</td>"
 
 
@@ -164,52 +161,24 @@ def _cell(verdicts: Verdicts, group: Verdict) -> _Cell:
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
         names = listing(method_words(verdicts, group.best))
-        return (names, (f"{mean}; {why}",), *_more(verdicts, group))
+        return (names, (f"{mean}; {why}",), standing_text(verdicts, group))
     take = "take " * (group is verdicts.overall and verdicts.for_all in group.best)
     names = joined("", [take, listing(best_words(verdicts, group.best))])
-    return (names, (mean,), *_more(verdicts, group))
-
-
-def _more(verdicts: Verdicts, group: Verdict) -> Iterator[Text]:
-    """Yield how the method to take stands where it is not the best, or the nearest others."""
-    take = verdicts.for_all
-    if take is not None and take not in group.best and group.stands:
-        claim = "clearly behind" if take in group.behind else MAY_BE
-        (name,) = method_words(verdicts, [take])
-        yield say(f"{HERE} {HERE}, {claim}", name, behind_text(verdicts, group, take))
-    elif group.told and group.tied:
-        yield others_text(verdicts, group)
-    elif group.behind:
-        nearest = nearest_first(group, group.behind)[0]
-        (name,) = method_words(verdicts, [nearest])
-        yield say(f"{HERE} {HERE}, clearly behind", name, behind_text(verdicts, group, nearest))
+    return (names, (mean,), standing_text(verdicts, group))
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:
     body = "".join(f"<tr>{row}</tr>" for row in rows[:_MOST_ROWS])
     more = len(rows) - _MOST_ROWS
-    rest = f'<p class="lead-scope">{more} more rows are in the table.</p>' if more > 0 else ""
+    rest = f'<p class="lead-key">{more} more rows are in the table.</p>' if more > 0 else ""
     return (
         f'<figure class="table lead-grid"><table><thead><tr>{heads}</tr></thead>'
         f"<tbody>{body}</tbody></table></figure>{rest}"
     )
 
 
-def legend(verdicts: Verdicts) -> str:
-    """Return what it means that none is clearly best, what is tinted, and what is suspect."""
-    groups = [group for group in verdicts.groups if group.stands and not verdicts.is_sequence]
-    unclear = any(not group.told for group in groups)
-    texts = ["None clearly best: no other is clearly worse than the first." * unclear]
-    if len(verdicts.groups) > MOST_CARDS:
-        take = method_words(verdicts, [] if verdicts.for_all is None else [verdicts.for_all])
-        texts += [f"Tinted: where {each.text}, the one to take, is the best." for each in take]
-    elif any(group.suspects_matter for group in verdicts.groups):
-        texts.append(f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged.")
-    return " ".join(filter(None, texts))
-
-
 def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
-    """Return what the dots, lines and tints of cards are."""
+    """Return what dots, lines and tints are."""
     of_cards = [card.rows for card in cards if card.rows]
     drawn = {row.kind for rows in of_cards for row in (*rows.rows, *rows.others)}
     parts = [
@@ -218,12 +187,10 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
         for kind, text in _dots(verdicts)
         if kind in drawn
     ]
-    if not parts:
-        return ""
-    line = line_of(verdicts)
-    if any(np.isfinite(group.low).any() for group in verdicts.groups):
+    line = line_of(verdicts) if parts else None
+    if parts and any(np.isfinite(group.low).any() for group in verdicts.groups):
         parts.append("line: 95 % interval")
-    if verdicts.is_sequence:
+    if parts and verdicts.is_sequence:
         parts.append("%: change to the one before")
     axis = []
     if line is not None and line.log:
@@ -237,7 +204,10 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
     if verdicts.for_all is not None:
         (take,) = plain_names(verdicts, [verdicts.for_all])
         parts.append(f"<mark>tinted</mark>: {escape(take)}, the one to take")
-    return f'<p class="lead-key">{"".join(f"<span>{part}</span>" for part in parts)}</p>'
+    if any(group.suspects_matter for group in verdicts.groups) and cards:
+        parts.append(escape(f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged"))
+    spans = "".join(f"<span>{part}</span>" for part in parts)
+    return f'<p class="lead-key">{spans}</p>' if parts else ""
 
 
 def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:

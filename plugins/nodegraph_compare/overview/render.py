@@ -50,7 +50,7 @@ def render_overview_in_run(overview: Overview, title: str, origin: Provenance) -
     named = with_units(verdicts)
     told = in_authors_words(overview.answer, origin.answer)
     summaries = origin.summaries(verdicts.compare)
-    lead = answer_html(told, named, summaries) if is_lead else ""
+    lead = answer_html(told, named, summaries, origin.caption) if is_lead else ""
     answer = told.lines if is_lead else ()
     styles = (lead_style(), *_web(".css"))
     if not verdicts.groups:

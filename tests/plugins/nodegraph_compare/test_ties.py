@@ -50,7 +50,7 @@ def test_a_table_of_methods_that_rounding_distinguishes_is_that_of_equal_ones(
         )
         assert_frame_equal(result, peer, check_exact=True)
         assert info_of(result) == info_of(peer)
-        assert len(info_of(result).answer.lines) == 3
+        assert len(info_of(result).answer.lines) == 4
 
 
 @pytest.mark.parametrize("noise", [0.0, *NOISE])

@@ -107,8 +107,8 @@ def test_a_row_over_groups_averages_the_logarithms_of_the_means_of_units() -> No
     assert far["ratio"] == pytest.approx(np.exp(d.mean()))
     assert far["mean"] == pytest.approx(np.exp(logs["far"].mean()))
     assert far["p"] <= 0.05
-    why = "Why near: best or may be as good in 2 of 2 groups, best in each"
-    assert words(frame)[2].startswith(why)
+    taken = "near: best or may be as good in 2 of 2 groups, best in each"
+    assert words(frame)[2].startswith(taken)
     # too few units for any group have none over all of them, nor has a single group
     for few in (trials(2), trials(8, lengths=(5,))):
         assert table(few, within=("length",)).table["length"].notna().all()
@@ -121,14 +121,21 @@ def words(frame: pd.DataFrame) -> tuple[str, ...]:
 
 def test_the_answer_names_the_best_and_the_scope() -> None:
     entries = tuple(entry for entry in trials(8) if entry[0]["length"] == 5)
-    sentence, scope, card = words(table(Across(trials().axes, entries), within=("length",)).table)
+    sentence, scope, certainty, card = words(
+        table(Across(trials().axes, entries), within=("length",)).table
+    )
     assert re.match(
         r"near and twin are best \([\d.]+\smm\); the other is clearly behind, by 133\s%\.$",
         sentence,
     )
     assert scope.startswith("8 trials: holds for further trials. Mean rmse (mm) of a typical trial")
     assert re.match(
-        r"length 5: near and twin, [\d.]+\smm, 95 %: [\d.]+ to [\d.]+; clearly best\.$", card
+        r"length 5: near and twin, [\d.]+\smm, 95 %: [\d.]+ to [\d.]+; clearly best; next, "
+        r"far \+[\d.]+ \(133\s%\)\.$",
+        card,
+    )
+    assert certainty == (
+        "Clearly: p of at most 0.05 in paired tests of 8 trials, adjusted for their number."
     )
 
 
@@ -334,8 +341,8 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
     frame = table(trials(8), within=("length",)).table
     bests = sorted(frame[frame["fill"] == "near"]["mean"][:2])
     assert words(frame)[0] == (
-        f"near and twin are best throughout ({span_text(bests, 'mm')}); the other is clearly "
-        "behind, by 126\N{NO-BREAK SPACE}% or more."
+        f"near and twin are best throughout ({span_text(bests, 'mm')} by length); the other is "
+        "clearly behind, by 126\N{NO-BREAK SPACE}% or more."
     )
 
 
@@ -497,7 +504,6 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     assert held == Word("8 synthetic faces: holds for further synthetic faces; untested on people.")
     scope = plain(tuple(rest))
     assert "synthetic face (geometric mean over faces and groups), lower is better." in scope
-    assert "Clearly: p of at most 0.05 in paired tests, adjusted for their number." in scope
     assert "recording" not in scope
 
 
