@@ -59,14 +59,14 @@ class Call:
 def perform(call: Call) -> Outcome:
     """Call a node; whatever it raises becomes part of the outcome."""
     node, registry = call.node, call.registry
-    is_ours = _is_ours(call)
-    notes = Notes(node, call.settings, with_reads=not is_ours)
+    foreign = _foreign(call)
+    notes = Notes(node, call.settings, with_reads=foreign is not None)
     # set and reset by hand: a context manager for each step would take three times as long
     noted = notes_of_call.set(notes)
     used = None if registry_of_call.get() is registry else registry_of_call.set(registry)
     start = time.perf_counter()
     _calls.begin()
-    if not is_ours:
+    if foreign is not None:
         _kept.begin(call)
     try:
         try:
@@ -74,12 +74,12 @@ def perform(call: Call) -> Outcome:
         finally:
             if os.getpid() != notes.process:
                 os._exit(0)  # it has forked: the run goes on in the other process alone
-            if not is_ours:
+            if foreign is not None:
                 notes.warnings += _kept.put_back(call)
             notes.warnings += _calls.end()
         values = values_of(node, returned)
         notes.check_threads()
-        notes.warnings += _broken_promises(call, values)
+        notes.warnings += _broken_promises(call, values, foreign)
         outcome = Outcome(State.DONE, values)
     except Refusal as refusal:
         reason = printable(message_of(refusal)) or "no reason given"
@@ -102,17 +102,21 @@ def perform(call: Call) -> Outcome:
     return outcome
 
 
-def _is_ours(call: Call) -> bool:
-    return call.registry is None or call.plugin in call.registry.shipped
+def _foreign(call: Call) -> Registry | None:
+    """Return the plugins of the run where the node is none of this package's own."""
+    registry = call.registry
+    return None if registry is None or call.plugin in registry.shipped else registry
 
 
-def _broken_promises(call: Call, values: Sequence[object]) -> Iterator[str]:
+def _broken_promises(
+    call: Call, values: Sequence[object], foreign: Registry | None
+) -> Iterator[str]:
     """Yield what a third party's node breaks of its family's promises, as far as a call shows."""
-    node, registry = call.node, call.registry
-    if registry is None or _is_ours(call):
+    if foreign is None:
         return
+    node = call.node
     outputs = {port.name: value for port, value in zip(node.outputs, values, strict=True)}
-    for promise, where in registry.hooks.broken_promises(node, call.inputs, outputs, call.settings):
+    for promise, where in foreign.hooks.broken_promises(node, call.inputs, outputs, call.settings):
         yield f"{where} (every {node.family}.* node promises: {promise})"
 
 
