@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Values = Mapping[str, object]
+_NUMBERS = "biufc"
+"""The kinds of dtypes of numbers."""
 
 
 def first_infinite(values: Values) -> str:
@@ -53,7 +55,7 @@ def _arrays(value: object, name: str) -> Iterator[tuple[str, NDArray[np.generic]
     """Yield the arrays of numbers in a value, each with the expression that reaches it."""
     if isinstance(value, (np.ndarray, float)):
         array = np.asarray(value)
-        if array.dtype.kind in "biufc":
+        if array.dtype.kind in _NUMBERS:
             yield name, array
     for suffix, part in _parts(value):
         if not isinstance(part, str):  # names are many
@@ -68,7 +70,9 @@ def _parts(value: Any) -> Iterable[tuple[str, object]]:
     if isinstance(value, (list, tuple)):
         return ((f"[{index}]", part) for index, part in enumerate(value))
     if hasattr(value, "columns") and hasattr(value, "iloc"):
-        return ((f"[{column!r}]", value[column].to_numpy()) for column in value.columns)
+        kinds = zip(value.columns, value.dtypes, strict=True)
+        numbers = (column for column, kind in kinds if kind.kind in _NUMBERS)
+        return ((f"[{column!r}]", value[column].to_numpy()) for column in numbers)
     return ()
 
 

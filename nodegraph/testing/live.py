@@ -100,7 +100,7 @@ class _Stream:
     def check(self, outputs: Mapping[str, object]) -> None:
         """Compare stream and whole take: of all frames, of the first, and with frames missing."""
         rows = self._rows
-        if not self._agrees(rows, outputs, "all frames"):
+        if not self._agrees(rows, outputs, "all frames", beside_another=True):
             return
         count = len(rows)
         for frames in sorted({1, self._lookahead, self._lookahead + 1, count // 2} - {0, count}):
@@ -137,10 +137,28 @@ class _Stream:
             (_without(self._rows[number][0], missing, where), *self._rows[number][1:])
             for number, where in zip(order, gone, strict=False)
         ]
-        self._agrees(rows, None, f"a drawn take of {_LONG} frames")
+        self._agrees(rows, None, f"a drawn take of {_LONG} frames", beside_another=True)
 
-    def _agrees(self, rows: Sequence[Row], outputs: Mapping[str, object] | None, what: str) -> bool:
-        """Return whether the live form gives what the function gives, without other faults."""
+    def _agrees(
+        self,
+        rows: Sequence[Row],
+        outputs: Mapping[str, object] | None,
+        what: str,
+        *,
+        beside_another: bool = False,
+    ) -> bool:
+        """Return whether the live form gives what the function gives, without other faults.
+
+        Parameters
+        ----------
+        rows
+        outputs
+            The outputs of the function for these frames; None: they are computed.
+        what
+            What is special about these frames.
+        beside_another
+            Whether to stream them again beside another stream, which takes twice as long.
+        """
         node = self._trial.node
         if outputs is None:
             columns = dict(zip(node.streams, zip(*rows, strict=True), strict=True))
@@ -154,7 +172,7 @@ class _Stream:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                streamed = self._outputs(rows, what)
+                streamed = self._outputs(rows, what, beside_another=beside_another)
         except Refusal:  # as a function may decline, so may a live form
             return True
         except Exception as error:
@@ -172,17 +190,14 @@ class _Stream:
                 return False
         return True
 
-    def _outputs(self, rows: Sequence[Row], what: str) -> Sequence[object] | None:
-        """Return what the live form gives for some frames, or None after a fault.
-
-        Another instance takes the same frames from the last to the first at the same time.
-        """
-        state, other = self._state(), self._state()
+    def _outputs(
+        self, rows: Sequence[Row], what: str, *, beside_another: bool
+    ) -> Sequence[object] | None:
+        """Return what the live form gives for some frames, or None after a fault."""
+        state = self._state()
         results: list[object] = []
-        copies: list[object] = []
-        for number, (row, backward) in enumerate(zip(rows, rows[::-1], strict=True)):
+        for number, row in enumerate(rows):
             result = state.push(*row)
-            other.push(*backward)
             if (result is None) != (number < self._lookahead):
                 gives = "nothing" if result is None else "a frame"
                 self._trial.add_fault(
@@ -191,24 +206,38 @@ class _Stream:
                 return None
             if result is not None:
                 results.append(result)
-                copies.append(copy.deepcopy(result))
         rest = list(state.drain())
         if len(rest) != min(self._lookahead, len(rows)):
             self._trial.add_fault(
                 _LATE, f"{what}: drain gives {len(rest)} frames, look-ahead {self._lookahead}"
             )
             return None
-        if changed := self._changed(state.header, copies, results):
-            self._trial.add_fault(_CHANGES, f"{what}: {changed}")
-            return None
         results += rest
-        # by a new instance, now that no other one is in use
-        state = self._state()
-        again = [state.push(*row) for row in rows][self._lookahead :] + list(state.drain())
-        if changed := self._changed(state.header, results, again):
-            self._trial.add_fault(_SHARES, f"{what}: {changed}")
+        if beside_another and not self._are_given_beside_another(results, rows, what):
             return None
         return self._joined(state.header, results)
+
+    def _are_given_beside_another(
+        self, alone: Sequence[object], rows: Sequence[Row], what: str
+    ) -> bool:
+        """Return whether results are the same while another instance takes the frames backward."""
+        state, other = self._state(), self._state()
+        results: list[object] = []
+        copies: list[object] = []
+        for row, backward in zip(rows, rows[::-1], strict=True):
+            result = state.push(*row)
+            other.push(*backward)
+            if result is not None:
+                results.append(result)
+                copies.append(copy.deepcopy(result))
+        rest = list(state.drain())
+        if changed := self._changed(state.header, copies, results):
+            self._trial.add_fault(_CHANGES, f"{what}: {changed}")
+            return False
+        if changed := self._changed(state.header, alone, [*results, *rest]):
+            self._trial.add_fault(_SHARES, f"{what}: {changed}")
+            return False
+        return True
 
     def _changed(self, header: Any, first: Sequence[object], second: Sequence[object]) -> str:
         """Return where two streams of one header first differ, or an empty text.

@@ -89,7 +89,8 @@ class Trial:
         outputs = self._by_port(returned)
         if outputs is None or effects:
             return None
-        if place := first_infinite(outputs) if not first_infinite(self.inputs) else "":
+        place = first_infinite(outputs)
+        if place and not first_infinite(self.inputs):
             self.add_fault(_INFINITE, place)
         return outputs if self._is_repeatable(outputs) else None
 
