@@ -675,7 +675,7 @@ def _number_in(found: Sequence[Finding], part: Placeholder) -> str:
     ]
     if not numbers:
         raise NodegraphError(f"{part.text}: no method comes first")
-    return f"{ends_text(numbers, unit)}{_by(found, numbers)}"
+    return _ranged(ends_text(numbers, unit), found)
 
 
 def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
@@ -686,15 +686,14 @@ def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
     pairs.sort(key=lambda means: means[0] - means[1])
     if pairs[0][0] < pairs[0][1]:
         raise NodegraphError(f"{part.text} is below 0; write {{difference {pair[1]} to {pair[0]}}}")
-    return f"{difference_text([pairs[0], pairs[-1]], found[0].unit)}{_by(found, pairs)}"
+    return _ranged(difference_text([pairs[0], pairs[-1]], found[0].unit), found)
 
 
-def _by(found: Sequence[Finding], numbers: Sequence[object]) -> str:
-    """Return by what numbers range, which would read like an interval without: `` by length``."""
-    if len({*numbers}) < 2:
-        return ""
+def _ranged(text: str, found: Sequence[Finding]) -> str:
+    """Return numbers with that by which they range, as they would read like an interval without."""
     axes = [axis for axis in found[0].group if len({each.group[axis] for each in found}) > 1]
-    return f" by {axes[0] if len(axes) == 1 else 'group'}"
+    by = f" by {axes[0] if len(axes) == 1 else 'group'}"
+    return f"{text}{by}" if " to " in text else text
 
 
 def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:

@@ -83,7 +83,12 @@ def answer_of(curves: Curves) -> Answer:
     if of_all is not None:
         beside = {"next fewer": _next_fewer(curves, of_all)}
         overall = _finding(curves, {}, _every(len(drawn)), of_all, beside)
-    return Answer(_sentence(curves), _scope(curves), (_card(curves),), (), findings, overall)
+    blocks = " and ".join(curves.axes.blocks)
+    point = f"a mean over {blocks}" if blocks else "of one draw, without an interval"
+    return Answer(
+        _sentence(curves), _scope(curves), (_card(curves),), (), findings, overall,
+        certainty=(f"Each point is {point}.",),
+    )  # fmt: skip
 
 
 def _of_all(curves: Curves) -> float | None:
@@ -396,11 +401,8 @@ def _scope(curves: Curves) -> Text:
     several = f"{len(drawn)} curves" if len(drawn) > 1 else "One curve"
     kind = " of synthetic recordings" if recordings.synthetic else ""
     data = ", ".join(filter(None, [recordings.names, recordings.sizes]))
-    point = (
-        f"each point a mean over {' and '.join(axes.blocks)}" if axes.blocks else "each of one draw"
-    )
     people = "; untested on people" * recordings.synthetic
-    held = f"{several}{kind}{f' ({data})' if data else ''}, {point}: others may differ{people}."
+    held = f"{several}{kind}{f' ({data})' if data else ''}: others may differ{people}."
     if kinds := dict.fromkeys(_KINDS[kind] for kind in curves.marked.kinds.values()):
         parts.append(f"circle: {' or '.join(kinds)}")
     return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])

@@ -127,8 +127,9 @@ def test_a_shared_minimum_is_named_and_marked_on_every_curve() -> None:
     assert best(result)[["actor", "k", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 30, 35, "shared"], ["MB", 32, 37, "shared"], ["JZ", 30, 35, "shared"],
     ]  # fmt: skip
-    sentence, _, card = info_of(result.table).answer.lines
+    sentence, _, certainty, card = info_of(result.table).answer.lines
     assert sentence == "All 3 curves have a minimum within 2 of 35 markers."
+    assert certainty == "Each point is of one draw, without an interval."
     assert card.startswith("mse over markers: 35 to 37 markers, shared minimum; actor ME: 35")
     assert "; actor MB: 37 markers, mse 0.100" in card
     assert result.figure.get_suptitle() == "minimum shared at 35 markers"
@@ -141,7 +142,7 @@ def test_without_a_shared_minimum_the_knees_are_marked_and_it_is_stated() -> Non
     assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 25, "knee"], ["JZ", 25, "knee"],
     ]  # fmt: skip
-    sentence, _, card = info_of(result.table).answer.lines
+    sentence, *_, card = info_of(result.table).answer.lines
     assert sentence == "From 25 markers on, more of them help less (both curves)."
     assert re.findall(r"actor \w+: 25 markers, mse", card) == [
         "actor ME: 25 markers, mse", "actor JZ: 25 markers, mse",
@@ -172,7 +173,7 @@ def test_an_error_that_is_small_enough_is_marked_where_a_curve_stays_within_it()
     assert best(result)[["actor", "markers", "marked"]].to_numpy().tolist() == [
         ["ME", 55, "enough"], ["JZ", 25, "enough"],
     ]  # fmt: skip
-    sentence, _, card = info_of(result.table).answer.lines
+    sentence, *_, card = info_of(result.table).answer.lines
     assert sentence == (
         "55 markers are enough for mse of at most 0.250\N{NO-BREAK SPACE}1 in 2 of 3 curves; "
         "the others do not come to it."
