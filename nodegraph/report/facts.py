@@ -55,15 +55,10 @@ def fold_facts(study: Study) -> dict[str, str]:
 
 
 def _sizes(study: Study) -> Iterator[str]:
-    """Yield the number of labels of each axis: ``18 methods``, ``8 recordings``."""
+    """Yield the number of labels of each axis that is no node with alternatives: ``8 actors``."""
     of_methods = {row.node for row in study.methods if row.label}
-    several = [axis for axis in study.axes if len(axis.labels) > 1]
-    # of nodes with alternatives the one with most counts
-    methods = max((len(axis.labels) for axis in several if axis.name in of_methods), default=0)
-    if methods:
-        yield f"{methods:,} methods"
-    for axis in several:
-        if axis.name not in of_methods:
+    for axis in study.axes:
+        if len(axis.labels) > 1 and axis.name not in of_methods:
             name = axis.name.rpartition(".")[2].replace("_", " ")
             yield f"{len(axis.labels):,} {_plural(name)}"
 

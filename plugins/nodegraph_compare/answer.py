@@ -22,6 +22,7 @@ from nodegraph_compare.words import (
     caution_text,
     change_text,
     changes,
+    count_text,
     group_title,
     label_text,
     method_words,
@@ -417,8 +418,10 @@ def _certainty(verdicts: Verdicts) -> Text:
         return ()
     take = () if verdicts.for_all is None else _taken(verdicts, verdicts.for_all)
     units = {units_text(group.scope) for group in stands}
-    over = f" of {units.pop()}" if len(units) == 1 else ""
-    rule = f"Clearly: p of at most {LEVEL:g} in paired tests{over}, adjusted for their number."
+    over = f" over {units.pop()}" if len(units) == 1 else ""
+    counts = sorted({len(group.known) for group in stands})
+    of = f"{'up to ' * (len(counts) > 1)}{count_text(counts[-1], 'methods')}{over}"
+    rule = f"Clearly: p of at most {LEVEL:g} in paired tests of {of}, adjusted for their number."
     is_open = not verdicts.is_sequence and any(not group.told for group in stands)
     none = "None clearly best: no other is clearly worse than the first." * is_open
     return joined(" ", [take, rule, none])

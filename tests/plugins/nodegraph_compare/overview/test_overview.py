@@ -163,7 +163,7 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     assert "<script" not in lead
     assert text.startswith("It depends on heat. One method for all: rich . Best: plain for 180 K (")
     assert "rich : lowest over all 2 groups together, at most 40 % behind in any; next, " in text
-    assert "Clearly: p of at most 0.05 in paired tests of 8 kitchens, adjusted for" in text
+    assert "Clearly: p of at most 0.05 in paired tests of 4 methods over 8 kitchens, adj" in text
     assert "plain : Bake with &lt;flour&gt; alone." in text
     assert "Bake for long" not in text
     # on every name, to hover

@@ -135,7 +135,8 @@ def test_the_answer_names_the_best_and_the_scope() -> None:
         card,
     )
     assert certainty == (
-        "Clearly: p of at most 0.05 in paired tests of 8 trials, adjusted for their number."
+        "Clearly: p of at most 0.05 in paired tests of 3 methods over 8 trials, adjusted for their "
+        "number."
     )
 
 
