@@ -82,17 +82,17 @@ def tab(_only_tab: Page, complaints: list[str]) -> Iterator[Page]:
     page.on("pageerror", fail)
     yield page
     page.evaluate("try { localStorage.clear(); sessionStorage.clear(); } catch { /* has none */ }")
-    page.context.clear_permissions()
-    page.context.clear_cookies()
     page.remove_listener("request", watch)
     page.remove_listener("console", listen)
     page.remove_listener("pageerror", fail)
-    page.unroute_all()
-    page.emulate_media(media="null", color_scheme="null", reduced_motion="null")
     for other in page.context.pages:
         if other is not page:
             other.close()
-    page.goto("about:blank")
+    page.goto("about:blank")  # first: a page would be drawn again for each of the following
+    page.context.clear_permissions()
+    page.context.clear_cookies()
+    page.unroute_all()
+    page.emulate_media(media="null", color_scheme="null", reduced_motion="null")
     page.mouse.move(0, 0)
     resize(page, **_SIZE)
     assert complaints == []

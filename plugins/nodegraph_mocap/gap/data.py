@@ -169,9 +169,11 @@ def _positions(
         return recording.positions[:, recording.markers.index(marker)]
     if truth is None or marker not in truth.markers:
         return None
-    true = truth.positions[:, [truth.markers.index(marker)]]
-    x, y, z = np.moveaxis(recording.positions == true, 2, 0)
-    common = np.count_nonzero(x & y & z, axis=0)
+    true = truth.positions[:, truth.markers.index(marker)]
+    # few samples have one coordinate in common, and of these alone the others are compared
+    frames, tracks = np.nonzero(recording.positions[:, :, 0] == true[:, np.newaxis, 0])
+    same = (recording.positions[frames, tracks] == true[frames]).all(axis=1)
+    common = np.bincount(tracks[same], minlength=len(recording.markers))
     if not common.any():
         return None
     return recording.positions[:, int(np.argmax(common))]
@@ -206,11 +208,11 @@ def _largest_error(block: Mapping[str, object], scored: _Scored) -> _Place | Non
     base, marker = scored.base, block.get("marker")
     farthest: list[tuple[float, int, str]] = []
     for name in (str(marker),) if marker in base.markers else base.markers:
-        estimates = list(scored.positions(name).values())
-        if estimates:
-            middle = base.positions[:, base.markers.index(name)]
-            errors = np.linalg.norm(np.stack(estimates) - middle, axis=2)
-            largest = np.where(np.isnan(errors), -1.0, errors).max(axis=0)
+        middle = base.positions[:, base.markers.index(name)]
+        errors = [each - middle for each in scored.positions(name).values()]
+        if errors:
+            squares = [np.einsum("ti,ti->t", error, error) for error in errors]
+            largest = np.fmax.reduce(squares, initial=-1.0)  # where no method has the marker
             frame = int(np.argmax(largest))
             farthest.append((float(largest[frame]), frame, name))
     if not farthest:
