@@ -8,6 +8,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -57,17 +58,22 @@ class Shown:
     study: Study
     files: dict[str, bytes]
 
-    @property
+    @cached_property
     def answer(self) -> Answer:
         """The answer of the comparison."""
         return info_of(self.run["table"].value).answer
 
-    @property
+    @cached_property
     def overview(self) -> Overview:
         """The comparison."""
         value = self.run["table.overview"].value
         assert isinstance(value, Overview)
         return value
+
+    @cached_property
+    def html(self) -> str:
+        """The page of the report."""
+        return page(self.study)
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +102,7 @@ def shown(text: str, folder: Path, store: Path | None = None, **choices: Any) ->
 def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
     """Yield the sentence that each place says, by the place."""
     study, run = shown.study, shown.run
-    html = page(study)
+    html = shown.html
     match = re.search(r'<p class="(?:lead-)?sentence">(.*?)</p>', html, re.S)
     assert match is not None
     if "The data cannot tell" in match[1]:
@@ -125,7 +131,7 @@ def sentences(shown: Shown, folder: Path) -> Iterator[tuple[str, str]]:
 
 def read(shown: Shown, folder: Path) -> Iterator[str]:
     """Yield what people read of a run: page, terminal and LaTeX."""
-    html = re.sub(r"<(script|style)\b.*?</\1>", "", page(shown.study), flags=re.S)
+    html = re.sub(r"<(script|style)\b.*?</\1>", "", shown.html, flags=re.S)
     yield unescape(re.sub(r"<[^>]*>", "", html))
     stream = io.StringIO()
     print_summary(shown.study, shown.run, folder, Console(file=stream, width=400), full=True)
@@ -211,7 +217,7 @@ def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> N
 
 def check_charts(tab: Page, shown: Shown, folder: Path) -> None:
     """Check that charts, and what is written above and below them, mark what the answer does."""
-    (folder / "report.html").write_text(page(shown.study), encoding="utf-8")
+    (folder / "report.html").write_text(shown.html, encoding="utf-8")
     load(tab, folder / "report.html")
     best = {name for found in shown.answer.findings for name in found.best if found.behind}
     marked = tab.evaluate(
@@ -252,7 +258,7 @@ def test_all_places_agree_with_and_without_a_verdict(
     check_charts(tab, it, tmp_path)
     scope = plain(it.answer.scope)
     assert " ".join(it.answer.held.split()) in it.files["table.tex"].decode()
-    assert f"<strong>{it.answer.held.split('. ')[-1]}</strong>" in page(it.study)
+    assert f"<strong>{it.answer.held.split('. ')[-1]}</strong>" in it.html
     assert any(found.verdict for found in it.answer.findings) == (actors > 4)
     held = {
         1: "One synthetic recording, 2 s, 12 markers, 60 Hz: nothing is said for further gaps",
@@ -286,12 +292,12 @@ def test_an_answer_of_the_graph_is_said_everywhere_or_refused_with_its_place(
 ) -> None:
     words = ", answer: 'Cubic is out: {behind cubic}; {scope}'"
     fills = "[fill.linear, fill.ridge, fill.cubic]"
-    it = shown(ACTORS.format(actors=8, fills=fills, more=words), tmp_path, store)
+    it = shown(ACTORS.format(actors=5, fills=fills, more=words), tmp_path, store)
     said = {sentence for place, sentence in sentences(it, tmp_path) if place != "JSON of the table"}
     assert len(said) == 1
-    assert said.pop().startswith("Cubic is out: cubic; 8 synthetic faces (2")
+    assert said.pop().startswith("Cubic is out: cubic; 5 synthetic faces (2")
     assert it.study.ok
-    wrong = ACTORS.format(actors=8, fills=fills, more=words.replace("behind", "best"))
+    wrong = ACTORS.format(actors=5, fills=fills, more=words.replace("behind", "best"))
     refused = shown(wrong, tmp_path, store)
     (note,) = (note for note in refused.study.notes if note.kind is NoteSubject.FAILED)
     assert re.match(r".*graph\.yaml:14:27: 'answer': \{best cubic\} for length 5", note.reason)

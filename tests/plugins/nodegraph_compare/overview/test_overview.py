@@ -467,7 +467,7 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     assert len(re.findall("<circle[^>]*><title>", lead)) == 200
     assert text_of(lead).count("92 others") == 2
     six = rendered(
-        compared(kitchens(recipes, 5, heats=(1, 2, 3, 4, 5, 6)), within=("heat",)).overview
+        compared(kitchens(recipes, 1, heats=(1, 2, 3, 4, 5, 6)), within=("heat",)).overview
     )
     assert len(re.findall("<circle[^>]*><title>", six.lead)) == 600
     assert text_of(six.lead).count("97 others") == 6
