@@ -40,11 +40,13 @@ SCALARS = st.one_of(
     ),
 )
 VALUES = st.recursive(
-    SCALARS, lambda parts: st.lists(parts) | st.dictionaries(st.text("ab", min_size=1), parts)
+    SCALARS,
+    lambda parts: st.lists(parts) | st.dictionaries(st.text("ab", min_size=1), parts),
+    max_leaves=8,
 )
 LABELS = st.one_of(
     st.lists(SCALARS.filter(lambda label: label is not None), min_size=1),
-    st.dictionaries(st.text("ab", min_size=1), VALUES, min_size=1),
+    st.dictionaries(st.text("ab", min_size=1), VALUES, min_size=1, max_size=4),
 )
 
 
