@@ -293,9 +293,10 @@ def _difference(form: LiveForm | None, streamed: Any, whole: object, name: str) 
             near = np.abs(streamed - numbers) <= form.tolerance * np.abs(numbers)
             streamed = np.where(near, numbers, streamed)
         return difference(streamed, numbers, name=name)
-    if isinstance(form, StateForm) and (form.leaves or form.tolerance):
-        whole = _departing(streamed, whole, form)
-    return difference(streamed, whole, name=name)
+    differs = difference(streamed, whole, name=name)
+    if differs and isinstance(form, StateForm) and (form.leaves or form.tolerance):
+        return difference(streamed, _departing(streamed, whole, form), name=name)
+    return differs
 
 
 def _departing(streamed: object, whole: object, form: StateForm) -> object:
