@@ -118,8 +118,8 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
         if not _is_seen(verdicts, group, last, first):
             change = ("hardly changed",)
         ends = span_text([group.mean[first], group.mean[last]], verdicts.metric.unit)
-        aside = say(f"from {HERE} to {HERE}", *method_words(verdicts, [first, last]))
-        return Card((), change, (Word(ends, "number"),), aside, rows=rows)
+        arrow = ends.replace(" to ", " \N{RIGHTWARDS ARROW} ")
+        return Card((), change, (Word(arrow, "number"),), rows=rows)
     if verdicts.metric.better == "none":
         return Card((), (), rows=rows)
     if group.told:
