@@ -420,7 +420,8 @@ def _certainty(verdicts: Verdicts) -> Text:
     units = {units_text(group.scope) for group in stands}
     over = f" over {units.pop()}" if len(units) == 1 else ""
     counts = sorted({len(group.known) for group in stands})
-    of = f"{'up to ' * (len(counts) > 1)}{count_text(counts[-1], 'methods')}{over}"
+    several = count_text(counts[-1], "steps" if verdicts.is_sequence else "methods")
+    of = f"{'up to ' * (len(counts) > 1)}{several}{over}"
     rule = f"Clearly: p of at most {LEVEL:g} in paired tests of {of}, adjusted for their number."
     is_open = not verdicts.is_sequence and any(not group.told for group in stands)
     none = "None clearly best: no other is clearly worse than the first." * is_open

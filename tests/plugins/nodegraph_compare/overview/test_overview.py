@@ -523,6 +523,7 @@ def test_steps_that_follow_one_another_are_compared_to_the_one_before() -> None:
     )
     assert "best" not in text.partition("kitchens")[0]
     assert "where it begins clearly better than before clearly worse hardly changed" in text
+    assert "Clearly: p of at most 0.05 in paired tests of 3 steps over " in text
     assert "%: change to the one before" in text
 
 
