@@ -106,6 +106,15 @@ def _a_store_of_its_own(
     monkeypatch.setenv("NODEGRAPH_STORE", str(folder))
 
 
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing of comparisons, which would take most of their time."""
+    from matplotlib.figure import Figure
+
+    for part in ("table", "ranks", "curve"):
+        monkeypatch.setattr(f"nodegraph_compare.{part}.figure.draw", lambda *given: Figure())
+
+
 @pytest.fixture(scope="session")
 def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
     """Runs of shipped graphs; workers of pytest-xdist share their store."""

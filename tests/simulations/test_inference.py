@@ -7,6 +7,7 @@ import pytest
 from tests.simulations.inference import QUICK, beyond
 
 
+@pytest.mark.usefixtures("without_pictures")
 @pytest.mark.parametrize("name", QUICK)
 def test_rates_are_within_their_bounds(name: str) -> None:
     rates, off = beyond(name, QUICK[name])
