@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -29,12 +28,12 @@ def state(text: str) -> str:
 
 
 @pytest.fixture
-def page(tab: Page, address: str) -> Iterator[Page]:
+def page(address: str, tab: Page) -> Page:
+    """The page of the file, which the tab, the later fixture, leaves before the server ends."""
     resize(tab, 1600, 900)
     tab.goto(address)
     tab.wait_for_selector("#picture [data-box=error]")
-    yield tab
-    tab.goto("about:blank")  # before the server ends
+    return tab
 
 
 _END_OF_TEXT = """
