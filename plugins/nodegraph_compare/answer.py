@@ -63,7 +63,13 @@ if TYPE_CHECKING:
 
     Side = Literal["lower", "higher"]
 
-_LINES = "Lines: 95 % intervals; the dot hides a shorter one."
+_LINES = "Not tested; lines are 95 % intervals, and the dot hides a shorter one."
+_CLEAR = (
+    "the best is clear",
+    "others may be as good as the best",
+    "none is clearly best (no other is clearly worse than the first)",
+    "there is no verdict",
+)
 _MOST_NAMES = 3
 _MOST_CLAUSES = 6
 _MOST_TIED = 2
@@ -423,9 +429,22 @@ def _certainty(verdicts: Verdicts) -> Text:
     several = count_text(counts[-1], "steps" if verdicts.is_sequence else "methods")
     of = f"{'up to ' * (len(counts) > 1)}{several}{over}"
     rule = f"Clearly: p of at most {LEVEL:g} in paired tests of {of}, adjusted for their number."
-    is_open = not verdicts.is_sequence and any(not group.told for group in stands)
-    none = "None clearly best: no other is clearly worse than the first." * is_open
-    return joined(" ", [take, rule, none])
+    return joined(" ", [take, "" if verdicts.is_sequence else _told_apart(verdicts), rule])
+
+
+def _told_apart(verdicts: Verdicts) -> str:
+    """Return in how many groups the best is clear, others may be as good, or none is best."""
+    counts = Counter(map(_how_clear, verdicts.groups))
+    parts, of = [text for text in _CLEAR if text in counts], f" of {len(verdicts.groups)} groups"
+    if len(verdicts.groups) > 1:
+        parts = [f"{text} in {counts[text]}{of * (not at)}" for at, text in enumerate(parts)]
+    return f"{'; '.join(parts).capitalize()}."
+
+
+def _how_clear(group: Verdict) -> str:
+    if not group.told:
+        return _CLEAR[2 if group.stands else 3]
+    return _CLEAR[0 if group.behind and not group.tied else 1]
 
 
 def _taken(verdicts: Verdicts, take: int) -> Text:
@@ -440,8 +459,8 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
         claims = [" is clearly" if place in of_all.behind else f" {MAY_BE}," for place in rest]
         far = [_far(verdicts, of_all, place) for place in rest]
     else:
-        counts = [len(groups) - verdicts.behind_in(place) for place in verdicts.least_behind]
-        first = f"best or may be as good in {counts[0]} of {len(groups)} groups"
+        counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
+        first = f"clearly behind in {counts[0]} of {len(groups)} groups"
         rest = [place for place in verdicts.least_behind if place != take][:1]
         claims = [f": in {count}, at most" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
