@@ -782,15 +782,16 @@ def answer_html(answer: Answer, caption: str = "") -> Markup:
 def lead_of_parts(answer: Answer, cards: str, caption: str, methods: Text = ()) -> Markup:
     """Return the HTML of an answer whose cards are HTML already.
 
-    Above them stands what it holds for, how certain it is, and what the words below mean: what was
-    measured, and what methods do.
+    Above them stands what it holds for, how certain it is, and what was measured; below, what
+    methods do.
     """
     held = joined(" ", [part for part in answer.scope if isinstance(part, Word)])
     measured = [part.strip() for part in (*answer.scope, caption) if isinstance(part, str)]
     sentence = f'<p class="lead-sentence">{html_of(answer.sentence)}</p>'
     facts = _facts_html("facts", {"For whom": held, "How certain": answer.certainty})
-    words = _facts_html("words", {"Measured": joined(" ", measured), "Methods": methods})
-    return Markup(f'<div class="lead">{sentence}{facts}{words}{cards}</div>')
+    words = _facts_html("words", {"Measured": joined(" ", measured)})
+    does = _facts_html("words", {"Methods": methods})
+    return Markup(f'<div class="lead">{sentence}{facts}{words}{cards}{does}</div>')
 
 
 def _facts_html(name: str, facts: Mapping[str, Text]) -> str:

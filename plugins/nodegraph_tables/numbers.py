@@ -182,10 +182,10 @@ def _as_shown(value: float, unit: str) -> float:
 
 
 def _common_decimals(value: float, to: float, unit: str) -> int | None:
-    """Return the decimals with which two numbers are shown; None for others than such."""
+    """Return the decimals with which two numbers are shown; None where they say too little."""
     largest = max(abs(value), abs(to))
     counts = isinstance(value, int) and isinstance(to, int)
-    if counts or not SMALLEST <= largest < LARGEST:
+    if counts or is_count(unit) or not SMALLEST <= largest < LARGEST:
         return None
     # shares are shown in fewer digits
     return int(largest < _WHOLE) if unit == SHARE else _decimals(largest, unit)
