@@ -56,8 +56,7 @@ class Registry:
         ----------
         files
         nodes_with
-            A hook: the nodes of installed plugins without it, whose import takes as long as that
-            of all else, are left out.
+            A hook: the nodes of installed plugins without it are left out, and not imported.
 
         Raises
         ------

@@ -50,7 +50,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import apart_text, percent_apart, span_text
+from nodegraph_tables.numbers import apart_text, percent_apart, ranged, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -93,8 +93,8 @@ def answer_of(verdicts: Verdicts) -> Answer:
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
     overall = None if verdicts.overall is None else _finding(verdicts, verdicts.overall)
     take = "" if verdicts.for_all is None else str(verdicts.methods[verdicts.for_all])
-    told = (_sentence(named), scope_words(named), cards, (), findings, overall, take)
-    return Answer(*told, _certainty(named))
+    sentence, scope, certainty = _sentence(named), scope_words(named), _certainty(named)
+    return Answer(sentence, scope, cards, (), findings, overall, take, certainty)
 
 
 def _finding(verdicts: Verdicts, group: Verdict, shown: Verdict | None = None) -> Finding:
@@ -221,14 +221,9 @@ def _number(verdicts: Verdicts, groups: Sequence[Verdict], place: int) -> Word:
 
 
 def _range(verdicts: Verdicts, means: Sequence[float]) -> Word:
-    """Return numbers of groups from least to largest, by what they range: ``1 to 2 mm by length``.
-
-    Without that they would read like an interval.
-    """
+    """Return the means of groups, from the least to the largest."""
     text = span_text(sorted({min(means), max(means)}), verdicts.metric.unit)
-    axes = [verdicts.within[axis] for axis in varying(verdicts)]
-    by = f" by {axes[0] if len(axes) == 1 else 'group'}" if " to " in text else ""
-    return Word(f"{text}{by}", "number")
+    return Word(ranged(text, [verdicts.within[axis] for axis in varying(verdicts)]), "number")
 
 
 def _decided(verdicts: Verdicts, known: Sequence[Verdict], told: Sequence[Verdict]) -> Text:

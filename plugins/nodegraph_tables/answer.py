@@ -24,6 +24,7 @@ from nodegraph_tables.numbers import (
     difference_text,
     ends_text,
     number_text,
+    ranged,
     shares_text,
     without_rounding,
 )
@@ -690,10 +691,8 @@ def _difference_in(found: Sequence[Finding], part: Placeholder) -> str:
 
 
 def _ranged(text: str, found: Sequence[Finding]) -> str:
-    """Return numbers with that by which they range, as they would read like an interval without."""
     axes = [axis for axis in found[0].group if len({each.group[axis] for each in found}) > 1]
-    by = f" by {axes[0] if len(axes) == 1 else 'group'}"
-    return f"{text}{by}" if " to " in text else text
+    return ranged(text, axes)
 
 
 def _interval_in(found: Sequence[Finding], part: Placeholder) -> str:

@@ -150,6 +150,22 @@ def ends_text(values: Iterable[float], unit: str = "") -> str:
     return shares_text(ends) if unit == SHARE else span_text(ends, unit)
 
 
+def ranged(text: str, axes: Sequence[str]) -> str:
+    """Return numbers of groups with that by which they range: ``1 to 2 mm by length``.
+
+    Without that a range would read like an interval.
+
+    Parameters
+    ----------
+    text
+        One number, or the least and the largest.
+    axes
+        Along which the groups differ.
+    """
+    by = axes[0] if len(axes) == 1 else "group"
+    return f"{text} by {by}" if " to " in text else text
+
+
 def _digits(value: float, unit: str) -> str:
     size = abs(value)
     if not math.isfinite(value):
@@ -175,7 +191,10 @@ def _scaled(pair: tuple[float, float], unit: str) -> tuple[float, float]:
 
 
 def _as_shown(value: float, unit: str) -> float:
-    """Return a number in its unit without the digits that a reader does not see."""
+    """Return a number in its unit without the digits that a reader does not see.
+
+    Of a number out of many, it has them: a reader sees too few to compare by.
+    """
     (shown, _) = _scaled((value, 0), unit)
     decimals = _common_decimals(shown, 0, unit)
     return shown if decimals is None else round(shown, decimals)

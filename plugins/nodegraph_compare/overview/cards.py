@@ -39,13 +39,13 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Answer, Card, Kind, Text
+    from nodegraph_tables.answer import Answer, Card, Kind, Line, Text
 
-    _Cell = tuple[Text, ...]
+    _Cell = tuple[Text, Text, Text]
 
 _MOST_COLUMNS = 6
 _MOST_ROWS = 60
-_NONE: _Cell = (("\N{EN DASH}",), ())
+_NONE: _Cell = (("\N{EN DASH}",), (), ())
 _SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
@@ -145,8 +145,8 @@ def _filled(verdicts: Verdicts, group: Verdict | None, text: _Cell) -> str:
     """Return the rest of a cell; it is tinted where the best method is the one to take."""
     best = () if group is None or not group.told else group.best
     tint = ' class="for-all"' if verdicts.for_all in best else ""
-    first, number, *more = map(html_of, text)
-    rest = "".join(f"<div><small>{each}</small></div>" for each in more if each)
+    first, number, others = map(html_of, text)
+    rest = others and f"<div><small>{others}</small></div>"
     return f"{tint}>{first}{number and Markup(' <small>{}</small>').format(number)}{rest}</td>"
 
 
@@ -156,7 +156,7 @@ def _cell(verdicts: Verdicts, group: Verdict) -> _Cell:
         return _NONE
     unit = verdicts.metric.unit
     if not group.best:
-        return ((span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit),), ())
+        return ((span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit),), (), ())
     mean = span_text([group.mean[group.best[0]]], unit)
     if not group.told:
         why = "none clearly best" if group.stands else "no verdict"
@@ -187,20 +187,9 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
         for kind, text in _dots(verdicts)
         if kind in drawn
     ]
-    line = line_of(verdicts) if parts else None
-    if parts and any(np.isfinite(group.low).any() for group in verdicts.groups):
-        parts.append("line: 95 % interval")
-    if parts and verdicts.is_sequence:
-        parts.append("%: change to the one before")
-    axis = []
-    if line is not None and line.log:
-        axis.append("logarithmic, but 0 at its left end" if line.least else "logarithmic")
-    if line is not None and len(verdicts.groups) > ONE_ROW:
-        unit = verdicts.metric.unit
-        ends = (tick_text(line.low, unit), tick_text(line.high, unit, with_unit=True))
-        axis.insert(0, " to ".join(ends))
-    if axis:
-        parts.append(escape(f"axis: {', '.join(axis)}"))
+    line = line_of(verdicts)
+    if parts and line is not None:
+        parts += map(escape, _about_dots(verdicts, line))
     if verdicts.for_all is not None:
         (take,) = plain_names(verdicts, [verdicts.for_all])
         parts.append(f"<mark>tinted</mark>: {escape(take)}, the one to take")
@@ -208,6 +197,21 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
         parts.append(escape(f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged"))
     spans = "".join(f"<span>{part}</span>" for part in parts)
     return f'<p class="lead-key">{spans}</p>' if parts else ""
+
+
+def _about_dots(verdicts: Verdicts, line: Line) -> Iterator[str]:
+    """Yield what stands beside dots, and what the line is on which they lie."""
+    if any(np.isfinite(group.low).any() for group in verdicts.groups):
+        yield "line: 95 % interval"
+    if verdicts.is_sequence:
+        yield "%: change to the one before"
+    axis, unit = [], verdicts.metric.unit
+    if len(verdicts.groups) > ONE_ROW:
+        axis.append(f"{tick_text(line.low, unit)} to {tick_text(line.high, unit, with_unit=True)}")
+    if line.log:
+        axis.append("logarithmic, but 0 at its left end" if line.least else "logarithmic")
+    if axis:
+        yield f"axis: {', '.join(axis)}"
 
 
 def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:

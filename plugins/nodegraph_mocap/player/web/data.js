@@ -26,7 +26,7 @@ nodegraph.define("mocap/player/data", [], () => {
     return steps;
   };
 
-  // A loop: Float32Array.from takes ten times as long.
+  // A loop: Float32Array.from with a function takes ten times as long.
   const scaledBy = (steps, step) => {
     const scaled = new Float32Array(steps.length);
     for (let i = 0; i < steps.length; i += 1) scaled[i] = steps[i] * step;
@@ -71,8 +71,9 @@ nodegraph.define("mocap/player/data", [], () => {
   // Weights over time: (shape, frame), NaN where one is missing.
   const curvesOf = (blob, packed) => {
     const known = new Uint8Array(blob.buffer, blob.start + packed.known, packed.names.length * packed.frames);
-    const steps = stepsOf(blob, packed.weights);
-    return { ...packed, weights: Float32Array.from(steps, (count, place) => (known[place] ? count * packed.weights.step : NaN)) };
+    const weights = scaledBy(stepsOf(blob, packed.weights), packed.weights.step);
+    known.forEach((is, place) => { if (!is) weights[place] = NaN; });
+    return { ...packed, weights };
   };
 
   // One playback: its panels with their arrays, and what they have in common.
