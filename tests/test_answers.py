@@ -152,8 +152,14 @@ def check_places(shown: Shown, folder: Path) -> None:
     verdicts = overview.verdicts
     assert overview.answer.sentence == answer.sentence
     assert overview.answer.scope == answer.scope
-    marks = [
-        ({*found.best}, {*found.tied}) if found.behind else (set(), set())
+    # a method is marked as the best where no other may be as good
+    marks: list[tuple[set[str], set[str]]] = [
+        (
+            {*found.best} if not found.tied else set(),
+            {*found.best, *found.tied} if found.tied else set(),
+        )
+        if found.behind
+        else (set(), set())
         for found in answer.findings
     ]
     assert [{*found.best, *found.behind, *found.tied} for found in answer.findings] == [
@@ -166,11 +172,14 @@ def check_places(shown: Shown, folder: Path) -> None:
     assert (answer.overall is None) == (verdicts.overall is None)
     if verdicts.overall is not None and answer.overall is not None:
         assert answer.overall.first == tuple(named[at] for at in verdicts.overall.best)
-        assert {*answer.overall.tied} == {named[at] for at in verdicts.overall.marked("tied")}
+        first = {*answer.overall.best} if answer.overall.tied else set()
+        assert {*answer.overall.tied} | first == {
+            named[at] for at in verdicts.overall.marked("tied")
+        }
     # charts, heat table, map and face are drawn from this
     data = packed(overview, verdicts, excerpt_of(overview), "table", {})
-    for group, found, (best, tied) in zip(data["groups"], answer.findings, marks, strict=True):
-        assert {named[at] for at in group["best"]} == best
+    for group, found, (_, tied) in zip(data["groups"], answer.findings, marks, strict=True):
+        assert {named[at] for at in group["best"]} == ({*found.best} if found.behind else set())
         assert {named[at] for at in group["tied"]} == tied
         drawn = {
             name: mean for name, mean in zip(named, group["mean"], strict=True) if mean is not None
@@ -203,8 +212,9 @@ def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> N
     ):
         # without a verdict a headline names at most the only method
         named = {part.method for part in card.headline if not isinstance(part, str)}
-        assert card.kind == ("best" if best else "rest")
-        assert named == best or not best
+        assert card.kind == ("best" if best else "tied" if tied else "rest")
+        assert named == ({*found.best} if found.behind else named)
+        assert ("clearly best" in plain(card.status)) == bool(best and card.status)
         is_behind = overview.answer.take in found.behind
         assert ("clearly behind" in plain(card.status)) == is_behind
         if card.rows is None or overview.verdicts.is_sequence:

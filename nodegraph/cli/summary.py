@@ -29,7 +29,7 @@ _MOST_GROUPS = 5
 _GAP = 2
 _LONGEST_WARNING = 100
 _BEST, _TIED = "*", "~"
-_LEGEND = {_BEST: "best", _TIED: "may be as good"}
+_LEGEND = {_BEST: "best", _TIED: "may be the best"}
 _WORDS: dict[str, str] = {State.DONE: "computed", State.UNNEEDED: "not needed"}
 
 

@@ -78,8 +78,8 @@ class Grid:
     rows : tuple of tuple of str
         The method, then a number per column.
     best, tied : tuple of (row, column)
-        The best numbers, and those that are not certain to be worse. Column 1 is the first with
-        numbers.
+        The numbers that are clearly the best of their columns, and those of which each may be the
+        best. Column 1 is the first with numbers.
     """
 
     title: str

@@ -67,7 +67,7 @@ _LINES = "Not tested; lines are 95 % intervals, and the dot hides a shorter one.
 _CLEAR = (
     "the best is clear",
     "others may be as good as the best",
-    "none is clearly best (no other is clearly worse than the first)",
+    "methods are not told apart",
     "there is no verdict",
 )
 _MOST_NAMES = 3
@@ -422,8 +422,8 @@ def _certainty(verdicts: Verdicts) -> Text:
     over = f" over {units.pop()}" if len(units) == 1 else ""
     counts = sorted({len(group.known) for group in stands})
     several = count_text(counts[-1], "steps" if verdicts.is_sequence else "methods")
-    of = f"{'up to ' * (len(counts) > 1)}{several}{over}"
-    rule = f"Clearly: p of at most {LEVEL:g} in paired tests of {of}, adjusted for their number."
+    of = f"{'up to ' * (len(counts) > 1)}{several}"
+    rule = f"Clearly: p \N{LESS-THAN OR EQUAL TO} {LEVEL:g}, paired tests{over}, adjusted for {of}."
     return joined(" ", [take, "" if verdicts.is_sequence else _told_apart(verdicts), rule])
 
 
@@ -431,9 +431,11 @@ def _told_apart(verdicts: Verdicts) -> str:
     """Return in how many groups the best is clear, others may be as good, or none is best."""
     counts = Counter(map(_how_clear, verdicts.groups))
     parts, of = [text for text in _CLEAR if text in counts], f" of {len(verdicts.groups)} groups"
-    if len(verdicts.groups) > 1:
+    if len(verdicts.groups) > 1 == len(parts):
+        parts = [f"{parts[0]} in each group"]
+    elif len(verdicts.groups) > 1:
         parts = [f"{text} in {counts[text]}{of * (not at)}" for at, text in enumerate(parts)]
-    return f"{'; '.join(parts).capitalize()}."
+    return f"{', '.join(parts).capitalize()}."
 
 
 def _how_clear(group: Verdict) -> str:
@@ -445,26 +447,34 @@ def _how_clear(group: Verdict) -> str:
 def _taken(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
+    (name,) = best_words(verdicts, [take])
     worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take), take))
     if all(take in group.best for group in groups):
-        worst = ("best in each",)
+        worst = (f"{EXTREME[verdicts.metric.better]} in each",)
     if of_all is not None and take == verdicts.best_over_all:
-        first = f"{EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
-        claims = [" is clearly" if place in of_all.behind else f" {MAY_BE}," for place in rest]
+        claims = ["clearly " if place in of_all.behind else f"{MAY_BE}, " for place in rest]
         far = [_far(verdicts, of_all, place) for place in rest]
-    else:
-        counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
-        first = f"clearly behind in {counts[0]} of {len(groups)} groups"
-        rest = [place for place in verdicts.least_behind if place != take][:1]
-        claims = [f": in {count}, at most" for count in counts[1:2]]
-        far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
+        after = [
+            say(f" (next, {HERE}, {claim}{HERE})", name, size)
+            for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
+        ]
+        start = (
+            f"{HERE} is {EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
+        )
+        return say(f"{start}{HERE}, {HERE}.", name, joined("", after), worst)
+    counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
+    start = f"{HERE} is clearly behind in {counts[0]} of the {len(groups)} groups below, {HERE}"
+    rest = [place for place in verdicts.least_behind if place != take][:1]
     after = [
-        say(f"next, {HERE}{claim} {HERE}", name, size)
-        for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
+        say(
+            f"; next, {HERE}, in {count}, at most {HERE}",
+            name,
+            _far(verdicts, verdicts.worst_of(place), place),
+        )
+        for name, count, place in zip(method_words(verdicts, rest), counts[1:2], rest, strict=True)
     ]
-    reason = joined("; ", [joined(", ", [first, worst]), *after])
-    return say(f"{HERE}: {HERE}.", *best_words(verdicts, [take]), reason)
+    return say(f"{start}{HERE}.", name, worst, joined("", after))
 
 
 def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:

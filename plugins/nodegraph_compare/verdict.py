@@ -265,11 +265,13 @@ class Verdict(Value):
 
     @property
     def marks(self) -> Mapping[int, Mark]:
-        """The methods that every table and picture marks: none where nothing is told apart."""
+        """The methods that every table and picture marks: none where nothing is told apart.
+
+        Where others may be as good as those with the best mean, these are marked alike.
+        """
         if not self.behind:
             return {}
-        tied: dict[int, Mark] = dict.fromkeys(self.tied, "tied")
-        return tied | dict.fromkeys(self.best, "best")
+        return dict.fromkeys((*self.best, *self.tied), "tied" if self.tied else "best")
 
     @property
     def told(self) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from nodegraph import listed
 from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
+from nodegraph_compare.question import EXTREME
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
 from nodegraph_tables.answer import HERE, MAY_BE, Word, joined, listing, plain, say
@@ -381,19 +382,20 @@ def standing_text(verdicts: Verdicts, group: Verdict) -> Text:
     nearest.
     """
     take = verdicts.for_all
+    first = f"{EXTREME[group.better] if group.tied else 'clearly best'}; "
     if group.stands and take is not None and take not in group.best:
         (name,) = method_words(verdicts, [take])
         claim = "clearly behind" if take in group.behind else MAY_BE
-        start = f"{'best; ' * group.told}{HERE} {HERE}, {claim}"
+        start = f"{first * group.told}{HERE} {HERE}, {claim}"
         return say(start, name, _behind_text(verdicts, group, take))
     if group.told and group.tied:
         tied = method_words(verdicts, group.tied)
-        return say(f"best; {HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")
+        return say(f"{first}{HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")
     if not group.behind:
         return ()
     nearest = nearest_first(group, group.behind)[0]
     (name,) = method_words(verdicts, [nearest])
-    return say(f"clearly best; next, {HERE} {HERE}", name, _behind_text(verdicts, group, nearest))
+    return say(f"{first}next, {HERE} {HERE}", name, _behind_text(verdicts, group, nearest))
 
 
 def _behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:

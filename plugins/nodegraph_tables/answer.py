@@ -373,13 +373,15 @@ class Rows(Value):
         """
         first = self.rows[0].value
         named = {part.method for part in headline if isinstance(part, Word)}
-        claims = {"tied": MAY_BE}
+        others = {row.name for row in self.rows if row.kind == "tied" and row.value != first}
         return [
-            joined(", ", [f"{row.name} {self.number(row)}", claims.get(row.kind, ""), row.note])
+            joined(
+                ", ", [f"{row.name} {self.number(row)}", MAY_BE * (row.name in others), row.note]
+            )
             for row in self.rows
             if not headline
             or row.note
-            or row.kind in claims
+            or row.name in others
             or (row.value == first and row.name not in named)
         ]
 

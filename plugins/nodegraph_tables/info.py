@@ -58,7 +58,7 @@ class TableInfo:
     best : mapping of column to tuple of int
         The rows whose cells are marked as the best.
     tied : mapping of column to tuple of int
-        The rows whose cells are not certain to be worse than the best.
+        The rows whose cells are marked, since each may be the best.
     highlights : tuple of int
         Further rows that a folded table shows, such as the nearest that is behind, or a baseline.
     overall : tuple of int

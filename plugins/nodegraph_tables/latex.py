@@ -164,7 +164,7 @@ def _legend(crossed: Crosstab) -> list[str]:
     marks = {
         "in brackets: 95 % intervals": "[" in besides,
         "bold: the best": any(cell.best for cell in cells),
-        "italic: may be as good": any(cell.tied for cell in cells),
+        "italic: may be the best": any(cell.tied for cell in cells),
         "\N{DAGGER}: clearly apart from the best, or the baseline": "\N{DAGGER}" in besides,
     }
     legend = "; ".join(text for text, applies in marks.items() if applies)

@@ -19,7 +19,6 @@ from nodegraph_compare.words import (
 )
 from nodegraph_tables.answer import (
     HERE,
-    MAY_BE,
     MOST_CARDS,
     ONE_ROW,
     Word,
@@ -163,7 +162,8 @@ def _cell(verdicts: Verdicts, group: Verdict) -> _Cell:
         names = listing(method_words(verdicts, group.best))
         return (names, (f"{mean}; {why}",), standing_text(verdicts, group))
     take = "take " * (group is verdicts.overall and verdicts.for_all in group.best)
-    names = joined("", [take, listing(best_words(verdicts, group.best))])
+    leaders = (method_words if group.tied else best_words)(verdicts, group.best)
+    names = joined("", [take, listing(leaders)])
     return (names, (mean,), standing_text(verdicts, group))
 
 
@@ -190,6 +190,8 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
     line = line_of(verdicts)
     if parts and line is not None:
         parts += map(escape, _about_dots(verdicts, line))
+    if not cards and any("best" in group.marks.values() for group in verdicts.groups):
+        parts.append("<strong>blue</strong>: clearly best")
     if verdicts.for_all is not None:
         (take,) = plain_names(verdicts, [verdicts.for_all])
         parts.append(f"<mark>tinted</mark>: {escape(take)}, the one to take")
@@ -225,7 +227,7 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
             yield "rest", "hardly changed"
         return
     yield "best", "best"
-    yield "tied", MAY_BE
+    yield "tied", "may be the best"
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
     yield "open", "not told apart"

@@ -171,13 +171,13 @@ def _numbers_of(group: Verdict) -> dict[str, object]:
     other, mean = group.without_suspects, ("mean", "low", "high")
     return {
         **{name: _numbers(getattr(group, name)) for name in (*mean, "median", "rank")},
-        "best": group.marked("best"),
+        "best": list(group.best) if group.marks else [],
         "tied": group.marked("tied"),
         "without_suspects": None
         if other is None
         else {
             **{name: _numbers(getattr(other, name)) for name in mean},
-            "best": other.marked("best"),
+            "best": list(other.best) if other.marks else [],
             "tied": other.marked("tied"),
         },
     }

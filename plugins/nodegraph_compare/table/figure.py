@@ -227,7 +227,7 @@ def _legend(groups: Sequence[Verdict], names: Sequence[str]) -> list[str]:
         text
         for role, text in (
             ("best", "blue: the best"),
-            ("tied", "hollow: may be as good"),
+            ("tied", "hollow: may be the best"),
             ("baseline", "black: the baseline"),
         )
         if role in roles

@@ -82,7 +82,7 @@ def test_methods_stand_down_the_side_and_groups_along_the_top() -> None:
     assert r"\cmidrule(lr){2-4} \cmidrule(lr){5-7}" in latex
     assert caption(latex) == (
         r"Errors. Mean rmse over faces {[}mm]. In brackets: 95 \% intervals; bold: the best; "
-        "italic: may be as good."
+        "italic: may be the best."
     )
 
 

@@ -59,8 +59,8 @@ nodegraph.define("compare/control_bar", ["page", "compare/view"], (page, { STATI
       onchange: (event) => apply(methods.filter((other) => (other === label ? event.target.checked : chosen.has(other)))),
     }), label);
     const leading = () => view.overview.groups.flatMap((group) => {
-      const { first, best, tied } = view.numbers(group);
-      return best.length ? [...best, ...tied] : first;
+      const { first, tied } = view.numbers(group);
+      return tied.length ? tied : first;
     });
     const kept = () => {
       const places = new Set([...leading(), view.method, view.reference]);

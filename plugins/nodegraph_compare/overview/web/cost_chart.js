@@ -84,8 +84,8 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
         strong(`${view.what} against time, ${x.log && y.log ? "both on log scales" : ["time on a log scale", y.name && `the error on a ${y.name}`].filter(Boolean).join(", ")}. `),
         "The time of a result is that of the steps behind it that not all methods need: the median, without the longest, which may be a first call. ",
         front.length ? "The stepped line joins methods that none beats in both. " : "",
-        view.numbers().best.length ? "Blue: the best. " : "",
-        tied.length ? "Ringed: may be as good. " : "",
+        view.numbers().best.length ? `Blue: the ${view.end}. ` : "",
+        tied.length ? "Ringed: may be the best. " : "",
         hint("Click a dot to follow the method through the page."),
       ],
     };
@@ -95,7 +95,7 @@ nodegraph.define("compare/cost_chart", ["page", "compare/chart", "compare/scale"
     if (view.better === "none" || view.statistic === "rank") return [];
     const first = points[0];
     const name = (point) => named(view, point.method);
-    const end = view.numbers().best.includes(first.method) ? "best" : view.end;
+    const end = view.endOf(first.method);
     const where = view.overview.groups.length > 1 ? [`At ${view.group.title}: `] : [];
     if (!(first.value > 0)) return [];
     const ratio = (point) => (view.better === "higher" ? first.value / point.value : point.value / first.value);

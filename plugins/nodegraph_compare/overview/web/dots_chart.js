@@ -394,7 +394,7 @@ nodegraph.define("compare/dots_chart", ["page", "selection", "compare/chart", "c
         caption: [
           strong(`${view.metric.name}${view.metric.unit ? `, ${view.metric.unit}` : ""}${dots.x.name && `, ${dots.x.name}`}. `),
           `Every dot is one of the ${blocksName}, in the row of each method. ${view.statistic === "rank" ? "" : `Bars and numbers are ${view.statistic}s. `}`,
-          view.numbers().best.length ? "Blue: the best. " : "",
+          view.numbers().best.length ? `Blue: the ${view.end}. ` : "",
           dots.blocks.some((block) => view.group.isSuspect(block)) ? `Hollow diamonds: suspect ${blocksName}, whose truth itself is in doubt. ` : "",
           dots.leftOut,
           "Point at a dot to see it in every row, click to open it.",

@@ -1,6 +1,6 @@
 "use strict";
-// All methods in all groups: the value, how it stands to the best of its group, and what is
-// may be as good. Deeper colour is nearer the best.
+// All methods in all groups: the value, how it stands to the best of its group, and which may be
+// the best. Deeper colour is nearer the best.
 nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"], (page, chart, { seconds }) => {
   const { element } = page;
   const { strong, hint } = chart;
@@ -36,8 +36,8 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
     const least = values[first[0]];
     const ratio = view.statistic !== "rank" && [...values].every((other) => !(other <= 0));
     const tint = best.length ? (nearness(value, values, least, ratio) * 34).toFixed(1) : 0;
-    const word = best.includes(method) ? ", best" : tied.includes(method) ? ", may be as good" : "";
-    const names = [best.includes(method) && "first", (tied.includes(method) || (tied.length > 0 && best.includes(method))) && "tied", group === view.group && "here"];
+    const word = best.includes(method) ? `, ${view.endOf(method, group)}` : tied.includes(method) ? ", may be as good" : "";
+    const names = [best.includes(method) && "first", tied.includes(method) && "tied", group === view.group && "here"];
     return element("td", { class: names.filter(Boolean).join(" "), style: `--nearness: ${tint}%` },
       element("button", {
         type: "button", class: "cell", tabindex: -1, "data-kind": "cell", "data-order": order, "data-across": across,
@@ -126,8 +126,8 @@ nodegraph.define("compare/heat_table", ["page", "compare/chart", "compare/view"]
       return {
         caption: [
           strong(`${panel}${view.what}${view.unit ? `, ${view.unit}` : ""}${narrow || view.better === "none" ? "" : ratios ? `, and its multiple of the ${view.end}` : `, and its multiple of the ${view.end}, or the difference`}. `),
-          groups.some((group) => view.numbers(group).best.length) ? `Bold: the best${groups.length > 1 ? " of its group" : ""}, its name in blue; deeper blue is nearer it. ` : "",
-          verdict ? "Outlined cells may be as good as the best. " : "",
+          groups.some((group) => view.numbers(group).best.length) ? `Bold: the ${view.end}${groups.length > 1 ? " of its group" : ""}, its name in blue; deeper blue is nearer it. ` : "",
+          verdict ? "Outlined: may be the best. " : "",
           asides[0]?.key === "worst" ? "Worst: the largest multiple over the groups. " : "",
           hint(`A click on a head sorts; on a number, it opens the ${view.blockName} in which the method errs most.`),
         ],

@@ -148,8 +148,8 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
       finding: finding(view),
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.name && `, ${axis.name}`}. `),
-        ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? ["Blue: the best in some group, with its 95 % intervals; a large dot where it is. "] : []),
-        ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: may be as good there. "] : []),
+        ...view.overview.within.map(({ times }) => times && `${times} `), "A line per method. ", ...(groups.some((group) => view.numbers(group).best.length) ? [`Blue: the ${view.end} in some group, with its 95 % intervals; a large dot where it is. `] : []),
+        ...(groups.some((group) => view.numbers(group).tied.length) ? ["Ringed: may be the best there. "] : []),
         ...(view.reference === null ? [] : ["Dashed: the reference. "]),
         axis.log ? "Equal slopes are equal ratios. " : "", hint("Click a line or a name to follow it through the page."),
       ],
@@ -232,7 +232,7 @@ nodegraph.define("compare/line_chart", ["page", "compare/chart", "compare/scale"
     return {
       caption: [
         strong(`${view.what}${view.unit ? `, ${view.unit}` : ""}${axis.name && `, ${axis.name}`}. `),
-        "A dot per method. ", view.numbers().best.length ? "Blue: the best. " : "", tied.length ? "Ringed: may be as good. " : "", hint("Click a dot or a name to follow it through the page."),
+        "A dot per method. ", view.numbers().best.length ? `Blue: the ${view.end}. ` : "", tied.length ? "Ringed: may be the best. " : "", hint("Click a dot or a name to follow it through the page."),
       ],
     };
   };

@@ -14,7 +14,7 @@ nodegraph.define("compare/map_chart", ["page", "compare/chart", "compare/scale",
     const other = view.method !== null && ranked.includes(view.method) ? view.method : null;
     const next = ranked.find((method) => method !== first && method !== view.reference);
     const pictures = [
-      [first, view.better === "none" ? "" : view.numbers().best.includes(first) ? "best here" : `${view.end} here`],
+      [first, view.better === "none" ? "" : `${view.endOf(first)} here`],
       other === null ? [next, view.better === "none" ? "" : "next"] : [other, "selected"],
       [view.reference, "reference"],
     ];

@@ -170,6 +170,12 @@ nodegraph.define("compare/view", ["page", "selection"], (page, selection) => {
       ].filter(Boolean).join(" ");
     }
 
+    // How the method at the better end of a group is called.
+    endOf(method, group = this.group) {
+      const { best, tied } = this.numbers(group);
+      return best.includes(method) && !tied.length ? "best" : this.end;
+    }
+
     // Class and radius of a method's dot in a group.
     dot(method, group, small) {
       const { best, tied } = this.numbers(group);

@@ -5,7 +5,7 @@ nodegraph.define("mocap/gap", ["page", "selection", "mocap/gap/packed", "mocap/g
   const REST = 200; // ms after which the address has the frame that the reader went to
   const WHOLE = 6000; // ms that a block takes to play, if these allow it
   const WORDS = {
-    truth: "Solid: the truth.", best: "Blue: the best of this comparison.",
+    truth: "Solid: the truth.", best: "Blue: first in this comparison.",
     reference: "Dashed: the reference.", selected: "Orange: the method you selected.", rest: "Thin grey: all others.",
   };
   const ORDER = ["rest", "truth", "reference", "best", "selected"];
