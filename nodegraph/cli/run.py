@@ -45,7 +45,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Run a graph, write its folder, and print what it gave."""
-    from nodegraph.cli.answers import print_json
     from nodegraph.cli.graphs import graph_of, how_of, run_folder, run_of
     from nodegraph.cli.summary import print_summary, run_answer
     from nodegraph.execute.executor import executor_of
@@ -78,6 +77,8 @@ def run(arguments: Namespace) -> int:
     elif folder.moved and not arguments.quiet:
         say(f"the earlier run is now in {folder.moved}")
     if arguments.json:
+        from nodegraph.cli.answers import print_json
+
         print_json(run_answer(written.study, finished, folder.path))
     elif not arguments.quiet:
         print_summary(

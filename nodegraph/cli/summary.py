@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.answers import Note, Result, RunAnswer
 from nodegraph.formatting import number_of
 from nodegraph.report.notes import NoteGroup, note_kinds
 from nodegraph.report.study import NoteSubject, Section, Study
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from nodegraph.cli.answers import RunAnswer
     from nodegraph.execute.results import Run
     from nodegraph.plugin.hook_types import Grid
 
@@ -66,6 +66,8 @@ def print_summary(
 
 def run_answer(study: Study, run: Run, folder: Path) -> RunAnswer:
     """Return the summary of a run as data."""
+    from nodegraph.cli.answers import Note, Result, RunAnswer
+
     hooks = run.plan.graph.registry.hooks
     notes: dict[str, list[Note]] = {
         str(kind.kind): [
