@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from nodegraph.formatting import name_at
 from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Gather, Graph, GraphNode, Method
-from nodegraph.graph.axis_text import axis_text
+from nodegraph.graph.axis_text import axis_unit
 from nodegraph.graphfile.spec import Reference, SkipSpec
 from nodegraph.node.declaration import Declared
 from nodegraph.node.ports import Absent, Across, Label
@@ -167,7 +167,7 @@ class _Planner:
         self._cells: dict[str, dict[Combination, int]] = {}
         self._skipped: dict[str, dict[Combination, str]] = {}
         # each is needed for every node that gathers along the axis
-        self._unit = cache(lambda axis: axis_text(graph, axis).unit)
+        self._unit = cache(lambda axis: axis_unit(graph, axis))
         self._methods = cache(lambda axis: _methods_of(graph, axis))
 
     def add(self, node: GraphNode) -> None:

@@ -27,7 +27,7 @@ from nodegraph.draw.picture import (
 from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
-from nodegraph.graph.axis_text import axis_text
+from nodegraph.graph.axis_text import axis_unit
 from nodegraph.graph.methods import PASS
 from nodegraph.graph.model import Method
 from nodegraph.graph.pass_through import PassThrough
@@ -101,7 +101,7 @@ def picture_of(graph: Graph, *, whole: bool = False) -> Picture:
             else tables.get(axis, Axis(axis))._replace(labels=f"{labels} {unit}".rstrip())
             for axis in own
             for labels in [labels_text(graph.axes[axis].labels)]
-            for unit in [axis_text(graph, axis).unit]
+            for unit in [axis_unit(graph, axis)]
             if axis in tables or axis not in said & brought[node.name]
         ]
         said.update(own)

@@ -29,20 +29,25 @@ class AxisText(NamedTuple):
 
 def axis_text(graph: Graph, name: str) -> AxisText:
     """Return the meaning of an axis from the settings that take its values unchanged."""
-    axis = graph.axes.get(name)
-    if axis is None or not axis.values:
-        return AxisText()
-    taken = list(_settings(graph, name))
-    units = {setting.unit for _, setting in taken}
-    own = units.pop() if len(units) == 1 else ""
+    taken = _settings(graph, name)
     texts = Counter(meanings(method.node).get(setting.name, "") for method, setting in taken)
-    are_values = all(axis.values[label] == label for label in axis.labels)
-    return AxisText(own if are_values else "", texts.most_common(1)[0][0] if texts else "")
+    return AxisText(axis_unit(graph, name), texts.most_common(1)[0][0] if texts else "")
+
+
+def axis_unit(graph: Graph, name: str) -> str:
+    """Return the unit of an axis alone, for which no documentation is read."""
+    units = {setting.unit for _, setting in _settings(graph, name)}
+    if len(units) != 1:
+        return ""
+    axis = graph.axes[name]
+    return units.pop() if all(axis.values[label] == label for label in axis.labels) else ""
 
 
 def _settings(graph: Graph, name: str) -> Iterator[tuple[Method, Setting]]:
     """Yield each setting whose value is that of the axis in every combination."""
-    axis = graph.axes[name]
+    axis = graph.axes.get(name)
+    if axis is None or not axis.values:
+        return
     for node in graph.nodes.values():
         for method in node.methods.values():
             if name not in method.settings.axes:
