@@ -6,7 +6,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import MISSING, fields, replace
-from functools import partial, wraps
+from functools import cache, partial, wraps
 from typing import Any, TypeVar, get_type_hints
 
 from nodegraph.errors import NodeError
@@ -86,7 +86,7 @@ def _is_of(argument: inspect.Parameter, kind: type) -> bool:
 
 
 def _arguments(kind: type, shares: object) -> Iterator[inspect.Parameter]:
-    hints = get_type_hints(kind, include_extras=True)
+    hints = _hints(kind)
     for each in fields(kind):
         default = each.default if shares is kind else getattr(shares, each.name)
         yield inspect.Parameter(
@@ -97,10 +97,15 @@ def _arguments(kind: type, shares: object) -> Iterator[inspect.Parameter]:
         )
 
 
+@cache
+def _hints(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind, include_extras=True)
+
+
 def _documented(doc: str, kind: type, names: Iterable[str]) -> str:
     """Return a docstring with the entries of a dataclass beside its own, which replace those."""
     text, own = _sections(doc)
-    bases = [_sections(inspect.cleandoc(base.__doc__ or ""))[1] for base in reversed(kind.__mro__)]
+    bases = [_own_sections(base) for base in reversed(kind.__mro__)]
     sections = {}
     for title, shared in _SHARED.items():
         entries: dict[str, str] = {}
@@ -112,6 +117,11 @@ def _documented(doc: str, kind: type, names: Iterable[str]) -> str:
     sections["Parameters"] = _TYPE.sub(r"\1", sections["Parameters"])
     known = {title: body for title, body in (sections | own).items() if body}
     return "\n\n".join([text, *(f"{each}\n{'-' * len(each)}\n{known[each]}" for each in known)])
+
+
+@cache
+def _own_sections(kind: type) -> dict[str, str]:
+    return _sections(inspect.cleandoc(kind.__doc__ or ""))[1]
 
 
 def _sections(doc: str) -> tuple[str, dict[str, str]]:
