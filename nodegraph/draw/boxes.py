@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from nodegraph.draw.picture import BETWEEN_PARTS, Alternative, Axis, Box, Socket
 
-_NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_XML = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 # Advance widths in em of DejaVu Sans, the widest of the usual system fonts, rounded up: a box
 # measured with them holds its text in any of the others.
 _WIDTHS = {
