@@ -38,8 +38,9 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 # jsonschema looks for it to check addresses, which no test does, and its grammar takes a second
 sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]
 
-# programs that tests start would compile every module again
+# every process of the tests, and every program that they start, would compile each module again
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")
 """The name of this process where there are several: gw0, gw1, ..."""
