@@ -9,12 +9,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page
 
-pytest.importorskip("jupyterlab")
+pytestmark = pytest.mark.skipif(find_spec("jupyterlab") is None, reason="JupyterLab is missing")
 
 GRAPH = """
 nodegraph: 1
