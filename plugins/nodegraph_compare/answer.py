@@ -447,34 +447,28 @@ def _how_clear(group: Verdict) -> str:
 def _taken(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
-    (name,) = best_words(verdicts, [take])
+    end = EXTREME[verdicts.metric.better]
     worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take), take))
     if all(take in group.best for group in groups):
-        worst = (f"{EXTREME[verdicts.metric.better]} in each",)
+        worst = (f"{end} in each",)
     if of_all is not None and take == verdicts.best_over_all:
+        first = f"{end} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
-        claims = ["clearly " if place in of_all.behind else f"{MAY_BE}, " for place in rest]
+        claims = ["clearly" if place in of_all.behind else f"{MAY_BE}," for place in rest]
+        after = [f"over all is {HERE}, {claim} {HERE}" for claim in claims]
         far = [_far(verdicts, of_all, place) for place in rest]
-        after = [
-            say(f" (next, {HERE}, {claim}{HERE})", name, size)
-            for name, claim, size in zip(method_words(verdicts, rest), claims, far, strict=True)
-        ]
-        start = (
-            f"{HERE} is {EXTREME[verdicts.metric.better]} over all {len(groups)} groups together"
-        )
-        return say(f"{start}{HERE}, {HERE}.", name, joined("", after), worst)
-    counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
-    start = f"{HERE} is clearly behind in {counts[0]} of the {len(groups)} groups below, {HERE}"
-    rest = [place for place in verdicts.least_behind if place != take][:1]
-    after = [
-        say(
-            f"; next, {HERE}, in {count}, at most {HERE}",
-            name,
-            _far(verdicts, verdicts.worst_of(place), place),
-        )
-        for name, count, place in zip(method_words(verdicts, rest), counts[1:2], rest, strict=True)
+    else:
+        counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
+        first = f"clearly behind in {counts[0]} of the {len(groups)} groups below"
+        rest = [place for place in verdicts.least_behind if place != take][:1]
+        after = [f"is {HERE}, in {count}, at most {HERE}" for count in counts[1:2]]
+        far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
+    others = [
+        say(f"next {text}", name, size)
+        for text, name, size in zip(after, method_words(verdicts, rest), far, strict=True)
     ]
-    return say(f"{start}{HERE}.", name, worst, joined("", after))
+    reason = joined("; ", [joined(", ", [first, worst]), *others])
+    return say(f"{HERE} is {HERE}.", *best_words(verdicts, [take]), reason)
 
 
 def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:

@@ -385,8 +385,8 @@ def standing_text(verdicts: Verdicts, group: Verdict) -> Text:
     first = f"{EXTREME[group.better] if group.tied else 'clearly best'}; "
     if group.stands and take is not None and take not in group.best:
         (name,) = method_words(verdicts, [take])
-        claim = "clearly behind" if take in group.behind else MAY_BE
-        start = f"{first * group.told}{HERE} {HERE}, {claim}"
+        claim = f", {'clearly behind' if take in group.behind else MAY_BE}"
+        start = f"{first * group.told}{HERE} {HERE}{claim if group.tied or not group.told else ''}"
         return say(start, name, _behind_text(verdicts, group, take))
     if group.told and group.tied:
         tied = method_words(verdicts, group.tied)

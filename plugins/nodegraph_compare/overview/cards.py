@@ -226,7 +226,7 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
             yield "worse", "clearly worse"
             yield "rest", "hardly changed"
         return
-    yield "best", "best"
+    yield "best", "clearly best"
     yield "tied", "may be the best"
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
