@@ -31,14 +31,12 @@ def take_of(recording: Trajectories) -> Take:
 
 def _correlation(values: NDArray[np.float64]) -> float:
     """Return the sum of the autocorrelation of a series over the lags at which it is positive."""
-    from scipy.fft import irfft, next_fast_len, rfft
-
     count = len(values)
     if count < 4:
         return 0.0
-    size = next_fast_len(2 * count, real=True)
-    spectrum = rfft(values - values.mean(), size)
-    products = irfft(np.square(np.abs(spectrum)), size)[: count // 2]
+    size = 1 << (2 * count - 1).bit_length()  # a power of two, for which a transform is fast
+    spectrum = np.fft.rfft(values - values.mean(), size)
+    products = np.fft.irfft(np.square(np.abs(spectrum)), size)[: count // 2]
     products /= np.arange(count, count - len(products), -1)
     if products[0] <= 1e-12 * np.square(values).mean():
         return 0.0
