@@ -92,9 +92,8 @@ class Registry:
     @cached_property
     def shipped(self) -> frozenset[str]:
         """The names of the plugins of this package's own distribution, and of itself."""
-        own = loading.built_in().name
-        names = (each.name for each in self.loaded if each.distribution.split(" ")[0] == own)
-        return frozenset([own, *names])
+        names = (each.name for each in self.loaded if _is_shipped(each.distribution))
+        return frozenset([loading.built_in().name, *names])
 
     def __iter__(self) -> Iterator[Registered]:
         for name in sorted(self._by_name):
@@ -191,9 +190,12 @@ class Registry:
     def _add_nodes(
         self, plugin: str, distribution: str, functions: Iterable[Callable[..., object]]
     ) -> None:
-        """Add the nodes of a plugin, all of them or none."""
+        """Add the nodes of a plugin, all of them or none.
+
+        Those of this package's own distribution are read when they are used; its tests check them.
+        """
         nodes: dict[str, Node] = {}
-        for node in map(_checked_node, functions):
+        for node in map(_node if _is_shipped(distribution) else _checked_node, functions):
             if nodes.setdefault(node.name, node) is not node:
                 raise NodegraphError(f"it has two nodes of the name {node.name}; rename one")
         for name, node in nodes.items():
@@ -242,11 +244,20 @@ def get_node(name: str) -> Callable[..., Any]:
     return default_registry().find(name).node.function
 
 
-def _checked_node(function: Callable[..., object]) -> Node:
+def _is_shipped(distribution: str) -> bool:
+    return distribution.partition(" ")[0] == loading.built_in().name
+
+
+def _node(function: Callable[..., object]) -> Node:
     node = node_of(function)
     if node is None:
         name = getattr(function, "__name__", repr(function))
         raise NodegraphError(f"{name} is not a node; decorate it with @node(...)")
+    return node
+
+
+def _checked_node(function: Callable[..., object]) -> Node:
+    node = _node(function)
     try:
         return node.check()
     except NodeError:
