@@ -24,11 +24,12 @@ class Result:
     data : mapping
         What a plugin says of the value; of a table: ``columns``, ``rows`` (a list per
         row, null for a number that is missing), ``units`` and ``better`` by column, ``best`` and
-        ``tied`` (rows by column), ``cells``: the columns that hold the interval and the p of
-        another, and ``answer``: its ``sentence``, ``scope`` and ``certainty``, and of each of its
-        ``groups`` whether there is a ``verdict``, which methods are ``best``, ``tied`` (not certain
-        to be worse), ``behind`` and ``first`` by the mean, and their ``mean``, ``low``, ``high``
-        and ``p``; ``overall`` is the same of all groups taken together, or null.
+        ``tied`` (by column, the rows that are clearly the best and those that each may be),
+        ``cells``: the columns that hold the interval and the p of another, and ``answer``: its
+        ``sentence``, ``scope`` and ``certainty``, and of each of its ``groups`` whether there is a
+        ``verdict``, which methods are ``best`` by it, ``tied`` (others that may be as good),
+        ``behind`` and ``first`` by the mean, and their ``mean``, ``low``, ``high`` and ``p``;
+        ``overall`` is the same of all groups taken together, or null.
     """
 
     node: str
