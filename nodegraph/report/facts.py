@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
 import re
-from collections.abc import Iterator
 from datetime import datetime
 from pathlib import PurePath
 
@@ -12,21 +10,16 @@ from nodegraph.formatting import duration, number_of
 from nodegraph.report.notes import note_kinds
 from nodegraph.report.study import Study
 
-_MOST_AXES = 4
 _LONGEST = 110
-_SHORTEST = 3
-_MASS = {"data", "noise", "damage"}
-"""Words without a plural."""
 
 _SENTENCE = re.compile(r".*?[.?!](?=\s|$)", re.DOTALL)
 _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 
 
 def head_facts(study: Study) -> list[str]:
-    """Return the study's name, how much there is of what, and its date."""
+    """Return the study's name and its date."""
     name = PurePath(study.graph_file).stem
-    sizes = ", ".join(itertools.islice(_sizes(study), _MOST_AXES))
-    return [text for text in (name, sizes, _date(study.created)) if text]
+    return [text for text in (name, _date(study.created)) if text]
 
 
 def fold_facts(study: Study) -> dict[str, str]:
@@ -52,25 +45,6 @@ def fold_facts(study: Study) -> dict[str, str]:
         "reproduce": f"{number_of(steps, 'step')} done{took}{source if stored else ''}",
         "download": ", ".join(study.kinds_of_files) or "what ran",
     }
-
-
-def _sizes(study: Study) -> Iterator[str]:
-    """Yield the number of labels of each axis that is no node with alternatives: ``8 actors``."""
-    of_methods = {row.node for row in study.methods if row.label}
-    for axis in study.axes:
-        if len(axis.labels) > 1 and axis.name not in of_methods:
-            name = axis.name.rpartition(".")[2].replace("_", " ")
-            yield f"{len(axis.labels):,} {_plural(name)}"
-
-
-def _plural(name: str) -> str:
-    if name in _MASS:
-        return f"kinds of {name}"
-    if len(name) < _SHORTEST or name.endswith("s"):  # a symbol, or a plural
-        return f"values of {name}"
-    if name.endswith(("x", "ch", "sh")):
-        return f"{name}es"
-    return f"{name[:-1]}ies" if re.search(r"[^aeiou]y$", name) else f"{name}s"
 
 
 def _date(created: str) -> str:

@@ -50,7 +50,7 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import apart_text, percent_apart, ranged, span_text
+from nodegraph_tables.numbers import apart_text, is_seen, percent_apart, ranged, span_text
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -63,11 +63,11 @@ if TYPE_CHECKING:
 
     Side = Literal["lower", "higher"]
 
-_LINES = "Not tested; lines are 95 % intervals, and the dot hides a shorter one."
+_LINES = "Described, without a verdict: lines are 95 % intervals, and the dot hides a shorter one."
 _CLEAR = (
     "the best is clear",
     "others may be as good as the best",
-    "methods are not told apart",
+    "none is clearly best",
     "there is no verdict",
 )
 _MOST_NAMES = 3
@@ -424,7 +424,21 @@ def _certainty(verdicts: Verdicts) -> Text:
     several = count_text(counts[-1], "steps" if verdicts.is_sequence else "methods")
     of = f"{'up to ' * (len(counts) > 1)}{several}"
     rule = f"Clearly: p \N{LESS-THAN OR EQUAL TO} {LEVEL:g}, paired tests{over}, adjusted for {of}."
-    return joined(" ", [take, "" if verdicts.is_sequence else _told_apart(verdicts), rule])
+    clear = _clear_steps(verdicts, stands) if verdicts.is_sequence else _told_apart(verdicts)
+    return joined(" ", [take, clear, rule])
+
+
+def _clear_steps(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
+    """Return how many of the changes between steps are clear, and how many of these are seen."""
+    every = [
+        (verb != UNCLEAR, float(group.mean[step]), float(group.mean[before]))
+        for group in groups
+        for step, (before, verb) in changes(group).items()
+    ]
+    clear = [means for is_clear, *means in every if is_clear]
+    small = sum(not is_seen(*means, verdicts.metric.unit) for means in clear)
+    but = f", {small} of them in the last digit" if small else ""
+    return f"{len(clear)} of {len(every)} changes are clear{but}."
 
 
 def _told_apart(verdicts: Verdicts) -> str:
@@ -461,7 +475,7 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
         counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
         first = f"clearly behind in {counts[0]} of the {len(groups)} groups below"
         rest = [place for place in verdicts.least_behind if place != take][:1]
-        after = [f"is {HERE}, in {count}, at most {HERE}" for count in counts[1:2]]
+        after = [f"is {HERE}, clearly behind in {count}, at most {HERE}" for count in counts[1:2]]
         far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
     others = [
         say(f"next {text}", name, size)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from nodegraph_tables.style import SHARE, SMALLEST_CHANCE, is_count, scale_of, unit_text
+from nodegraph_tables.style import SHARE, SMALLEST_CHANCE, scale_of, unit_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -25,15 +25,12 @@ ROUNDING = 1e-15
 def number_text(value: float, unit: str = "") -> str:
     r"""Return a number: three decimals below 1, two below 10, fewer above; shares in percent.
 
-    `page.number` of the scripts of a report writes numbers by the same rule. Of a number out of
-    many, from 1 on, none stands, as the chance of the draw is larger.
+    `page.number` of the scripts of a report writes numbers by the same rule.
 
     Examples
     --------
     >>> number_text(213.0), number_text(12.34), number_text(0.49712)
     ('213', '12.3', '0.497')
-    >>> number_text(8.39, "of 100,000")
-    '8\xa0of 100,000'
     """
     return span_text([value], unit)
 
@@ -45,7 +42,7 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
     """
     scale = scale_of(unit)
     texts = dict.fromkeys(
-        f"{value:,}" if isinstance(value, int) else _digits(scale * value, unit) for value in values
+        f"{value:,}" if isinstance(value, int) else _digits(scale * value) for value in values
     )
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
 
@@ -166,7 +163,7 @@ def ranged(text: str, axes: Sequence[str]) -> str:
     return f"{text} by {by}" if " to " in text else text
 
 
-def _digits(value: float, unit: str) -> str:
+def _digits(value: float) -> str:
     size = abs(value)
     if not math.isfinite(value):
         return "\N{EN DASH}" if math.isnan(value) else "\N{INFINITY}"
@@ -175,12 +172,10 @@ def _digits(value: float, unit: str) -> str:
     if not SMALLEST <= size < LARGEST:
         digits, _, power = f"{value:.1e}".partition("e")
         return f"{digits}e{int(power):+d}".replace("-", MINUS)
-    return f"{value:,.{_decimals(size, unit)}f}".replace("-", MINUS)
+    return f"{value:,.{_decimals(size)}f}".replace("-", MINUS)
 
 
-def _decimals(size: float, unit: str) -> int:
-    if is_count(unit):
-        return int(size < 1)
+def _decimals(size: float) -> int:
     return 3 if size < 1 else 2 if size < 10 else 1 if size < 100 else 0
 
 
@@ -191,10 +186,7 @@ def _scaled(pair: tuple[float, float], unit: str) -> tuple[float, float]:
 
 
 def _as_shown(value: float, unit: str) -> float:
-    """Return a number in its unit without the digits that a reader does not see.
-
-    Of a number out of many, it has them: a reader sees too few to compare by.
-    """
+    """Return a number in its unit without the digits that a reader does not see."""
     (shown, _) = _scaled((value, 0), unit)
     decimals = _common_decimals(shown, 0, unit)
     return shown if decimals is None else round(shown, decimals)
@@ -204,10 +196,10 @@ def _common_decimals(value: float, to: float, unit: str) -> int | None:
     """Return the decimals with which two numbers are shown; None where they say too little."""
     largest = max(abs(value), abs(to))
     counts = isinstance(value, int) and isinstance(to, int)
-    if counts or is_count(unit) or not SMALLEST <= largest < LARGEST:
+    if counts or not SMALLEST <= largest < LARGEST:
         return None
     # shares are shown in fewer digits
-    return int(largest < _WHOLE) if unit == SHARE else _decimals(largest, unit)
+    return int(largest < _WHOLE) if unit == SHARE else _decimals(largest)
 
 
 def _difference(value: float, to: float, unit: str) -> str:
@@ -215,7 +207,7 @@ def _difference(value: float, to: float, unit: str) -> str:
         return f"{value - to:,}".replace("-", MINUS)
     decimals = _common_decimals(value, to, unit)
     if value == to or decimals is None:
-        return _digits(value - to, unit)
+        return _digits(value - to)
     difference = round(value, decimals) - round(to, decimals)
     text = f"{abs(difference):,.{decimals}f}"
     if not float(text.replace(",", "")):

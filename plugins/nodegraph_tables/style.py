@@ -55,10 +55,7 @@ CHANCE = "chance"
 SMALLEST_CHANCE = 1e-4
 """A smaller p is shown as such: no test of some ten units says how much smaller it is."""
 
-COUNT = "count"
-"""The unit of a number of things out of many, which are whole ones."""
-
-_PRINTED = {SHARE: "%", CHANCE: "", COUNT: ""}
+_PRINTED = {SHARE: "%", CHANCE: ""}
 
 _HIDDEN = "_"
 """The legends of matplotlib leave out labels that begin with it."""
@@ -109,14 +106,7 @@ def unit_text(unit: str) -> str:
 
 def bare_unit(unit: str) -> str:
     """Return the unit of a number that stands without it: shares have theirs all the same."""
-    if unit in (SHARE, COUNT):
-        return unit
-    return COUNT if is_count(unit) else ""
-
-
-def is_count(unit: str) -> bool:
-    """Whether a unit is that of a number of things out of many: ``of 100,000``."""
-    return unit == COUNT or unit.startswith("of ")
+    return unit if unit == SHARE else ""
 
 
 def scale_of(unit: str) -> float:

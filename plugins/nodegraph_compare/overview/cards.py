@@ -141,9 +141,9 @@ def _list(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
 
 
 def _filled(verdicts: Verdicts, group: Verdict | None, text: _Cell) -> str:
-    """Return the rest of a cell; it is tinted where the best method is the one to take."""
-    best = () if group is None or not group.told else group.best
-    tint = ' class="for-all"' if verdicts.for_all in best else ""
+    """Return the rest of a cell; it is tinted where its first method is the one to take."""
+    first = () if group is None else group.best
+    tint = ' class="for-all"' if verdicts.for_all in first else ""
     first, number, others = map(html_of, text)
     rest = others and f"<div><small>{others}</small></div>"
     return f"{tint}>{first}{number and Markup(' <small>{}</small>').format(number)}{rest}</td>"
@@ -230,6 +230,6 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
     yield "tied", "may be the best"
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
-    yield "open", "not told apart"
+    yield "open", "none clearly best"
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"
