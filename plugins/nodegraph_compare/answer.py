@@ -437,7 +437,7 @@ def _clear_steps(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
     ]
     clear = [means for is_clear, *means in every if is_clear]
     small = sum(not is_seen(*means, verdicts.metric.unit) for means in clear)
-    but = f", {small} of them in the last digit" if small else ""
+    but = f", {small} of them seen in the last digit alone" if small else ""
     return f"{len(clear)} of {len(every)} changes are clear{but}."
 
 
