@@ -431,11 +431,11 @@ def _certainty(verdicts: Verdicts) -> Text:
 def _clear_steps(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
     """Return how many of the changes between steps are clear, and how many of these are seen."""
     every = [
-        (verb != UNCLEAR, float(group.mean[step]), float(group.mean[before]))
+        (verb != UNCLEAR, (float(group.mean[step]), float(group.mean[before])))
         for group in groups
         for step, (before, verb) in changes(group).items()
     ]
-    clear = [means for is_clear, *means in every if is_clear]
+    clear = [means for is_clear, means in every if is_clear]
     small = sum(not is_seen(*means, verdicts.metric.unit) for means in clear)
     but = f", {small} of them seen in the last digit alone" if small else ""
     return f"{len(clear)} of {len(every)} changes are clear{but}."

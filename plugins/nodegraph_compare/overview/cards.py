@@ -142,8 +142,8 @@ def _list(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
 
 def _filled(verdicts: Verdicts, group: Verdict | None, text: _Cell) -> str:
     """Return the rest of a cell; it is tinted where its first method is the one to take."""
-    first = () if group is None else group.best
-    tint = ' class="for-all"' if verdicts.for_all in first else ""
+    leaders = () if group is None else group.best
+    tint = ' class="for-all"' if verdicts.for_all in leaders else ""
     first, number, others = map(html_of, text)
     rest = others and f"<div><small>{others}</small></div>"
     return f"{tint}>{first}{number and Markup(' <small>{}</small>').format(number)}{rest}</td>"
