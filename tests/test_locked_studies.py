@@ -7,46 +7,30 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from nodegraph.lock.lockfile import read_lock
-from tests.studies import FILL, GRAPHS, ONE, ROOT, Studies, needs_fetched
+from tests.studies import FILL, GRAPHS, ONE, ROOT, Studies, command, needs_fetched
 
 LOCKS = sorted((ROOT / "graphs").glob("*.lock"))
 SMALL = (*ONE, "--only", "fill=muscle,pca,linear")
-ROUNDED = """
-import numpy as np
 
-def rounded(function):
-    def call(*inputs, **more):
+
+def rounded(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of numpy whose results are the next larger numbers."""
+
+    def call(*inputs: Any, **more: Any) -> Any:
         result = function(*inputs, **more)
         parts = result if isinstance(result, tuple) else (result,)
         off = [np.nextafter(part, np.inf) for part in parts]
         return type(result)(*off) if hasattr(result, "_fields") else off[0]
+
     return call
-
-for name in ("svd", "eigh", "solve", "pinv"):
-    setattr(np.linalg, name, rounded(getattr(np.linalg, name)))
-"""
-
-
-def nodegraph(
-    *words: str, path: tuple[Path, ...] = (), folder: Path | None = None
-) -> tuple[int, str]:
-    """Run a command in a new process; return its exit status and output."""
-    folders = [str(entry) for entry in (*path, ROOT / "plugins", ROOT)]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
-    process = subprocess.run(
-        [sys.executable, "-m", "nodegraph.cli.main", *words],
-        env=environment,
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return process.returncode, process.stdout + process.stderr
 
 
 def test_every_shipped_graph_has_a_lock() -> None:
@@ -78,20 +62,20 @@ def test_a_shipped_lock_is_small_and_has_no_path_of_a_machine(lock: Path) -> Non
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a small lock of the fills, and the store of its run."""
     folder = tmp_path_factory.mktemp("small")
-    shutil.copytree(ROOT / "plugins", folder / "plugins")
     (folder / "fill.yaml").write_text(FILL)
-    words = ("lock", "fill.yaml", *SMALL, "--store", "kept")
-    status, output = nodegraph(*words, path=(folder / "plugins",), folder=folder)
-    assert status == 0, output
+    ended = command("lock", "fill.yaml", *SMALL, "--store", "kept", folder=folder)
+    assert ended.status == 0, ended.err
     return folder
 
 
-def test_rounding_of_another_library_is_no_change(small: Path, tmp_path: Path) -> None:
-    (tmp_path / "sitecustomize.py").write_text(ROUNDED)
-    words = ("verify", "fill.lock", "--rerun", "--store", "kept")
-    status, output = nodegraph(*words, path=(tmp_path, small / "plugins"), folder=small)
-    assert status == 0, output
-    assert output.startswith("within tolerance: fill.lock: ")
+def test_rounding_of_another_library_is_no_change(
+    small: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("svd", "eigh", "solve", "pinv"):
+        monkeypatch.setattr(np.linalg, name, rounded(getattr(np.linalg, name)))
+    ended = command("verify", "fill.lock", "--rerun", "--store", "kept", folder=small)
+    assert ended.status == 0, ended.out
+    assert ended.out.startswith("within tolerance: fill.lock: ")
 
 
 @pytest.mark.parametrize("stored", [True, False])
@@ -99,14 +83,21 @@ def test_an_edited_constant_of_a_method_is_located(
     small: Path, tmp_path: Path, stored: bool
 ) -> None:
     plugins = tmp_path / "plugins"
-    shutil.copytree(small / "plugins", plugins)
+    shutil.copytree(ROOT / "plugins", plugins)
     method = plugins / "nodegraph_fill" / "muscle.py"
     text = method.read_text()
     assert text.count("neighbours=3") == 1
     method.write_text(text.replace("neighbours=3", "neighbours=2"))
     store = small / "kept" if stored else tmp_path / "kept"
-    words = ("verify", "fill.lock", "--store", str(store))
-    status, output = nodegraph(*words, path=(plugins,), folder=small)
+    process = subprocess.run(
+        [sys.executable, "-m", "nodegraph.cli.main", "verify", "fill.lock", "--store", str(store)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(plugins), str(ROOT)])},
+        cwd=small,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    status, output = process.returncode, process.stdout
     lines = output[output.index("diverged: ") :].splitlines()
     assert status == 1
     assert lines[0].startswith("diverged: fill.lock: ")

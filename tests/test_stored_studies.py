@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.records import read_record
-from tests.studies import FILL, ONE, ROOT, STUDIES, Studies, few
+from tests.studies import FILL, ONE, ROOT, STUDIES, Studies, command, few
 
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
@@ -29,12 +29,12 @@ def again(tmp_path: Path) -> Again:
     shutil.copytree(ROOT / "plugins", plugins)
     (tmp_path / "fill.yaml").write_text(FILL)
     path = os.pathsep.join([str(plugins), str(ROOT)])
-    command = [sys.executable, "-m", "nodegraph.cli.main", "run", "fill.yaml"]
+    words = [sys.executable, "-m", "nodegraph.cli.main", "run", "fill.yaml"]
 
     def run() -> dict[str, object]:
         environment = {**os.environ, "PYTHONPATH": path}
         process = subprocess.run(
-            [*command, *SMALL], env=environment, cwd=tmp_path, capture_output=True, check=False
+            [*words, *SMALL], env=environment, cwd=tmp_path, capture_output=True, check=False
         )
         assert process.returncode == 0, process.stderr.decode()
         return read_record(tmp_path / "runs" / "fill")
@@ -77,7 +77,8 @@ def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(
     again: Again, tmp_path: Path
 ) -> None:
     fills = tmp_path / "plugins" / "nodegraph_fill"
-    everything = computed(again())
+    assert command("run", "fill.yaml", *SMALL, folder=tmp_path).status == 0
+    everything = computed(read_record(tmp_path / "runs" / "fill"))
     assert {"capture", "gaps", "fill muscle", "error muscle", "table"} <= everything
     edit(fills / "stepwise.py", "from __future__", "# a remark\nfrom __future__")
     edit(fills / "muscle.py", "def muscle(", "# another\n\n\ndef muscle(")

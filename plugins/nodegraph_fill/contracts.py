@@ -62,9 +62,8 @@ def meets_the_ends_as_declared(tried: Tried) -> Iterator[str]:
 
 def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Fill markers in another order alike, where no tie and no choice depends on it."""
-    for violation in contracts.does_not_depend_on_the_order_of_markers(tried):
-        if not any(_order_matters(before) for before, _ in contracts.before_and_after(tried)):
-            yield violation
+    if not any(_order_matters(before) for before, _ in contracts.before_and_after(tried)):
+        yield from contracts.does_not_depend_on_the_order_of_markers(tried)
 
 
 CONTRACTS = (
