@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 from nodegraph.cache_key.files import FileDigests
 from nodegraph.cache_key.functions import Code, Reached
 from nodegraph.node.ports import Across
-from nodegraph.plan import Output, Step, StepInput
 from nodegraph.state import State
 
 if TYPE_CHECKING:
+    from nodegraph.plan import Output, Step, StepInput
     from nodegraph.plugin.registry import Registry
 
 _ADDRESS = " at 0x"
