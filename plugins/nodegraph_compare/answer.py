@@ -304,7 +304,8 @@ def _depends(verdicts: Verdicts, told: Sequence[Verdict]) -> Text:
     best = _best_by_group(verdicts, told, by_leader, axes)
     if verdicts.for_all is not None:
         take = _for_all(verdicts, told, verdicts.for_all)
-        return say(f"{depends}. {HERE} Best: {HERE}.", take, best)
+        end = EXTREME[verdicts.metric.better].capitalize()
+        return say(f"{depends}. {HERE} {end}: {HERE}.", take, best)
     return say(f"{depends}: {HERE}.", best)
 
 
@@ -429,16 +430,15 @@ def _certainty(verdicts: Verdicts) -> Text:
 
 
 def _clear_steps(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
-    """Return how many of the changes between steps are clear, and how many of these are seen."""
-    every = [
-        (verb != UNCLEAR, (float(group.mean[step]), float(group.mean[before])))
+    """Return how many of the changes between steps are clear and more than rounding hides."""
+    clear = [
+        verb != UNCLEAR
+        and is_seen(float(group.mean[step]), float(group.mean[before]), verdicts.metric.unit)
         for group in groups
         for step, (before, verb) in changes(group).items()
     ]
-    clear = [means for is_clear, means in every if is_clear]
-    small = sum(not is_seen(*means, verdicts.metric.unit) for means in clear)
-    but = f", {small} of them seen in the last digit alone" if small else ""
-    return f"{len(clear)} of {len(every)} changes are clear{but}."
+    rest = "" if all(clear) else "; the others are not, or change the last digit alone"
+    return f"{sum(clear)} of {len(clear)} changes are clear{rest}."
 
 
 def _told_apart(verdicts: Verdicts) -> str:

@@ -78,8 +78,9 @@ def answer_html(
 
 
 def _described(answer: Answer) -> Text:
-    """Return what each method does that the sentence names, or why it is taken."""
-    words = (*answer.sentence, *answer.certainty)
+    """Return what each method does that the answer names."""
+    heads = (word for card in answer.cards for word in card.headline)
+    words = (*answer.sentence, *answer.certainty, *heads)
     does = {word.label: word.does for word in words if isinstance(word, Word) and word.does}
     texts = [
         say(f"{HERE}: {text}", Word(label, "method", does=text)) for label, text in does.items()

@@ -161,7 +161,9 @@ def test_the_lead_answers_without_script(study: Compared) -> None:
     lead = rendered(study.overview).lead
     text = text_of(lead)
     assert "<script" not in lead
-    assert text.startswith("It depends on heat. One method for all: rich . Best: plain for 180 K (")
+    assert text.startswith(
+        "It depends on heat. One method for all: rich . Lowest: plain for 180 K ("
+    )
     assert "rich is lowest over all 2 groups together, at most 40 % behind in any; next " in text
     assert "Clearly: p ≤ 0.05, paired tests over 8 kitchens, adjusted for 4 methods." in text
     assert "plain : Bake with &lt;flour&gt; alone." in text
@@ -199,7 +201,7 @@ def test_the_best_of_most_conditions_stands_after_the_exceptions() -> None:
     scores = gathered(("kitchen", "oven", "heat", "recipe"), entries)
     text = text_of(rendered(compared(scores, within=("oven", "heat")).overview).lead)
     assert text.startswith("It depends on oven and heat. One method for all: rich .")
-    assert " Best: plain for oven gas, heat 180 K (" in text
+    assert " Lowest: plain for oven gas, heat 180 K (" in text
     assert "; rich otherwise (" in text
 
 
@@ -264,7 +266,7 @@ def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None
         "rich is lowest over all 6 groups together, at most 39\N{NO-BREAK SPACE}% behind in any; "
         "next over all is plain, clearly 24\N{NO-BREAK SPACE}% behind. The best is clear in each "
     )
-    assert " Best: plain for 180" in sentence
+    assert " Lowest: plain for 180" in sentence
     assert scope.startswith("5 kitchens: holds for further kitchens.")
     assert [card.partition(":")[0] for card in cards[:2]] == [
         "oven gas, heat 180\N{NO-BREAK SPACE}K", "oven gas, heat 220\N{NO-BREAK SPACE}K",
