@@ -34,6 +34,7 @@ from nodegraph_tables.answer import (
     MOST_ROWS,
     ONE_ROW,
     Card,
+    Line,
     Row,
     Rows,
     Text,
@@ -54,10 +55,10 @@ from nodegraph_tables.numbers import (
 from nodegraph_tables.style import bare_unit
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Kind, Line
+    from nodegraph_tables.answer import Kind
 
 _MOST_NAMES = 3
 _FEW_ROWS = 4
@@ -71,37 +72,50 @@ Fact = tuple[str, Text]
 
 def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
     """Return a card for each group; none where no mean is known."""
-    line = line_of(verdicts)
-    if line is None:
-        return ()
     return tuple(
         replace(
             _card(verdicts, group, line),
             title=group_words(verdicts, group),
             facts=(*_beside(verdicts, group), *_grounds(verdicts, group)),
         )
-        for group in verdicts.groups
+        for group, line in zip(verdicts.groups, lines_of(verdicts), strict=False)
     )
 
 
-def line_of(verdicts: Verdicts) -> Line | None:
-    """Return the line that all cards share; None where no mean is known.
+def lines_of(verdicts: Verdicts) -> list[Line]:
+    """Return the line of each card; none where no mean is known.
 
-    On it are all means, and the ends of intervals that are not far beyond these.
+    On it are all means, and the ends of intervals that are not far beyond these. Cards share it;
+    but a logarithmic one that has no room for numbers at its ends begins on each card with the
+    least number there. Its length is the same ratio on all of them.
     """
+    groups = verdicts.groups
+    means, ends = _drawn(verdicts, groups)
+    if not means:
+        return []
+    shared = line_through(means, ends, log=verdicts.metric.better != "none")
+    if not shared.log or shared.least or len(groups) <= ONE_ROW:
+        return [shared] * len(groups)
+    drawn = ([*of, *near] or means for group in groups for of, near in [_drawn(verdicts, [group])])
+    own = [Line.through([each for each in of if each > 0.0], log=True) for of in drawn]
+    ratio = max(line.high / line.low for line in own)
+    return [replace(line, high=ratio * line.low) for line in own]
+
+
+def _drawn(verdicts: Verdicts, groups: Sequence[Verdict]) -> tuple[list[float], list[float]]:
+    """Return the means of groups, and the ends of intervals that are not far beyond these."""
     mean, low, high = (
-        np.concatenate([getattr(group, name) for group in verdicts.groups] or [np.empty(0)])
+        np.concatenate([getattr(group, name) for group in groups] or [np.empty(0)])
         for name in ("mean", "low", "high")
     )
     known = mean[np.isfinite(mean)]
     if not len(known):
-        return None
+        return [], []
     most = known.max() + _BEYOND * np.ptp(np.append(known, 0.0))
     least = known.min() - _BEYOND * np.ptp(known)
     if verdicts.ratio:
         least = known.min() * (1.0 - _BEYOND)
-    near = [*low[low >= least].tolist(), *high[high <= most].tolist()]
-    return line_through(known.tolist(), near, log=verdicts.metric.better != "none")
+    return known.tolist(), [*low[low >= least].tolist(), *high[high <= most].tolist()]
 
 
 def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:

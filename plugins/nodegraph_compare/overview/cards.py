@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup, escape
 
-from nodegraph_compare.cards import line_of
+from nodegraph_compare.cards import lines_of
 from nodegraph_compare.words import (
     best_words,
     group_title,
@@ -67,14 +67,17 @@ def answer_html(
     """
     does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
     told = with_descriptions(answer, does)
-    if line_of(verdicts) is None:
+    lines = lines_of(verdicts)
+    if not lines:
         inside = ""
     elif len(verdicts.groups) > MOST_CARDS:
         cells = tuple(_cell(verdicts, group) for group in verdicts.every)
         inside = _grid(verdicts, with_descriptions(cells, does))
     else:
         inside = cards_html(told.cards)
-    return lead_of_parts(told, f"{key(verdicts, told.cards)}{inside}", caption, _described(told))
+    return lead_of_parts(
+        told, f"{key(verdicts, told.cards, lines)}{inside}", caption, _described(told)
+    )
 
 
 def _described(answer: Answer) -> Text:
@@ -178,7 +181,7 @@ def _table(heads: str, rows: Sequence[str]) -> str:
     )
 
 
-def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
+def key(verdicts: Verdicts, cards: Sequence[Card], lines: Sequence[Line]) -> str:
     """Return what dots, lines and tints are."""
     of_cards = [card.rows for card in cards if card.rows]
     drawn = {row.kind for rows in of_cards for row in (*rows.rows, *rows.others)}
@@ -188,9 +191,8 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
         for kind, text in _dots(verdicts)
         if kind in drawn
     ]
-    line = line_of(verdicts)
-    if parts and line is not None:
-        parts += map(escape, _about_dots(verdicts, line))
+    if parts:
+        parts += map(escape, _about_dots(verdicts, lines))
     if not cards and any("best" in group.marks.values() for group in verdicts.groups):
         parts.append("<strong>blue</strong>: clearly best")
     if verdicts.for_all is not None:
@@ -202,14 +204,17 @@ def key(verdicts: Verdicts, cards: Sequence[Card]) -> str:
     return f'<p class="lead-key">{spans}</p>' if parts else ""
 
 
-def _about_dots(verdicts: Verdicts, line: Line) -> Iterator[str]:
-    """Yield what stands beside dots, and what the line is on which they lie."""
+def _about_dots(verdicts: Verdicts, lines: Sequence[Line]) -> Iterator[str]:
+    """Yield what stands beside dots, and what the lines are on which they lie."""
+    line = lines[0]
     if any(np.isfinite(group.low).any() for group in verdicts.groups):
         yield "line: 95 % interval"
     if verdicts.is_sequence:
         yield "%: change to the one before"
     axis, unit = [], verdicts.metric.unit
-    if len(verdicts.groups) > ONE_ROW:
+    if any(each != line for each in lines):
+        axis.append(f"from the least to {line.high / line.low:.2g} times as much")
+    elif len(lines) > ONE_ROW:
         axis.append(f"{tick_text(line.low, unit)} to {tick_text(line.high, unit, with_unit=True)}")
     if line.log:
         axis.append("logarithmic, but 0 at its left end" if line.least else "logarithmic")

@@ -337,6 +337,28 @@ def test_the_one_to_take_is_clearly_behind_in_few_groups_and_marked_on_every_car
     assert (f"rich is clearly behind {where} most" in text_of(lead)) == bool(where)
 
 
+def test_groups_of_other_sizes_have_lines_on_which_the_same_ratio_is_as_long() -> None:
+    entries: Any = tuple(
+        (
+            {"kitchen": kitchen, "heat": heat, "recipe": recipe},
+            cakes(np.full(4, size * factor * 1.1**kitchen)),
+        )
+        for kitchen in range(8)
+        for heat, size in zip(range(5), (1.0, 7.0, 30.0, 200.0, 900.0), strict=True)
+        for recipe, factor in {"plain": 1.0, "rich": 3.0, "dry": 9.0}.items()
+    )
+    scores = Across(("kitchen", "heat", "recipe"), entries, sources=("kitchen",))
+    lead = rendered(compared(scores, within=("heat",)).overview).lead
+    places = [float(each) for each in re.findall(r'<circle[^>]* cx="([\d.]+)%"', lead)]
+    assert len(places) == 5 * 3
+    for group in range(5):
+        plain, rich, dry = places[3 * group : 3 * group + 3]
+        assert rich - plain == pytest.approx(places[1] - places[0], abs=0.2)
+        assert rich - plain == pytest.approx(dry - rich, abs=0.2)
+        assert dry - plain > 40  # of a hundred; on one line of all groups a third of them
+    assert "axis: from the least to " in text_of(lead)
+
+
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
     section = rendered(study.overview)
     data = data_of(section.html)
