@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import erfc, exp, pi, sqrt
 from statistics import median
 from typing import TYPE_CHECKING
 
@@ -39,23 +38,11 @@ def typical_seconds(times: Mapping[Label, Sequence[float]]) -> dict[Label, float
 
 def _p_of_equal(groups: Sequence[Sequence[float]]) -> float:
     """Return the p of the test of Kruskal and Wallis, corrected for ties."""
+    from scipy.special import chdtrc
+
     ranks = midranks(np.concatenate(groups))
     apart = ranks - (len(ranks) + 1) / 2
     ends = np.cumsum([len(group) for group in groups])
     between = sum(part.sum() ** 2 / len(part) for part in np.split(apart, ends[:-1]))
     statistic = (len(ranks) - 1) * between / np.square(apart).sum()
-    return _tail_of_chi_square(float(statistic), len(groups) - 1)
-
-
-def _tail_of_chi_square(value: float, degrees: int) -> float:
-    """Return the probability of more than a value; without SciPy, which takes long to import."""
-    half = value / 2
-    if degrees % 2:
-        shape, tail, step = 0.5, erfc(sqrt(half)), 2 * sqrt(half / pi) * exp(-half)
-    else:
-        shape, tail, step = 1.0, exp(-half), half * exp(-half)
-    while shape < degrees / 2:  # Q(a + 1, x) = Q(a, x) + x^a exp(-x) / gamma(a + 1)
-        tail += step
-        shape += 1
-        step *= half / shape
-    return tail
+    return float(chdtrc(len(groups) - 1, statistic))
