@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from nodegraph.errors import NodeError, nearest
+from nodegraph.execute.numeric_threads import one_thread_each
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import meanings, setting_kind
 from nodegraph.plugin.bibliography import entry_keys
@@ -105,7 +106,7 @@ def _check(
     for obstacle in obstacles:
         faults.add(obstacle)
     if not obstacles:
-        with formats_of(registry):
+        with formats_of(registry), one_thread_each():  # as in a run
             _call_on_specimens(node, inputs, settings, registry, faults)
 
 
