@@ -437,8 +437,7 @@ def _clear_steps(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
         for group in groups
         for step, (before, verb) in changes(group).items()
     ]
-    rest = "" if all(clear) else "; the others are not, or change the last digit alone"
-    return f"{sum(clear)} of {len(clear)} changes are clear{rest}."
+    return f"{sum(clear)} of {len(clear)} changes are clear and larger than rounding."
 
 
 def _told_apart(verdicts: Verdicts) -> str:
