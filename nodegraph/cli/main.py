@@ -49,8 +49,6 @@ def program() -> NoReturn:
     """Run the command that the process was started with, and end the process."""
     # most commands end before collecting garbage would pay
     gc.set_threshold(600_000, 20, 20)
-    # it would look for its plugins in all installed packages
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     ending.begin()
     try:
         status = main()

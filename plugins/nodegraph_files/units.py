@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from statistics import median
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -121,8 +120,7 @@ def extent_of(positions: NDArray[np.float64]) -> float:
     with np.errstate(over="ignore"):  # such lengths are refused where the recording is read
         # fmax and fmin pass over NaN
         sides = np.fmax.reduce(some, axis=1) - np.fmin.reduce(some, axis=1)
-        longest: list[float] = sides.max(axis=1).tolist()
-        return median(longest)  # the one of NumPy imports numpy.ma, which takes 25 ms
+        return float(np.median(sides.max(axis=1)))
 
 
 def unit_named(text: str) -> str | None:
