@@ -26,7 +26,7 @@ from nodegraph.report.study import NoteSubject, Study
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.value import Overview
 from nodegraph_tables import Answer, info_of
-from nodegraph_tables.answer import plain
+from nodegraph_tables.answer import Finding, plain
 from nodegraph_tables.style import BEST
 from tests import odd_studies
 from tests.browser import load
@@ -152,16 +152,7 @@ def check_places(shown: Shown, folder: Path) -> None:
     verdicts = overview.verdicts
     assert overview.answer.sentence == answer.sentence
     assert overview.answer.scope == answer.scope
-    # a method is marked as the best where no other may be as good
-    marks: list[tuple[set[str], set[str]]] = [
-        (
-            {*found.best} if not found.tied else set(),
-            {*found.best, *found.tied} if found.tied else set(),
-        )
-        if found.behind
-        else (set(), set())
-        for found in answer.findings
-    ]
+    marks = [marks_of(found) for found in answer.findings]
     assert [{*found.best, *found.behind, *found.tied} for found in answer.findings] == [
         {*found.mean} if found.verdict and not verdicts.is_sequence else set()
         for found in answer.findings
@@ -205,6 +196,13 @@ def check_places(shown: Shown, folder: Path) -> None:
     assert written == sorted([*means, *over_all])
 
 
+def marks_of(found: Finding) -> tuple[set[str], set[str]]:
+    """Return the methods that are marked as the best, or, if several may be, these."""
+    if not found.behind:
+        return set(), set()
+    return (set(), {*found.best, *found.tied}) if found.tied else ({*found.best}, set())
+
+
 def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> None:
     """Check that cards mark the methods that are best, and not certain to be worse."""
     for card, found, (best, tied) in zip(
@@ -213,7 +211,7 @@ def check_cards(overview: Overview, marks: list[tuple[set[str], set[str]]]) -> N
         # without a verdict a headline names at most the only method
         named = {part.method for part in card.headline if not isinstance(part, str)}
         assert card.kind == ("best" if best else "tied" if tied else "rest")
-        assert named == ({*found.best} if found.behind else named)
+        assert not found.behind or named == {*found.best}
         assert ("clearly best" in plain(card.status)) == bool(best and card.status)
         is_behind = overview.answer.take in found.behind
         assert ("clearly behind" in plain(card.status)) == (is_behind and not best)

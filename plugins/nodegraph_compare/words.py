@@ -386,8 +386,11 @@ def standing_text(verdicts: Verdicts, group: Verdict) -> Text:
     if group.stands and take is not None and take not in group.best:
         (name,) = method_words(verdicts, [take])
         claim = f", {'clearly behind' if take in group.behind else MAY_BE}"
-        start = f"{first * group.told}{HERE} {HERE}{claim if group.tied or not group.told else ''}"
-        return say(start, name, _behind_text(verdicts, group, take))
+        if group.told and not group.tied:  # all others are clearly behind
+            claim = ""
+        return say(
+            f"{first * group.told}{HERE} {HERE}{claim}", name, _behind_text(verdicts, group, take)
+        )
     if group.told and group.tied:
         tied = method_words(verdicts, group.tied)
         return say(f"{first}{HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")

@@ -193,7 +193,7 @@ def _as_shown(value: float, unit: str) -> float:
 
 
 def _common_decimals(value: float, to: float, unit: str) -> int | None:
-    """Return the decimals with which two numbers are shown; None where they say too little."""
+    """Return the decimals with which two numbers are shown; None for counts and powers of ten."""
     largest = max(abs(value), abs(to))
     counts = isinstance(value, int) and isinstance(to, int)
     if counts or not SMALLEST <= largest < LARGEST:
