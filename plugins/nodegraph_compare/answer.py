@@ -67,7 +67,7 @@ _LINES = "Described, without a verdict: lines are 95 % intervals, and the dot hi
 _CLEAR = (
     "the best is clear",
     "others may be as good as the best",
-    "none is clearly best",
+    "none is clearly behind",
     "there is no verdict",
 )
 _MOST_NAMES = 3

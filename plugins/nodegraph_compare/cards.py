@@ -60,6 +60,9 @@ if TYPE_CHECKING:
     from nodegraph_compare.verdict import Verdict, Verdicts
     from nodegraph_tables.answer import Kind
 
+NONE_BEHIND = "none clearly behind"
+"""Said of methods of which the verdict tells none apart."""
+
 _MOST_NAMES = 3
 _FEW_ROWS = 4
 """On cards below each other, of which one may have a note."""
@@ -74,7 +77,7 @@ def cards_of(verdicts: Verdicts) -> tuple[Card, ...]:
     """Return a card for each group; none where no mean is known."""
     return tuple(
         replace(
-            _card(verdicts, group, line),
+            card_of(verdicts, group, line),
             title=group_words(verdicts, group),
             facts=(*_beside(verdicts, group), *_grounds(verdicts, group)),
         )
@@ -118,7 +121,7 @@ def _drawn(verdicts: Verdicts, groups: Sequence[Verdict]) -> tuple[list[float], 
     return known.tolist(), [*low[low >= least].tolist(), *high[high <= most].tolist()]
 
 
-def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
+def card_of(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     """Return the best of a group with its mean, or why there is none, and a row per method."""
     known = group.known
     if not known:
@@ -139,7 +142,7 @@ def _card(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     if group.told:
         return _told(verdicts, group, rows)
     if group.stands:
-        return Card((), ("none clearly best",), rows=rows)
+        return Card((), (NONE_BEHIND,), rows=rows)
     every = [each for each in verdicts.groups if each.known]
     reasons = reasons_of(verdicts, (each for each in every if not each.stands))
     # a reason that all cards share stands once, in the answer above them
@@ -152,7 +155,7 @@ def _told(verdicts: Verdicts, group: Verdict, rows: Rows) -> Card:
     """Return the best of the group, and how others stand to it."""
     value, interval = _value(verdicts, group, group.best[0])
     names = listing(method_words(verdicts, group.best))
-    status = standing_text(_bare(verdicts), group)
+    status = standing_text(without_unit(verdicts), group)
     kind: Kind = group.marks.get(group.best[0], "rest")
     return Card((), names, value, interval, rows=rows, status=status, kind=kind)
 
@@ -179,7 +182,7 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
     ranked = [place for place in group.ranked if place in group.known]
     is_below = len(verdicts.groups) > ONE_ROW
     is_one = is_below or group.told
-    kinds, notes = _kinds(verdicts, group), _notes(verdicts, group, 1 if is_one else _MOST_NAMES)
+    kinds, notes = kinds_of(verdicts, group), _notes(verdicts, group, 1 if is_one else _MOST_NAMES)
     means = without_rounding(group.mean.tolist())
     rows = [
         Row(
@@ -196,7 +199,7 @@ def _rows(verdicts: Verdicts, group: Verdict, line: Line) -> Rows:
     return Rows.of(rows, line, verdicts.metric.unit, _FEW_ROWS if is_below else MOST_ROWS)
 
 
-def _kinds(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
+def kinds_of(verdicts: Verdicts, group: Verdict) -> dict[int, Kind]:
     """Return what the dots of a group are, apart from the rest."""
     kinds: dict[int, Kind] = {}
     if verdicts.metric.better == "none" or (verdicts.is_sequence and not group.stands):
@@ -222,7 +225,7 @@ def _notes(verdicts: Verdicts, group: Verdict, most: int) -> dict[int, Text]:
     """
     if verdicts.is_sequence:
         return _step_notes(verdicts, group)
-    bare, paired = _bare(verdicts), group.to_best if group.best else group.to_baseline
+    bare, paired = without_unit(verdicts), group.to_best if group.best else group.to_baseline
     if paired is None or (group.best and not group.stands):
         return {}
     others = [place for place in group.known if place != paired.reference]
@@ -235,7 +238,7 @@ def _notes(verdicts: Verdicts, group: Verdict, most: int) -> dict[int, Text]:
     return {place: say(start, within_text(bare, group, place, paired)) for place in others[:most]}
 
 
-def _bare(verdicts: Verdicts) -> Verdicts:
+def without_unit(verdicts: Verdicts) -> Verdicts:
     """Return verdicts whose numbers have no unit, but for shares, as it stands beside them."""
     metric = verdicts.metric
     return replace(verdicts, metric=replace(metric, unit=bare_unit(metric.unit)))

@@ -375,33 +375,39 @@ def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:
     return text if text.startswith(MINUS) else f"+{text}"
 
 
-def standing_text(verdicts: Verdicts, group: Verdict) -> Text:
-    """Return how others stand to the best of a group.
+def beside_best(verdicts: Verdicts, group: Verdict) -> list[int]:
+    """Return the methods that are told beside the best of a group.
 
-    They are the method to take, where that is another; else those that may be as good, or else the
+    It is the one to take, where that is another; else those that may be as good, or else the
     nearest.
     """
     take = verdicts.for_all
-    first = f"{EXTREME[group.better] if group.tied else 'clearly best'}; "
     if group.stands and take is not None and take not in group.best:
-        (name,) = method_words(verdicts, [take])
-        claim = f", {'clearly behind' if take in group.behind else MAY_BE}"
-        if group.told and not group.tied:  # all others are clearly behind
-            claim = ""
-        return say(
-            f"{first * group.told}{HERE} {HERE}{claim}", name, _behind_text(verdicts, group, take)
-        )
-    if group.told and group.tied:
-        tied = method_words(verdicts, group.tied)
-        return say(f"{first}{HERE} {MAY_BE}", tied[0] if len(tied) == 1 else f"{len(tied)} others")
-    if not group.behind:
+        return [take]
+    if not group.told:
+        return []
+    return nearest_first(group, group.tied) or nearest_first(group, group.behind)[:1]
+
+
+def standing_text(verdicts: Verdicts, group: Verdict) -> Text:
+    """Return how those that are told beside the best of a group stand to it."""
+    beside = beside_best(verdicts, group)
+    if not beside:
         return ()
-    nearest = nearest_first(group, group.behind)[0]
-    (name,) = method_words(verdicts, [nearest])
-    return say(f"{first}next, {HERE} {HERE}", name, _behind_text(verdicts, group, nearest))
+    first = f"{EXTREME[group.better] if group.tied else 'clearly best'}; " * group.told
+    if len(beside) > 1:
+        return (f"{first}{len(beside)} others {MAY_BE}",)
+    (place,) = beside
+    (name,) = method_words(verdicts, beside)
+    if place != verdicts.for_all:
+        if place in group.tied:
+            return say(f"{first}{HERE} {MAY_BE}", name)
+        return say(f"{first}next, {HERE} {HERE}", name, behind_text(verdicts, group, place))
+    claim = f", {MAY_BE}" if place in group.tied else ", clearly behind" * bool(group.tied)
+    return say(f"{first}{HERE} {HERE}{claim}", name, behind_text(verdicts, group, place))
 
 
-def _behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best, in its unit and as a share."""
     best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
     text = _above(verdicts, group, place, group.best[0])

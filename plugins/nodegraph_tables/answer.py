@@ -357,6 +357,11 @@ class Rows(Value):
             tuple(row for row in rows if row.name not in named),
         )
 
+    @property
+    def every(self) -> tuple[Row, ...]:
+        """All rows."""
+        return (*self.rows, *self.others)
+
     def number(self, row: Row) -> str:
         """Return the number of a row as a reader sees it, without a unit but of shares."""
         if self.unit == SHARE:
@@ -784,15 +789,16 @@ def lead_of_parts(answer: Answer, cards: str, caption: str, methods: Text = ()) 
     """Return the HTML of an answer whose cards are HTML already.
 
     Above them stands what it holds for, how certain it is, and what was measured; below, what
-    methods do.
+    terms mean and what methods do.
     """
     held = joined(" ", [part for part in answer.scope if isinstance(part, Word)])
-    measured = [part.strip() for part in (*answer.scope, caption) if isinstance(part, str)]
+    measured = joined(" ", [part.strip() for part in answer.scope if isinstance(part, str)])
     sentence = f'<p class="lead-sentence">{html_of(answer.sentence)}</p>'
-    facts = _facts_html("facts", {"For whom": held, "How certain": answer.certainty})
-    words = _facts_html("words", {"Measured": joined(" ", measured)})
-    does = _facts_html("words", {"Methods": methods})
-    return Markup(f'<div class="lead">{sentence}{facts}{words}{cards}{does}</div>')
+    facts = _facts_html(
+        "facts", {"For whom": held, "How certain": answer.certainty, "Measured": measured}
+    )
+    words = _facts_html("words", {"Terms": (caption,) * bool(caption), "Methods": methods})
+    return Markup(f'<div class="lead">{sentence}{facts}{cards}{words}</div>')
 
 
 def _facts_html(name: str, facts: Mapping[str, Text]) -> str:
@@ -866,6 +872,11 @@ def _rows_html(rows: Rows, *, judged: bool) -> str:
 def _classes(row: Row) -> str:
     names = [row.kind] * (row.kind == "best") + ["for-all"] * row.for_all
     return f' class="{" ".join(names)}"' if names else ""
+
+
+def dots_html(rows: Rows) -> str:
+    """Return the dots of all rows side by side."""
+    return _strip(rows.every, rows)
 
 
 def _strip(of: Sequence[Row], rows: Rows) -> str:

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from markupsafe import Markup, escape
 
-from nodegraph_compare.cards import lines_of
+from nodegraph_compare.cards import NONE_BEHIND, card_of, kinds_of, lines_of, without_unit
 from nodegraph_compare.words import (
+    behind_text,
+    beside_best,
     best_words,
     group_title,
     method_words,
     plain_names,
-    standing_text,
     varying,
 )
 from nodegraph_tables.answer import (
     HERE,
     MOST_CARDS,
     ONE_ROW,
+    Rows,
     Word,
     cards_html,
+    dots_html,
     html_of,
     joined,
     lead_of_parts,
@@ -34,17 +37,20 @@ from nodegraph_tables.answer import (
 from nodegraph_tables.numbers import span_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence, Set
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Answer, Card, Kind, Line, Text
+    from nodegraph_tables.answer import Answer, Kind, Line, Text
 
-    _Cell = tuple[Text, Text, Text]
+    _Part = tuple[Kind | Literal[""], Text, Text]
+    _Cell = tuple[_Part | Rows, ...]
 
 _MOST_COLUMNS = 6
 _MOST_ROWS = 60
-_NONE: _Cell = (("\N{EN DASH}",), (), ())
+_MOST_DOTS = 1000
+"""In all cells of a grid together."""
+_NONE = "\N{EN DASH}"
 _SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
@@ -68,16 +74,17 @@ def answer_html(
     does = {str(label): _SOURCE.sub(".", text) for label, text in summaries.items() if text}
     told = with_descriptions(answer, does)
     lines = lines_of(verdicts)
-    if not lines:
-        inside = ""
-    elif len(verdicts.groups) > MOST_CARDS:
-        cells = tuple(_cell(verdicts, group) for group in verdicts.every)
+    drawn, inside = {row.kind for card in told.cards if card.rows for row in card.rows.every}, ""
+    if lines and len(verdicts.groups) > MOST_CARDS:
+        cells = tuple(
+            _cell(verdicts, group, line)
+            for group, line in zip(verdicts.every, [*lines, lines[0]], strict=False)
+        )
+        drawn = {kind for cell in cells for kind in _kinds_in(cell)}
         inside = _grid(verdicts, with_descriptions(cells, does))
-    else:
+    elif lines:
         inside = cards_html(told.cards)
-    return lead_of_parts(
-        told, f"{key(verdicts, told.cards, lines)}{inside}", caption, _described(told)
-    )
+    return lead_of_parts(told, f"{key(verdicts, drawn, lines)}{inside}", caption, _described(told))
 
 
 def _described(answer: Answer) -> Text:
@@ -118,7 +125,7 @@ def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
         )
         + "".join(
             f'<td data-head="{escape(f"{verdicts.within[last]} {top}")}"'
-            f"{_filled(verdicts, *cells.get((side, top), (None, _NONE)))}"
+            f"{_filled(verdicts, *cells.get((side, top), (None, ())))}"
             for top in tops
         )
         for side in sides
@@ -144,31 +151,58 @@ def _list(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
     return _table(heads, rows)
 
 
-def _filled(verdicts: Verdicts, group: Verdict | None, text: _Cell) -> str:
+def _filled(verdicts: Verdicts, group: Verdict | None, cell: _Cell) -> str:
     """Return the rest of a cell; it is tinted where its first method is the one to take."""
     leaders = () if group is None else group.best
     tint = ' class="for-all"' if verdicts.for_all in leaders else ""
-    first, number, others = map(html_of, text)
-    rest = others and f"<div><small>{others}</small></div>"
-    return f"{tint}>{first}{number and Markup(' <small>{}</small>').format(number)}{rest}</td>"
+    names = dict(_dots(verdicts))
+    parts = []
+    for part in cell:
+        if isinstance(part, Rows):
+            parts.append(dots_html(part))
+            continue
+        kind, name, number = part
+        dot = _dot(kind, names[kind]) if kind else ""
+        value = Markup(" <small>{}</small>").format(html_of(number)) if number else ""
+        parts.append(f"<div>{dot} {html_of(name)}{value}</div>")
+    return f"{tint}>{''.join(parts) or _NONE}</td>"
 
 
-def _cell(verdicts: Verdicts, group: Verdict) -> _Cell:
-    """Return the best of a group, its mean, and what else is said of them."""
+def _cell(verdicts: Verdicts, group: Verdict, line: Line) -> _Cell:
+    """Return the card of a group in short: its headline, the dots of all methods, one more."""
     if not group.known:
-        return _NONE
-    unit = verdicts.metric.unit
-    if not group.best:
-        return ((span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit),), (), ())
-    mean = span_text([group.mean[group.best[0]]], unit)
-    if not group.told:
-        why = "none clearly best" if group.stands else "no verdict"
-        names = listing(method_words(verdicts, group.best))
-        return (names, (f"{mean}; {why}",), standing_text(verdicts, group))
-    take = "take " * (group is verdicts.overall and verdicts.for_all in group.best)
-    leaders = (method_words if group.tied else best_words)(verdicts, group.best)
-    names = joined("", [take, listing(leaders)])
-    return (names, (mean,), standing_text(verdicts, group))
+        return ()
+    card, kinds = card_of(verdicts, group, line), kinds_of(verdicts, group)
+    is_of_all = group is verdicts.overall
+    are_few = len(verdicts.groups) * len(verdicts.methods) <= _MOST_DOTS
+    dots = (card.rows,) if card.rows and are_few and not is_of_all else ()
+    first: _Part = (card.kind if group.marks else "", card.headline, card.value)
+    if verdicts.metric.better == "none":
+        span = span_text([np.nanmin(group.mean), np.nanmax(group.mean)], verdicts.metric.unit)
+        first = ("", (span,), ())
+    elif card.headline == (NONE_BEHIND,):
+        mean = span_text([group.mean[group.best[0]]], verdicts.metric.unit)
+        first = ("open", listing(method_words(verdicts, group.best)), (mean,))
+    elif group.marked("best"):
+        take = "take " * (is_of_all and verdicts.for_all in group.best)
+        first = ("best", (take, *listing(best_words(verdicts, group.best))), card.value)
+    beside = beside_best(verdicts, group)
+    if len(beside) > 1:
+        return (first, *dots, ("tied", (f"{len(beside)} others",), ()))
+    others: list[_Part] = [
+        (kinds.get(place, "rest"), (name,), behind_text(without_unit(verdicts), group, place))
+        for place, name in zip(beside, method_words(verdicts, beside), strict=True)
+    ]
+    return (first, *dots, *others)
+
+
+def _kinds_in(cell: _Cell) -> Iterator[Kind]:
+    """Yield the kinds of the dots of a cell."""
+    for part in cell:
+        if isinstance(part, Rows):
+            yield from (row.kind for row in part.every)
+        elif part[0]:
+            yield part[0]
 
 
 def _table(heads: str, rows: Sequence[str]) -> str:
@@ -181,33 +215,43 @@ def _table(heads: str, rows: Sequence[str]) -> str:
     )
 
 
-def key(verdicts: Verdicts, cards: Sequence[Card], lines: Sequence[Line]) -> str:
-    """Return what dots, lines and tints are."""
-    of_cards = [card.rows for card in cards if card.rows]
-    drawn = {row.kind for rows in of_cards for row in (*rows.rows, *rows.others)}
-    parts = [
-        f'<svg width="12" height="12" aria-hidden="true"><circle class="{kind}" cx="6" cy="6" '
-        f'r="5"/></svg> {escape(text)}'
-        for kind, text in _dots(verdicts)
-        if kind in drawn
-    ]
+def key(verdicts: Verdicts, drawn: Set[Kind], lines: Sequence[Line]) -> str:
+    """Return what dots, lines and tints are.
+
+    Parameters
+    ----------
+    verdicts
+    drawn
+        The kinds of dots that there are.
+    lines
+        On which they lie, a line for each group.
+    """
+    parts = [f"{_dot(kind)} {escape(text)}" for kind, text in _dots(verdicts) if kind in drawn]
     if parts:
         parts += map(escape, _about_dots(verdicts, lines))
-    if not cards and any("best" in group.marks.values() for group in verdicts.groups):
-        parts.append("<strong>blue</strong>: clearly best")
     if verdicts.for_all is not None:
         (take,) = plain_names(verdicts, [verdicts.for_all])
         parts.append(f"<mark>tinted</mark>: {escape(take)}, the one to take")
-    if any(group.suspects_matter for group in verdicts.groups) and cards:
+    are_cards = len(verdicts.groups) <= MOST_CARDS
+    if are_cards and any(group.suspects_matter for group in verdicts.groups):
         parts.append(escape(f"\N{WHITE DIAMOND}: {verdicts.blocks} whose truth may be damaged"))
     spans = "".join(f"<span>{part}</span>" for part in parts)
     return f'<p class="lead-key">{spans}</p>' if parts else ""
 
 
+def _dot(kind: Kind, name: str = "") -> Markup:
+    """Return a dot as cards have it, with a name where no words beside it say what it is."""
+    said = Markup('role="img" aria-label="{0}"').format(name) if name else 'aria-hidden="true"'
+    title = Markup("<title>{}</title>").format(name) if name else ""
+    circle = Markup(f'<circle class="{kind}" cx="6" cy="6" r="5"/>')
+    return Markup(f'<svg width="12" height="12" {said}>{circle}{title}</svg>')
+
+
 def _about_dots(verdicts: Verdicts, lines: Sequence[Line]) -> Iterator[str]:
     """Yield what stands beside dots, and what the lines are on which they lie."""
     line = lines[0]
-    if any(np.isfinite(group.low).any() for group in verdicts.groups):
+    are_cards = len(verdicts.groups) <= MOST_CARDS
+    if are_cards and any(np.isfinite(group.low).any() for group in verdicts.groups):
         yield "line: 95 % interval"
     if verdicts.is_sequence:
         yield "%: change to the one before"
@@ -236,6 +280,6 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
     yield "tied", "may be the best"
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
-    yield "open", "none clearly best"
+    yield "open", NONE_BEHIND
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"

@@ -500,9 +500,15 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     lead = rendered(compared(many, within=("heat",)).overview).lead
     assert "<article" not in lead
     assert lead.count("<tr>") == 13
-    assert len(re.findall(r"clearly best; rich \+", text_of(lead))) == 1
-    assert lead.count('<td class="for-all"><strong data-method="rich"') == 11
+    assert len(re.findall(r"clearly best plain [\d.]+ g", text_of(lead))) == 1
+    assert len(re.findall(r"clearly best rich [\d.]+ g", text_of(lead))) == 11
+    assert len(re.findall(r"clearly behind rich \+[\d.]+ \(\d+ %\)", text_of(lead))) == 1
+    assert lead.count('<td class="for-all">') == 11
+    assert lead.count('class="lead-strip"') == 12
     assert "tinted : rich, the one to take" in text_of(lead)
+    every = kitchens(recipes, 2, heats=tuple(range(100, 112)))
+    lead = rendered(compared(every, within=("heat",)).overview).lead
+    assert 'class="lead-strip"' not in lead
 
 
 def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:
