@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import datetime
-import decimal
 import enum
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import pytest
 from jsonschema import Draft202012Validator
-from pydantic import BaseModel, BeforeValidator, Field, Strict
+from pydantic import BeforeValidator, Field, Strict
 
 from nodegraph import InputFile, Unit, node
 from tests.nodegraph.graphfile.conftest import Judge, settings_of
@@ -24,19 +22,10 @@ class Colour(enum.Enum):
     BLUE = "blue"
 
 
-class Pair(NamedTuple):
-    p: int
-    q: float = 1.0
-
-
 @dataclass(frozen=True)
 class Bounds:
     p: int
     q: float | None = None
-
-
-class Lenient(BaseModel):
-    p: int
 
 
 def listed(value: object) -> Any:
@@ -47,51 +36,27 @@ TYPES: dict[str, object] = {
     "whole": int,
     "bounded": Annotated[int, Field(ge=1, le=9)],
     "number": float,
-    "open": Annotated[float, Field(gt=0, lt=1)],
-    "unbounded": Annotated[float, Field(lt=float("inf"))],
-    "multiple": Annotated[float, Field(multiple_of=0.1)],
+    "open": Annotated[float, Field(gt=0, lt=float("inf"))],
     "truth": bool,
-    "text": str,
     "short": Annotated[str, Field(min_length=1, max_length=2)],
     "pattern": Annotated[str, Field(pattern="^(auto|[+-][xyz])$")],
-    "digits": Annotated[str, Field(pattern=r"^\d+$")],
-    "flags": Annotated[str, Field(pattern="(?i)^a$")],
     "choice": Literal["a", "b"],
     "mixed": Literal["a", 1, 2],
-    "always": Literal[True],
     "enum": Colour,
-    "optional": int | None,
     "either": Annotated[int, Field(ge=1)] | Literal["ring"] | None,
     "numbers": float | int,
-    "list": list[int],
-    "some": Annotated[list[str], Field(min_length=1, max_length=2)],
-    "nested": list[list[Annotated[float, Field(ge=0)]]],
+    "nested": Annotated[list[list[Annotated[float, Field(ge=0)]]], Field(min_length=1)],
     "pair": tuple[int, float],
-    "many": tuple[str, ...],
-    "set": set[int],
     "few": Annotated[frozenset[int], Field(max_length=1)],
-    "sequence": Sequence[int],
     "iterable": Iterable[int],
     "mapping": dict[str, Annotated[int, Field(ge=0)]],
-    "by_number": Mapping[int, float],
-    "by_choice": dict[Literal["p", "q"], int],
-    "by_pattern": dict[Annotated[str, Field(pattern="^p")], int],
     "record": Bounds,
     "records": list[Bounds] | Bounds,
-    "named_tuple": Pair,
-    "model": Lenient,
-    "models": list[Lenient] | Lenient,
     "date": datetime.date,
-    "moment": datetime.datetime,
-    "span": datetime.timedelta,
-    "decimal": decimal.Decimal,
-    "path": Path,
     "file": InputFile | None,
     "before": Annotated[list[int], BeforeValidator(listed)],
     "lax": Annotated[int, Strict(False)],
-    "any": Any,
     "class": range,
-    "call": Callable[[int], int],
 }
 WORDS = (
     "", "a", "b", "p", "q", "auto", "+x", "A", "ring", "red", "1", "12", "1.5", "٣", "x\n", "$",
@@ -156,12 +121,9 @@ def test_no_plain_value_that_the_loader_takes_is_refused(
 
 REFUSED = [
     ("whole", "a"), ("whole", 1.5), ("whole", True), ("whole", None), ("whole", "$5"),
-    ("bounded", 0), ("bounded", 10), ("number", "1"), ("open", 0), ("open", 1.0), ("truth", 1),
-    ("text", 5), ("short", "abc"), ("choice", "c"),
-    ("optional", "a"), ("either", 0), ("either", "rings"), ("list", 1),
-    ("list", [1, "a"]), ("some", []), ("nested", [[-1]]),
-    ("set", ["a"]),
-    ("path", 1), ("file", 5),
+    ("bounded", 0), ("bounded", 10), ("number", "1"), ("open", 0), ("truth", 1), ("short", "abc"),
+    ("choice", "c"), ("either", 0), ("either", "rings"), ("nested", 1), ("nested", []),
+    ("nested", [[-1]]), ("few", ["a"]), ("file", 5),
 ]  # fmt: skip
 
 
@@ -175,9 +137,9 @@ def test_both_refuse_a_value_that_does_not_fit(
 
 VARIABLES = [
     ("whole", "$v", 3), ("whole", "$w.x", 1), ("choice", "$v", "a"), ("pattern", "$v", "auto"),
-    ("list", ["$v", 2], 1), ("nested", [["$v"]], 1), ("pair", [1, "$v"], 2.5),
-    ("mapping", {"p": "$v"}, 3), ("record", {"p": "$w.x"}, 0), ("records", [{"p": "$v"}], 3),
-    ("truth", "$v", True), ("either", "$v", None), ("list", "$v", [1]),
+    ("nested", [["$v"]], 1), ("nested", "$v", [[1]]), ("pair", [1, "$v"], 2.5),
+    ("mapping", {"p": "$v"}, 3), ("records", [{"p": "$v"}], 3), ("truth", "$v", True),
+    ("either", "$v", None),
 ]  # fmt: skip
 
 
