@@ -186,6 +186,11 @@ class Mask(Value):
             raise ValueError(f"a mask is (frames, {len(self.markers)} markers), got {hidden.shape}")
         set_fields(self, hidden=hidden, markers=tuple(self.markers))
 
+    @property
+    def frames(self) -> int:
+        """Number of frames, T."""
+        return len(self.hidden)
+
 
 def check_markers(
     recording: Trajectories, names: Iterable[str], *, what: str = "the recording"

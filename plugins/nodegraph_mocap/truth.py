@@ -1,4 +1,4 @@
-"""The truth of a recording that a node damages."""
+"""The truth of a recording, which has its frames and markers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nodegraph import listed
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from nodegraph_mocap.recording import Trajectories
+    from nodegraph_mocap.recording import Mask, Trajectories
 
 
 def truth_of(
@@ -37,16 +37,9 @@ def truth_of(
     """
     if truth is None:
         return recording
-    for what, unit in (("frames", "frames"), ("rate", "Hz")):
-        ours, theirs = getattr(recording, what), getattr(truth, what)
-        if ours != theirs:
-            raise ValueError(f"truth has {theirs:g} {unit}, the recording {ours:g}")
-    lacks = [name for name in recording.markers if name not in set(truth.markers)]
-    adds = [name for name in truth.markers if name not in set(recording.markers)]
-    if lacks or adds:
-        lists = (("lacks", lacks), ("has besides", adds))
-        differences = "; ".join(f"{verb} {listed(names)}" for verb, names in lists if names)
-        raise ValueError(f"truth and recording differ in their markers: truth {differences}")
+    check_same_samples("truth", truth, "recording", recording)
+    if truth.rate != recording.rate:
+        raise ValueError(f"truth has {truth.rate:g} Hz, the recording has {recording.rate:g} Hz")
     if damaged is not None:
         columns = [truth.markers.index(name) for name in recording.markers]
         unknown = np.argwhere(damaged & ~truth.present[:, columns])
@@ -58,3 +51,26 @@ def truth_of(
                 "errors cannot be measured to it"
             )
     return truth
+
+
+def check_same_samples(
+    what: str, given: Trajectories | Mask, other: str, recording: Trajectories
+) -> None:
+    """Raise a ValueError if a recording or mask has other frames or markers than a recording.
+
+    Parameters
+    ----------
+    what, other
+        The names of the two in messages.
+    given, recording
+        The two; their markers may be in any order.
+    """
+    if given.frames != recording.frames:
+        raise ValueError(f"{what} has {given.frames} frames, the {other} has {recording.frames}")
+    has, wanted = set(given.markers), set(recording.markers)
+    if has != wanted:
+        lacks = [name for name in recording.markers if name not in has]
+        adds = [name for name in given.markers if name not in wanted]
+        lists = (("lacks", lacks), ("has besides", adds))
+        differences = "; ".join(f"{verb} {listed(names)}" for verb, names in lists if names)
+        raise ValueError(f"{what} and {other} differ in their markers: {what} {differences}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -19,8 +18,9 @@ from nodegraph_score.components import (
     movement,
     principal,
 )
+from nodegraph_score.notes import with_notes
 from nodegraph_score.pose import NAMES, carried, check_proper, frames_of, left_over, pose
-from nodegraph_tables import TableInfo, poses_of, with_info
+from nodegraph_tables import TableInfo, poses_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -109,6 +109,8 @@ def alignment(
         If frame counts differ, a recording has not one `removed`, a rotation is a mirror image,
         or an axis is named like a column.
     """
+    from pandas import concat
+
     _check(recordings, head_motion)
     numbers = pose(head_motion)
     parts: list[Table] = []
@@ -124,9 +126,14 @@ def alignment(
             parts.append(_table(labels, pca, moved, pca.part_of(head), components))
     if not parts:
         raise Refusal("; ".join(notes) or "there is no recording")
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    return _joined(parts, notes, recordings)
+    first = recordings.values()[0]
+    info = TableInfo(
+        "What PCA finds",
+        answer_of(parts, recordings.axes),
+        units=UNITS,
+        poses=poses_of(first.markers, first.positions, first.rate),
+    )
+    return with_notes(concat(parts, ignore_index=True), notes, info)
 
 
 def _removed(
@@ -200,21 +207,6 @@ def _related(scores: NDArray[np.float64], moved: Movement) -> dict[str, object]:
         "correlation": np.minimum(single.max(axis=0), 1.0),
         "with": np.array(NAMES, dtype=object)[moved.columns[single.argmax(axis=0)]],
     }
-
-
-def _joined(parts: list[Table], notes: list[str], recordings: Across[Trajectories]) -> Table:
-    from pandas import concat
-
-    first = recordings.values()[0]
-    table = concat(parts, ignore_index=True)
-    info = TableInfo(
-        title="What PCA finds",
-        answer=answer_of(parts, recordings.axes),
-        notes=tuple(f"{note}." for note in notes),
-        units=UNITS,
-        poses=poses_of(first.markers, first.positions, first.rate),
-    )
-    return with_info(table, info)
 
 
 def _check(recordings: Across[Trajectories], head_motion: HeadMotion) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import BetterEnd, TableInfo, poses_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -94,17 +94,10 @@ def distance(
         except FloatingPointError:
             raise ValueError("distances are too large to be squared") from None
     notes = [*left_out(estimate, reference), *lacking(table, "markers", "frames")]
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    sentences = tuple(f"{note}." for note in notes)
-    info = TableInfo(
-        title="Distances",
-        notes=sentences,
-        units={name: of for name, of in UNITS.items() if unit == "mm" or "mm" not in of},
-        better=BETTER,
-        poses=poses_of(reference.markers, reference.positions, reference.rate),
-    )
-    return with_info(table, info)
+    units = {name: of for name, of in UNITS.items() if unit == "mm" or "mm" not in of}
+    poses = poses_of(reference.markers, reference.positions, reference.rate)
+    info = TableInfo("Distances", units=units, better=BETTER, poses=poses)
+    return with_notes(table, notes, info)
 
 
 def _apart(

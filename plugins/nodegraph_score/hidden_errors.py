@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_mocap import Mask, Trajectories
+from nodegraph_mocap.truth import check_same_samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,7 +38,8 @@ def hidden_errors(
     ValueError
         If frame counts or markers differ, or the truth lacks a hidden sample.
     """
-    _check(estimate, truth, hidden)
+    check_same_samples("estimate", estimate, "truth", truth)
+    check_same_samples("hidden", hidden, "truth", truth)
     mask = hidden.hidden[:, columns(hidden.markers, truth.markers)].T
     unknown = mask & ~truth.present.T
     if unknown.any():
@@ -54,18 +56,3 @@ def columns(names: tuple[str, ...], wanted: tuple[str, ...]) -> list[int]:
     """Return the position of each of the wanted names."""
     place = {name: column for column, name in enumerate(names)}
     return [place[name] for name in wanted]
-
-
-def _check(estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
-    for what, frames, markers in (
-        ("estimate", estimate.frames, estimate.markers),
-        ("hidden", hidden.hidden.shape[0], hidden.markers),
-    ):
-        if frames != truth.frames:
-            raise ValueError(f"{what} has {frames} frames, the truth has {truth.frames}")
-        if set(markers) != set(truth.markers):
-            lacks = [name for name in truth.markers if name not in markers]
-            adds = [name for name in markers if name not in truth.markers]
-            lists = (("lacks", lacks), ("has besides", adds))
-            differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-            raise ValueError(f"{what} and truth differ in their markers: {what} {differences}")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated, Literal, get_args
 
 import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
+from nodegraph_mocap.truth import check_same_samples
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import BetterEnd, TableInfo, poses_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,7 +96,8 @@ def impulses(
     """
     if per not in get_args(Per):
         raise ValueError(f"per must be take or marker, got {per!r}")
-    _check(estimate, truth, impulses)
+    check_same_samples("estimate", estimate, "truth", truth)
+    check_same_samples("impulses", impulses, "truth", truth)
     estimate = estimate.keep(truth.markers)
     hit = impulses.hidden[:, [impulses.markers.index(name) for name in truth.markers]]
     both = estimate.present & truth.present
@@ -106,17 +108,9 @@ def impulses(
     columns = _columns(judged.T[rows], hit.T[rows], repaired.T[rows], distance.T[rows])
     table = _table(("all",) if per == "take" else truth.markers, columns)
     notes = [*_without(table, per), *_left_out(estimate, truth, hit, both, judged)]
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    sentences = tuple(f"{note}." for note in notes)
-    info = TableInfo(
-        title="Impulses",
-        notes=sentences,
-        units=UNITS,
-        better=BETTER,
-        poses=poses_of(truth.markers, truth.positions, truth.rate),
-    )
-    return with_info(table, info)
+    poses = poses_of(truth.markers, truth.positions, truth.rate)
+    info = TableInfo("Impulses", units=UNITS, better=BETTER, poses=poses)
+    return with_notes(table, notes, info)
 
 
 def _columns(
@@ -193,18 +187,3 @@ def _left_out(
             hits = np.count_nonzero(where & hit)
             notes.append(f"{np.count_nonzero(where)} samples {what} are not judged ({hits} hit)")
     return notes
-
-
-def _check(estimate: Trajectories, truth: Trajectories, impulses: Mask) -> None:
-    for what, frames, markers in (
-        ("estimate", estimate.frames, estimate.markers),
-        ("impulses", len(impulses.hidden), impulses.markers),
-    ):
-        if frames != truth.frames:
-            raise ValueError(f"{what} has {frames} frames, the truth has {truth.frames}")
-        lacks = [name for name in truth.markers if name not in set(markers)]
-        adds = [name for name in markers if name not in set(truth.markers)]
-        if lacks or adds:
-            lists = (("lacks", lacks), ("has besides", adds))
-            differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-            raise ValueError(f"{what} and truth differ in their markers: {what} {differences}")

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from nodegraph import Columns, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import BetterEnd, TableInfo, poses_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,17 +68,9 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
     columns = {"vectors": vectors, "roughness": variance}
     table = DataFrame({"marker": np.array(recording.markers, dtype=object), **columns})
     notes = _notes(vectors)
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    sentences = tuple(f"{note}." for note in notes)
-    info = TableInfo(
-        title="Roughness",
-        notes=sentences,
-        units=UNITS,
-        better=BETTER,
-        poses=poses_of(recording.markers, recording.positions, recording.rate),
-    )
-    return with_info(table, info)
+    poses = poses_of(recording.markers, recording.positions, recording.rate)
+    info = TableInfo("Roughness", units=UNITS, better=BETTER, poses=poses)
+    return with_notes(table, notes, info)
 
 
 def _variances(

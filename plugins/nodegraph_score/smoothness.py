@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +10,9 @@ import numpy as np
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
-from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
+from nodegraph_mocap.truth import check_same_samples
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import BetterEnd, TableInfo, poses_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -76,7 +77,9 @@ def smoothness(
     """
     from pandas import DataFrame
 
-    _check(estimate, truth)
+    check_same_samples("estimate", estimate, "truth", truth)
+    if estimate.rate != truth.rate:
+        raise ValueError(f"estimate has {estimate.rate:g} Hz, the truth has {truth.rate:g} Hz")
     estimated, true = estimate.keep(truth.markers).positions, truth.positions
     both = np.isfinite(estimated[..., 0]) & np.isfinite(true[..., 0])
     samples = np.count_nonzero(both, axis=0)
@@ -89,17 +92,9 @@ def smoothness(
     }
     table = DataFrame({"marker": np.array(truth.markers, dtype=object), **values})
     notes = list(_notes(table))
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    sentences = tuple(f"{note}." for note in notes)
-    info = TableInfo(
-        title="Smoothness",
-        notes=sentences,
-        units=UNITS,
-        better=BETTER,
-        poses=poses_of(truth.markers, truth.positions, truth.rate),
-    )
-    return with_info(table, info)
+    poses = poses_of(truth.markers, truth.positions, truth.rate)
+    info = TableInfo("Smoothness", units=UNITS, better=BETTER, poses=poses)
+    return with_notes(table, notes, info)
 
 
 def _errors(
@@ -201,16 +196,3 @@ def _notes(table: Table) -> Iterator[str]:
         unknown = int(table[column].isna().sum())
         if unknown:
             yield f"{unknown} of {rows} markers have no {what}"
-
-
-def _check(estimate: Trajectories, truth: Trajectories) -> None:
-    if estimate.frames != truth.frames:
-        raise ValueError(f"estimate has {estimate.frames} frames, the truth has {truth.frames}")
-    if estimate.rate != truth.rate:
-        raise ValueError(f"estimate has {estimate.rate:g} Hz, the truth has {truth.rate:g} Hz")
-    lacks = [name for name in truth.markers if name not in set(estimate.markers)]
-    adds = [name for name in estimate.markers if name not in set(truth.markers)]
-    if lacks or adds:
-        lists = (("lacks", lacks), ("has besides", adds))
-        differences = "; ".join(f"{verb} {', '.join(names)}" for verb, names in lists if names)
-        raise ValueError(f"estimate and truth differ in their markers: estimate {differences}")

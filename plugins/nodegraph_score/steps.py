@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,8 +11,9 @@ import numpy as np
 from nodegraph import Across, Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import chunks
+from nodegraph_score.notes import with_notes
 from nodegraph_score.steps_answer import BETTER, WORSE, absences, answer_of, left_out, worse
-from nodegraph_tables import TableInfo, poses_of, with_info
+from nodegraph_tables import TableInfo, poses_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -112,17 +112,14 @@ def steps(
     rows += [_row(before, after, truth) for before, after in itertools.pairwise(stages_scored)]
     table = DataFrame(rows, columns=list(COLUMNS))
     notes = [*worse(rows), *left_out(stages, truth)]
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
     info = TableInfo(
-        title="What each step did",
-        answer=answer_of(rows),
-        notes=tuple(f"{note}." for note in notes),
+        "What each step did",
+        answer_of(rows),
         units=UNITS,
         sequences=("step",),
         poses=poses_of(truth.markers, truth.positions, truth.rate),
     )
-    return with_info(table, info)
+    return with_notes(table, notes, info)
 
 
 def _check(stages: Across[Trajectories], truth: Trajectories) -> None:

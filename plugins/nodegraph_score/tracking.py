@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
-from nodegraph_tables import BetterEnd, TableInfo, poses_of, with_info
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import BetterEnd, TableInfo, poses_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -86,15 +86,9 @@ def tracking(
     rows = [_row(track[truth.present[:, column], column]) for column in range(len(truth.markers))]
     table = DataFrame(rows, columns=list(UNITS))
     table.insert(0, "marker", np.array(truth.markers, dtype=object))
-    notes = tuple(_notes(estimate, track))
-    info = TableInfo(
-        title="Tracks",
-        notes=notes,
-        units=UNITS,
-        better=BETTER,
-        poses=poses_of(truth.markers, truth.positions, truth.rate),
-    )
-    return with_info(table, info)
+    poses = poses_of(truth.markers, truth.positions, truth.rate)
+    info = TableInfo("Tracks", units=UNITS, better=BETTER, poses=poses)
+    return with_notes(table, _notes(estimate, track), info)
 
 
 def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:
@@ -137,9 +131,7 @@ def _notes(estimate: Trajectories, track: NDArray[np.intp]) -> list[str]:
     extra = np.count_nonzero(estimate.present) - np.count_nonzero(track >= 0)
     if extra <= 0:
         return []
-    note = (
+    return [
         f"{extra} of {np.count_nonzero(estimate.present)} samples in tracks are not samples of the "
         "truth: ghosts, or moved points"
-    )
-    warnings.warn(note, stacklevel=3)
-    return [f"{note}."]
+    ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Trajectories
 from nodegraph_score.distance import lacking, left_out
-from nodegraph_tables import TableInfo, poses_of, with_info
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import TableInfo, poses_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -86,16 +86,9 @@ def unselected(
     if not set(reference.markers) - set(selection.chosen):
         notes.append(f"all {len(reference.markers)} markers are selected, none is left to score")
     notes += lacking(table, "frames", "markers")
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    sentences = tuple(f"{note}." for note in notes)
-    info = TableInfo(
-        title="Errors at unselected markers",
-        notes=sentences,
-        units=UNITS,
-        poses=poses_of(reference.markers, reference.positions, reference.rate),
-    )
-    return with_info(table, info)
+    poses = poses_of(reference.markers, reference.positions, reference.rate)
+    info = TableInfo("Errors at unselected markers", units=UNITS, poses=poses)
+    return with_notes(table, notes, info)
 
 
 def _check(estimate: Trajectories, reference: Trajectories, selection: Selection) -> None:

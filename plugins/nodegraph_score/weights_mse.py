@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -10,7 +9,8 @@ import numpy as np
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Weights
 from nodegraph_mocap.shape_names import matched, sides_as
-from nodegraph_tables import Poses, TableInfo, with_info
+from nodegraph_score.notes import with_notes
+from nodegraph_tables import Poses, TableInfo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -89,18 +89,11 @@ def weights_mse(
         notes.append(
             f"{np.count_nonzero(~known)} of {len(known)} frames lack a weight and are not compared"
         )
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
     table = _table(errors[known], names, is_shared, int(np.count_nonzero(~known)), selection)
     pairs = () if selection is None else selection.pairs
     markers = tuple(sorted(name for pair in pairs for name in pair))
-    info = TableInfo(
-        title="Errors of weights",
-        notes=tuple(f"{note}." for note in notes),
-        units=UNITS,
-        poses=Poses(markers, b"", reference.frames, reference.rate),
-    )
-    return with_info(table, info)
+    poses = Poses(markers, b"", reference.frames, reference.rate)
+    return with_notes(table, notes, TableInfo("Errors of weights", units=UNITS, poses=poses))
 
 
 def _errors(

@@ -79,6 +79,7 @@ def test_what_is_warned_of_is_noted(name: str) -> None:
     with pytest.warns(UserWarning, match="[0-9]") as caught:
         table = SCORES[name](gappy(recording()), TRUTH, MASK)
     assert {f"{warning.message}." for warning in caught} <= set(info_of(table).notes)
+    assert {warning.filename for warning in caught} == {__file__}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert not SCORES[name](TRUTH, TRUTH, MASK).empty
