@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_despike.repair import repaired
+from nodegraph_despike.repair import Repairing, repaired
 from nodegraph_mocap import Trajectories
 
 if TYPE_CHECKING:
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
         " hand"
     ),
     lookahead=None,
+    shares=Repairing,
 )
 def acceleration(
-    recording: Trajectories,
+    repairing: Repairing,
     *,
     threshold: Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("mm/s^2")] = 20_000.0,
 ) -> Trajectories:
@@ -48,17 +49,11 @@ def acceleration(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     threshold
         The default is twice the acceleration of free fall: an impulse is bad from 2.8 mm at
         60 Hz, from 11 mm at 30 Hz and from 1 mm at 100 Hz.
-
-    Returns
-    -------
-    Trajectories
-        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
+    recording = repairing.recording
     positions = recording.positions
     bad = np.zeros(recording.origin.shape, dtype=np.bool_)
     bend = np.diff(positions, n=2, axis=0) * recording.rate**2

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_despike.repair import repaired, window_form
+from nodegraph_despike.repair import Repairing, repaired, window_form
 from nodegraph_despike.vector_median import Reach, reach_of, running_median, running_spread
 from nodegraph_mocap import Trajectories
 
@@ -37,9 +37,10 @@ def _repair(positions: NDArray[np.float64], reach: int, threshold: float) -> NDA
     ),
     lookahead=reach_of,
     live=window_form(_repair),
+    shares=Repairing,
 )
 def hampel(
-    recording: Trajectories,
+    repairing: Repairing,
     *,
     reach: Reach = 3,
     threshold: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] = 3.0,
@@ -66,16 +67,10 @@ def hampel(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     reach
         Frames on each side of a sample: the window has 2 reach + 1.
     threshold
         How many times S away a sample is bad; 0 puts every sample at its median.
-
-    Returns
-    -------
-    Trajectories
-        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
+    recording = repairing.recording
     return repaired(recording, _repair(recording.positions, reach, threshold))

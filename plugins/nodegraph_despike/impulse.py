@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import StateForm, Unit, node
-from nodegraph_despike.repair import repaired, repaired_frame
+from nodegraph_despike.repair import Repairing, repaired, repaired_frame
 from nodegraph_mocap import MarkerFrame, Trajectories
 
 if TYPE_CHECKING:
@@ -94,9 +94,10 @@ def _check(order: Order, mean_step: float | None, calibration: int | None) -> No
     cite="zhang_scattered",
     lookahead=_lookahead,
     live=StateForm(_Stream),
+    shares=Repairing,
 )
 def impulse(
-    recording: Trajectories,
+    repairing: Repairing,
     *,
     factor: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 1.5,
     order: Order = "simultaneous",
@@ -122,8 +123,6 @@ def impulse(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     factor
         How many times the mean step a step must be to be long.
     order
@@ -139,16 +138,12 @@ def impulse(
         Number of first frames from which k is taken, and which stay as they are. None: from the
         whole take.
 
-    Returns
-    -------
-    Trajectories
-        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
-
     Raises
     ------
     ValueError
         If the order is not one of its choices, or both `mean_step` and `calibration` are set.
     """
+    recording = repairing.recording
     from nodegraph_despike import impulse_kernel
 
     _check(order, mean_step, calibration)

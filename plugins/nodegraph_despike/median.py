@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_despike.repair import repaired, window_form
+from nodegraph_despike.repair import Repairing, repaired, window_form
 from nodegraph_despike.vector_median import Reach, reach_of, running_median
 from nodegraph_mocap import Trajectories
 
@@ -28,9 +28,10 @@ def _repair(positions: NDArray[np.float64], reach: int, threshold: float) -> NDA
     adapted="from Astola et al. 1990: only samples beyond a threshold are replaced",
     lookahead=reach_of,
     live=window_form(_repair),
+    shares=Repairing,
 )
 def median(
-    recording: Trajectories,
+    repairing: Repairing,
     *,
     reach: Reach = 2,
     threshold: Annotated[float, Field(ge=0.0, allow_inf_nan=False), Unit("mm")] = 2.0,
@@ -55,17 +56,11 @@ def median(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     reach
         Frames on each side of a sample: the window has 2 reach + 1.
     threshold
         How far from the median a sample is bad. In the middle of steady motion a sample is the
         median itself, however fast; at turning points and in circles it is not.
-
-    Returns
-    -------
-    Trajectories
-        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
     """
+    recording = repairing.recording
     return repaired(recording, _repair(recording.positions, reach, threshold))

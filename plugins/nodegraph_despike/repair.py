@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,24 @@ from nodegraph_mocap import MarkerFrame, Origin, Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Repairing:
+    """A recording whose impulses are repaired.
+
+    Attributes
+    ----------
+    recording
+        Trajectories, with or without gaps.
+
+    Returns
+    -------
+    Trajectories
+        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
+    """
+
+    recording: Trajectories
 
 
 def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Trajectories:
@@ -46,7 +65,7 @@ def repaired(recording: Trajectories, positions: NDArray[np.float64]) -> Traject
     warnings.warn(
         f"{count} sample{'' if count == 1 else 's'} repaired ({100 * share:.3g} % of those "
         f"present), moved by {moved.mean():.3g} mm on average, by {moved.max():.3g} mm at most",
-        stacklevel=3,
+        stacklevel=4,
     )
     sigma = None if recording.sigma is None else np.where(changed, np.nan, recording.sigma)
     return recording.with_samples(positions, changed=changed, origin=Origin.REPAIRED, sigma=sigma)

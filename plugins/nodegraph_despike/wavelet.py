@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import node
-from nodegraph_despike.repair import repaired
+from nodegraph_despike.repair import Repairing, repaired
 from nodegraph_mocap import Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 
@@ -33,9 +33,10 @@ _ROUNDING = 1e-9
         "repair are chosen here"
     ),
     lookahead=None,
+    shares=Repairing,
 )
 def wavelet(
-    recording: Trajectories,
+    repairing: Repairing,
     *,
     wavelet: Name = "rbio2.4",
     threshold: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] = 6.0,
@@ -70,8 +71,6 @@ def wavelet(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     wavelet
         A reverse biorthogonal spline wavelet of Cohen, Daubechies and Feauveau, by PyWavelets'
         name. With more vanishing moments faster motion passes, and impulses are less set off
@@ -79,16 +78,12 @@ def wavelet(
     threshold
         How many times S is high.
 
-    Returns
-    -------
-    Trajectories
-        The recording with repaired samples, their origin `Origin.REPAIRED`, their sigma NaN.
-
     Raises
     ------
     ValueError
         If the wavelet is not one of its choices.
     """
+    recording = repairing.recording
     if wavelet not in get_args(Name):
         raise ValueError(f"wavelet must be one of {', '.join(get_args(Name))}; got {wavelet!r}")
     half = _half_filter(wavelet)

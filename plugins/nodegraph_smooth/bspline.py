@@ -12,7 +12,7 @@ from pydantic import Field
 from nodegraph import Window, WindowForm, node
 from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.bspline_weights import Ends, all_rows, first_rows, irregular, middle
-from nodegraph_smooth.present_runs import Runs, long_enough, smoothed, smoothed_at
+from nodegraph_smooth.present_runs import Runs, Smoothing, long_enough, smoothed, smoothed_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,9 +39,10 @@ def _curve_at(window: Window[MarkerFrame, Trajectories], *, order: int, ends: En
     cite="zhang_scattered",
     lookahead=_lookahead,
     live=WindowForm(_curve_at, before=_frames_before, after=_lookahead),
+    shares=Smoothing,
 )
 def bspline(
-    recording: Trajectories,
+    smoothing: Smoothing,
     *,
     order: Annotated[int, Field(ge=1, le=HIGHEST)] = 3,
     ends: Ends = "vertex",
@@ -73,8 +74,6 @@ def bspline(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     order
         n, the degree of the curve: the higher, the smoother. 3 is the paper's.
     ends
@@ -83,16 +82,12 @@ def bspline(
         at the Greville abscissae; it too starts and ends there, and a run of L <= n samples has
         degree L - 1. free: nothing is repeated, and half a window at each end stays as it was.
 
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
-
     Raises
     ------
     ValueError
         If `order` or `ends` is not one of its choices.
     """
+    recording = smoothing.recording
     if not 1 <= order <= HIGHEST:
         raise ValueError(f"order must be 1 to {HIGHEST}, got {order}")
     if ends not in get_args(Ends):

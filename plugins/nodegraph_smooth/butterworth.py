@@ -11,7 +11,7 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Cutoff, angle
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,9 +24,10 @@ if TYPE_CHECKING:
         "from Butterworth 1930: digital, run forward and backward, ends continued by reflection"
     ),
     lookahead=None,
+    shares=Smoothing,
 )
 def butterworth(
-    recording: Trajectories,
+    smoothing: Smoothing,
     *,
     cutoff: Cutoff = 10.0,
     order: Annotated[int, Field(ge=1, le=10)] = 2,
@@ -52,23 +53,17 @@ def butterworth(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     cutoff
         fc, the frequency of which half the amplitude is kept.
     order
         n, of each of the two passes.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
 
     Raises
     ------
     Refusal
         If the cut-off is not below half the frame rate.
     """
+    recording = smoothing.recording
     width = angle(cutoff, recording.rate)
 
     def filtered(block: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ import numpy as np
 from nodegraph import node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Cutoff, angle
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     cite="edge_fragments",
     adapted="from Edge et al., known from Zhang et al. alone: it reduces noise and fills nothing",
     lookahead=None,
+    shares=Smoothing,
 )
-def dct(recording: Trajectories, *, cutoff: Cutoff = 10.0) -> Trajectories:
+def dct(smoothing: Smoothing, *, cutoff: Cutoff = 10.0) -> Trajectories:
     """Smooth by keeping the slow coefficients of the discrete cosine transform.
 
     A run of L samples is a sum of L cosines ``cos(pi k (t + 1/2) / L)`` of frequencies
@@ -40,21 +41,15 @@ def dct(recording: Trajectories, *, cutoff: Cutoff = 10.0) -> Trajectories:
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     cutoff
         The highest frequency that is kept.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
 
     Raises
     ------
     Refusal
         If the cut-off is not below half the frame rate, or every run is too short.
     """
+    recording = smoothing.recording
     width = angle(cutoff, recording.rate)
 
     def truncated(block: NDArray[np.float64]) -> NDArray[np.float64]:

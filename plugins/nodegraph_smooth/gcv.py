@@ -8,7 +8,7 @@ import numpy as np
 
 from nodegraph import node
 from nodegraph_mocap import Trajectories
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 SHORTEST = 5
 
 
-@node("smooth.gcv", cite=("craven_wahba1979", "woltring1986"), lookahead=None)
-def gcv(recording: Trajectories) -> Trajectories:
+@node("smooth.gcv", cite=("craven_wahba1979", "woltring1986"), lookahead=None, shares=Smoothing)
+def gcv(smoothing: Smoothing) -> Trajectories:
     """Smooth by the cubic smoothing spline that generalised cross-validation chooses (Woltring).
 
     The output is the natural cubic spline f that minimizes
@@ -37,22 +37,12 @@ def gcv(recording: Trajectories) -> Trajectories:
 
     Looks ahead to the end of the run.
 
-    Parameters
-    ----------
-    recording
-        Trajectories, with or without gaps.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
-
     Raises
     ------
     Refusal
         If every run is shorter than 5 samples.
     """
-    return smooth_runs(recording, _splines, shortest=SHORTEST)
+    return smooth_runs(smoothing.recording, _splines, shortest=SHORTEST)
 
 
 def _splines(block: NDArray[np.float64]) -> NDArray[np.float64]:

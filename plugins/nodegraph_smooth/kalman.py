@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Annotated, Literal, get_args
 
 import numpy as np
@@ -13,19 +13,51 @@ from nodegraph import Unit, node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.bspline_weights import middle
 from nodegraph_smooth.cutoff import Cutoff, angle, check_stiffness
-from nodegraph_smooth.present_runs import Runs, long_enough
+from nodegraph_smooth.present_runs import Runs, Smoothing, long_enough
 
 Motion = Literal["velocity", "acceleration"]
 
 
-@node("smooth.kalman", cite=("rauch1965", "bar_shalom2001"), lookahead=None)
-def kalman(
-    recording: Trajectories,
-    *,
-    cutoff: Cutoff = 10.0,
-    motion: Motion = "velocity",
-    noise: Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("mm")] = 0.1,
-) -> Trajectories:
+@dataclass(frozen=True)
+class Driven(Smoothing):
+    """A recording that is smoothed as the positions of markers which white noise drives.
+
+    Attributes
+    ----------
+    cutoff
+        The frequency of which half the amplitude is kept.
+    motion
+        The motion that a marker would keep if nothing drove it: its velocity, or its acceleration.
+    noise
+        Standard deviation of a sample, per coordinate. Positions do not depend on it, sigma is
+        proportional to it.
+
+    Returns
+    -------
+    Trajectories
+        The recording with other positions, and with `sigma`, the standard deviation of each
+        sample per coordinate as the model has it.
+
+    Raises
+    ------
+    Refusal
+        If the cut-off is not below half the frame rate or too low to be computed.
+    ValueError
+        If `motion` is not one of its choices or `noise` not positive.
+    """
+
+    _: KW_ONLY
+    cutoff: Cutoff = 10.0
+    motion: Motion = "velocity"
+    noise: Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("mm")] = 0.1
+
+    def __post_init__(self) -> None:
+        if not self.noise > 0.0:
+            raise ValueError(f"noise must be a positive number of mm, got {self.noise}")
+
+
+@node("smooth.kalman", cite=("rauch1965", "bar_shalom2001"), lookahead=None, shares=Driven)
+def kalman(driven: Driven) -> Trajectories:
     """Smooth by a Kalman filter and the smoother of Rauch, Tung & Striebel; gives sigma.
 
     Each coordinate has a state x of d components, position and velocity (d = 2) or acceleration
@@ -48,36 +80,15 @@ def kalman(
     Looks ahead to the end of the run; what lies ``rate / cutoff`` frames ahead counts for
     little.
 
-    Parameters
-    ----------
-    recording
-        Trajectories, with or without gaps.
-    cutoff
-        The frequency of which half the amplitude is kept.
-    motion
-        The motion that a marker would keep if nothing drove it: its velocity, or its acceleration.
-    noise
-        Standard deviation of a sample, per coordinate. Positions do not depend on it, sigma is
-        proportional to it.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions, and with `sigma`, the standard deviation of each
-        sample per coordinate as the model has it.
-
     Raises
     ------
     Refusal
         If the cut-off is not below half the frame rate or too low to be computed, or every run
         is too short.
-    ValueError
-        If `motion` is not one of its choices or `noise` not positive.
     """
-    order = components(motion)
-    if not noise > 0.0:
-        raise ValueError(f"noise must be a positive number of mm, got {noise}")
-    return _smoothed(recording, order, density_of(cutoff, recording.rate, order), noise)
+    recording, order = driven.recording, components(driven.motion)
+    density = density_of(driven.cutoff, recording.rate, order)
+    return _smoothed(recording, order, density, driven.noise)
 
 
 def components(motion: Motion) -> int:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
-from nodegraph import StateForm, Unit, node, read_only
+from nodegraph import StateForm, node, read_only
 from nodegraph_mocap import MarkerFrame, Trajectories
-from nodegraph_smooth.cutoff import Cutoff
-from nodegraph_smooth.kalman import Motion, components, density_of
+from nodegraph_smooth.kalman import Driven, Motion, components, density_of
 from nodegraph_smooth.present_runs import Runs, smooth_runs
 
 if TYPE_CHECKING:
@@ -66,14 +64,9 @@ class _Stream:
     cite=("kalman1960", "bar_shalom2001"),
     lookahead=0,
     live=StateForm(_Stream),
+    shares=Driven,
 )
-def kalman_filter(
-    recording: Trajectories,
-    *,
-    cutoff: Cutoff = 10.0,
-    motion: Motion = "velocity",
-    noise: Annotated[float, Field(gt=0.0, allow_inf_nan=False), Unit("mm")] = 0.1,
-) -> Trajectories:
+def kalman_filter(driven: Driven) -> Trajectories:
     """Smooth causally by a Kalman filter: it lags, sees no frame ahead, and gives sigma.
 
     The model is that of `smooth.kalman`: each coordinate has a state x of d components, position
@@ -93,32 +86,11 @@ def kalman_filter(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     cutoff
         The frequency of which `smooth.kalman` keeps half the amplitude.
-    motion
-        The motion that a marker would keep if nothing drove it: its velocity, or its acceleration.
-    noise
-        Standard deviation of a sample, per coordinate. Positions do not depend on it, sigma is
-        proportional to it.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions, and with `sigma`, the standard deviation of each
-        sample per coordinate as the model has it.
-
-    Raises
-    ------
-    Refusal
-        If the cut-off is not below half the frame rate or too low to be computed.
-    ValueError
-        If `motion` is not one of its choices or `noise` not positive.
     """
-    if not noise > 0.0:
-        raise ValueError(f"noise must be a positive number of mm, got {noise}")
-    gains, spread = _gains(recording.rate, cutoff, motion)
+    recording = driven.recording
+    gains, spread = _gains(recording.rate, driven.cutoff, driven.motion)
 
     def filtered(block: NDArray[np.float64]) -> NDArray[np.float64]:
         from nodegraph_smooth import kalman_kernel
@@ -128,7 +100,7 @@ def kalman_filter(
     sigma = np.full(recording.origin.shape, np.nan)
     for length, alike in Runs.of(recording).by_length():
         age = np.minimum(np.arange(length), len(spread) - 1)
-        sigma[alike.samples()] = noise * spread[age, None]
+        sigma[alike.samples()] = driven.noise * spread[age, None]
     return replace(smooth_runs(recording, filtered), sigma=sigma)
 
 

@@ -6,15 +6,15 @@ from nodegraph import Refusal, node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Seconds, frames_of
 from nodegraph_smooth.knots import fit
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 DEGREE = 3
 _NEAREST = 1.1
 """Frames between knots; nearer ones leave the coefficients of a long run undetermined."""
 
 
-@node("smooth.least_squares", cite="deboor1978", lookahead=None)
-def least_squares(recording: Trajectories, *, spacing: Seconds = 0.05) -> Trajectories:
+@node("smooth.least_squares", cite="deboor1978", lookahead=None, shares=Smoothing)
+def least_squares(smoothing: Smoothing, *, spacing: Seconds = 0.05) -> Trajectories:
     """Smooth by the cubic spline on evenly spaced knots that fits best in the least squares.
 
     The output is the spline ``S(t) = sum(c[j] B[j](t))`` whose coefficients minimize
@@ -31,21 +31,15 @@ def least_squares(recording: Trajectories, *, spacing: Seconds = 0.05) -> Trajec
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     spacing
         Time from knot to knot; 3 frames at 60 Hz with the default.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
 
     Raises
     ------
     Refusal
         If knots would lie less than 1.1 frames apart, or every run is too short.
     """
+    recording = smoothing.recording
     frames = frames_of(spacing, recording.rate)
     if not frames >= _NEAREST:
         raise Refusal(

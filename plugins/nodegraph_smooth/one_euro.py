@@ -10,7 +10,7 @@ from pydantic import Field
 
 from nodegraph import StateForm, Unit, node
 from nodegraph_mocap import MarkerFrame, Trajectories
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -73,9 +73,10 @@ def _check(min_cutoff: float, beta: float, derivative_cutoff: float) -> None:
     ),
     lookahead=0,
     live=StateForm(_Stream),
+    shares=Smoothing,
 )
 def one_euro(
-    recording: Trajectories,
+    smoothing: Smoothing,
     *,
     min_cutoff: Frequency = 3.0,
     beta: Annotated[float, Field(ge=0.0, allow_inf_nan=False), Unit("Hz per mm/s")] = 0.5,
@@ -97,8 +98,6 @@ def one_euro(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     min_cutoff
         Cut-off of a marker at rest: lower, and it jitters less.
     beta
@@ -107,16 +106,12 @@ def one_euro(
     derivative_cutoff
         Cut-off of the velocity; the authors' 1 Hz.
 
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
-
     Raises
     ------
     ValueError
         If a cut-off is not positive, or `beta` is negative.
     """
+    recording = smoothing.recording
     _check(min_cutoff, beta, derivative_cutoff)
 
     def filtered(block: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from nodegraph import Refusal, node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Seconds, frames_of
 from nodegraph_smooth.knots import fit
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 
 @node(
@@ -21,9 +21,10 @@ from nodegraph_smooth.present_runs import smooth_runs
         "meet in value and slope"
     ),
     lookahead=None,
+    shares=Smoothing,
 )
 def polynomial(
-    recording: Trajectories,
+    smoothing: Smoothing,
     *,
     segment: Seconds = 0.1,
     degree: Annotated[int, Field(ge=2, le=9)] = 3,
@@ -46,24 +47,18 @@ def polynomial(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     segment
         Length of a segment, or as near to that as a whole number of them comes; 6 frames at
         60 Hz with the default. Take one longer than the take for a single polynomial.
     degree
         Degree of each polynomial.
 
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
-
     Raises
     ------
     Refusal
         If a segment has no more frames than free coefficients, or every run is too short.
     """
+    recording = smoothing.recording
     frames = frames_of(segment, recording.rate)
     if not frames > degree - 1:
         raise Refusal(

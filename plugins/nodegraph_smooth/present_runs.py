@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,25 @@ if TYPE_CHECKING:
 
 _TOGETHER = 2_000_000
 """Samples that are smoothed at once, so that a long take needs little memory beside itself."""
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """A recording that is smoothed.
+
+    Attributes
+    ----------
+    recording
+        Trajectories, with or without gaps.
+
+    Returns
+    -------
+    Trajectories
+        The recording with other positions; `sigma`, if it has any, NaN where they differ.
+    """
+
+    recording: Trajectories
+
 
 Method = Callable[["NDArray[np.float64]"], "NDArray[np.float64]"]
 """Smooths runs of one length, (L, G, 3) mm relative to their first samples, along their frames."""
@@ -112,7 +131,7 @@ def long_enough(runs: Runs, shortest: int) -> Runs:
         If there are runs and all of them are shorter.
     """
     if not len(runs.start):
-        warnings.warn("no sample is present: there is nothing to smooth", stacklevel=4)
+        warnings.warn("no sample is present: there is nothing to smooth", stacklevel=5)
         return runs
     short = runs.length < shortest
     if short.all():
@@ -125,7 +144,7 @@ def long_enough(runs: Runs, shortest: int) -> Runs:
             f"{np.count_nonzero(short)} of {len(short)} runs of present samples "
             f"({runs.length[short].sum()} samples) are shorter than {shortest} frames and stay "
             "as they were",
-            stacklevel=4,
+            stacklevel=5,
         )
     return runs.subset(~short)
 

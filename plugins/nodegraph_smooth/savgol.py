@@ -12,7 +12,7 @@ from pydantic import Field
 from nodegraph import Refusal, Unit, Window, WindowForm, node, read_only
 from nodegraph_mocap import MarkerFrame, Trajectories
 from nodegraph_smooth.cutoff import Seconds, frames_of
-from nodegraph_smooth.present_runs import Runs, long_enough, smoothed, smoothed_at
+from nodegraph_smooth.present_runs import Runs, Smoothing, long_enough, smoothed, smoothed_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -41,9 +41,10 @@ def _fitted_at(
     cite="savitzky_golay1964",
     lookahead=_lookahead,
     live=WindowForm(_fitted_at, before=_frames_before, after=_lookahead),
+    shares=Smoothing,
 )
 def savgol(
-    recording: Trajectories,
+    smoothing: Smoothing,
     *,
     window: Seconds = 0.15,
     degree: Annotated[int, Field(ge=0, le=9)] = 3,
@@ -65,8 +66,6 @@ def savgol(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     window
         Length of the window, ``2 h + 1`` frames: the nearest odd number.
     degree
@@ -74,16 +73,12 @@ def savgol(
     reach
         h; takes the place of `window`.
 
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
-
     Raises
     ------
     Refusal
         If a polynomial goes through every sample of a window, or no run is as long as one.
     """
+    recording = smoothing.recording
     half = int(frames_of(window, recording.rate) / 2.0) if reach is None else reach
     if 2 * half <= degree:
         length = f"{window:g} s" if reach is None else f"reach {reach}"
@@ -91,12 +86,16 @@ def savgol(
             f"a window of {length} is {2 * half + 1} frames at {recording.rate:g} Hz, and a "
             f"polynomial of degree {degree} needs more than {degree + 1} to smooth anything"
         )
+    return smoothed(recording, _fitted(recording, half, degree))
+
+
+def _fitted(recording: Trajectories, reach: int, degree: int) -> NDArray[np.float64]:
     runs = Runs.of(recording)
-    long_enough(runs, 2 * half + 1)
+    long_enough(runs, 2 * reach + 1)
     positions = np.ascontiguousarray(recording.positions)
     fitted = np.empty_like(positions)
-    _fit_into(fitted, positions, runs, half, degree)
-    return smoothed(recording, fitted)
+    _fit_into(fitted, positions, runs, reach, degree)
+    return fitted
 
 
 def _fit_into(

@@ -11,15 +11,15 @@ from pydantic import Field
 from nodegraph import node
 from nodegraph_mocap import Trajectories
 from nodegraph_smooth.cutoff import Cutoff, angle, check_stiffness
-from nodegraph_smooth.present_runs import smooth_runs
+from nodegraph_smooth.present_runs import Smoothing, smooth_runs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@node("smooth.whittaker", cite="eilers2003", lookahead=None)
+@node("smooth.whittaker", cite="eilers2003", lookahead=None, shares=Smoothing)
 def whittaker(
-    recording: Trajectories,
+    smoothing: Smoothing,
     *,
     cutoff: Cutoff = 10.0,
     order: Annotated[int, Field(ge=1, le=3)] = 2,
@@ -40,17 +40,10 @@ def whittaker(
 
     Parameters
     ----------
-    recording
-        Trajectories, with or without gaps.
     cutoff
         fc, the frequency of which half the amplitude is kept.
     order
         d; 2 is Eilers' usual choice.
-
-    Returns
-    -------
-    Trajectories
-        The recording with other positions; `sigma`, if it has any, NaN where they differ.
 
     Raises
     ------
@@ -58,6 +51,7 @@ def whittaker(
         If the cut-off is not below half the frame rate, or so low that the system cannot be
         solved; or if no run is longer than d samples.
     """
+    recording = smoothing.recording
     penalty = (2.0 * math.sin(angle(cutoff, recording.rate) / 2.0)) ** (-2 * order)
     check_stiffness(penalty, cutoff, recording.rate)
 

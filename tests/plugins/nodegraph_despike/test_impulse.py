@@ -130,7 +130,7 @@ def test_a_good_sample_between_two_impulses(order: str, repaired: list[int], off
 @pytest.mark.parametrize("order", ORDERS)
 def test_a_marker_that_stands_still_has_nothing_bad(order: str) -> None:
     still = make_recording(np.full(100, 3.7))
-    assert impulse(still, order=order) is still  # type: ignore[arg-type]
+    assert impulse(still, order=order) is still
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -139,7 +139,7 @@ def test_a_sample_beside_a_gap_is_not_judged(order: str) -> None:
     line[[0, 10, 20, 39]] += 30.0
     line[[9, 21]] = np.nan
     recording = make_recording(line)
-    assert impulse(recording, order=order) is recording  # type: ignore[arg-type]
+    assert impulse(recording, order=order) is recording
 
 
 def test_filled_samples_count_and_steps_across_a_gap_do_not() -> None:
@@ -179,4 +179,4 @@ def test_of_a_slow_sinusoid_it_takes_what_is_faster_than_the_mean_by_half() -> N
 
 def test_an_order_that_there_is_not(wavy: Trajectories) -> None:
     with pytest.raises(ValueError, match="simultaneous, in_place or redetect, got 'backward'"):
-        impulse(wavy, order="backward")  # type: ignore[arg-type]
+        impulse(wavy, order="backward")

@@ -133,7 +133,7 @@ def test_says_how_many_and_by_how_much(name: str, spiky: Trajectories) -> None:
     assert matched is not None
     assert int(matched[1]) == len(moved) > 0
     assert float(matched[2]) == pytest.approx(moved.mean(), rel=0.01)
-    assert len(caught) == 1
+    assert [warning.filename for warning in caught] == [__file__]
 
 
 def noted(**changes: Any) -> Trajectories:

@@ -112,7 +112,7 @@ def test_a_gap_splits_the_take_into_runs(wavy: Trajectories) -> None:
 def test_standing_still_and_straight_motion_have_no_impulse(name: str) -> None:
     for line in (np.full(50, 3.1), np.arange(50) * 0.1 + 700.3):
         recording = make_recording(line)
-        assert wavelet(recording, wavelet=name) is recording  # type: ignore[arg-type]
+        assert wavelet(recording, wavelet=name) is recording
 
 
 def test_where_a_marker_mostly_stands_still_nothing_is_bad() -> None:
@@ -128,4 +128,4 @@ def test_the_ends_of_a_run_are_never_bad(wavy: Trajectories) -> None:
 
 def test_a_wavelet_that_there_is_not(wavy: Trajectories) -> None:
     with pytest.raises(ValueError, match=r"one of rbio2\.2, rbio2\.4, rbio2\.6; got 'haar'"):
-        wavelet(wavy, wavelet="haar")  # type: ignore[arg-type]
+        wavelet(wavy, wavelet="haar")

@@ -96,7 +96,7 @@ def test_each_run_is_the_weighted_mean_of_its_formula(seed: int, order: int, end
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_interior_does_not_depend_on_the_ends(noisy: Trajectories, order: int) -> None:
-    smoothed = [bspline(noisy, order=order, ends=ends).positions for ends in ENDS]  # type: ignore[arg-type]
+    smoothed = [bspline(noisy, order=order, ends=ends).positions for ends in ENDS]
     for other in smoothed[1:]:
         np.testing.assert_array_equal(
             other[2 * order : -2 * order], smoothed[0][2 * order : -2 * order]
@@ -142,4 +142,4 @@ def test_other_orders_are_errors(noisy: Trajectories, order: int) -> None:
 
 def test_other_ends_are_errors(noisy: Trajectories) -> None:
     with pytest.raises(ValueError, match="ends must be vertex, clamped, free, got 'open'"):
-        bspline(noisy, ends="open")  # type: ignore[arg-type]
+        bspline(noisy, ends="open")

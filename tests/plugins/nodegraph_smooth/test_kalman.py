@@ -114,7 +114,7 @@ def test_positions_do_not_depend_on_the_noise(noisy: Trajectories) -> None:
 
 def test_bad_settings(noisy: Trajectories) -> None:
     with pytest.raises(ValueError, match="motion must be velocity or acceleration, got 'jerk'"):
-        kalman(noisy, motion="jerk")  # type: ignore[arg-type]
+        kalman(noisy, motion="jerk")
     with pytest.raises(ValueError, match="noise must be a positive number of mm, got 0"):
         kalman(noisy, noise=0.0)
     with pytest.raises(Refusal, match="not below 30 Hz"):

@@ -35,7 +35,7 @@ def test_each_sample_is_the_last_of_the_smoother_so_far(
 
 def test_bad_settings(noisy: Trajectories) -> None:
     with pytest.raises(ValueError, match="motion must be velocity or acceleration"):
-        kalman_filter(noisy, motion="jerk")  # type: ignore[arg-type]
+        kalman_filter(noisy, motion="jerk")
     with pytest.raises(ValueError, match="noise must be a positive number"):
         kalman_filter(noisy, noise=0.0)
     with pytest.raises(Refusal, match="cut-off 30 Hz is not below 30 Hz"):

@@ -56,6 +56,13 @@ def test_each_run_is_smoothed_by_itself(name: str, seed: int) -> None:
 
 
 @EVERY
+def test_a_warning_names_the_line_that_called(name: str) -> None:
+    with pytest.warns(UserWarning, match="nothing to smooth") as caught:
+        NODES[name](make_recording(np.full((20, 2, 3), np.nan)))
+    assert {warning.filename for warning in caught} == {__file__}
+
+
+@EVERY
 def test_what_stands_still_stays(name: str) -> None:
     still = np.tile(np.random.default_rng(1).normal(0, 300, (1, 4, 3)), (50, 1, 1))
     np.testing.assert_array_equal(NODES[name](make_recording(still)).positions, still)
