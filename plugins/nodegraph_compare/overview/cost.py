@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.midranks import midranks
-
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -38,9 +36,10 @@ def typical_seconds(times: Mapping[Label, Sequence[float]]) -> dict[Label, float
 
 def _p_of_equal(groups: Sequence[Sequence[float]]) -> float:
     """Return the p of the test of Kruskal and Wallis, corrected for ties."""
+    from pandas import Series
     from scipy.special import chdtrc
 
-    ranks = midranks(np.concatenate(groups))
+    ranks = Series(np.concatenate(groups)).rank().to_numpy()
     apart = ranks - (len(ranks) + 1) / 2
     ends = np.cumsum([len(group) for group in groups])
     between = sum(part.sum() ** 2 / len(part) for part in np.split(apart, ends[:-1]))

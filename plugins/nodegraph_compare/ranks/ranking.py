@@ -9,7 +9,6 @@ import numpy as np
 
 from nodegraph import listed
 from nodegraph_compare.inference import LEVEL, range_quantile
-from nodegraph_compare.midranks import midranks
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ranks.signed_rank import holm, rank_biserial, signed_rank
 from nodegraph_compare.studentised_range import survival
@@ -181,11 +180,13 @@ def rank(group: Group, end: BetterEnd, test: PairTest) -> Ranking:
     test
         Of the pairs.
     """
+    from pandas import DataFrame
+
     usable = group.usable
     units = units_of(group, group.values[:, usable], group.complete)
     values = units.means if units.count else group.values[group.complete][:, usable]
     methods = tuple(name for name, has in zip(group.methods, usable, strict=True) if has)
-    within = midranks(sign_of(end) * values)
+    within = DataFrame(sign_of(end) * values).rank(axis=1).to_numpy()
     ranks = within.mean(axis=0) if len(values) else np.full(len(methods), np.nan)
     tested = units.judged
     pairs = _pairs(sign_of(end) * values, ranks, test if tested else None)

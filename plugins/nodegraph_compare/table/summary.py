@@ -15,7 +15,6 @@ from nodegraph_compare.inference import (
     contrasts,
     mean_interval,
 )
-from nodegraph_compare.midranks import midranks
 from nodegraph_compare.question import sign_of
 from nodegraph_compare.ties import settled
 from nodegraph_compare.units import segments_of, units_of
@@ -205,6 +204,8 @@ def summarise(
     units_of
         Returns the units that the claims rest on.
     """
+    from pandas import DataFrame
+
     usable, kept = group.usable, group.complete
     values = group.values[:, usable]
     units = units_of(group, values, kept)
@@ -218,6 +219,7 @@ def summarise(
         full[usable] = numbers
         return full
 
+    ranks = DataFrame(sign_of(end) * values).rank(axis=1)
     place = group.methods.index(against) if against in group.methods else None
     return Summary(
         group,
@@ -229,7 +231,7 @@ def summarise(
         high=spread(high),
         arithmetic=spread(units.typical(ratio=False) if many else none),
         median=spread(np.median(values, axis=0) if many else none),
-        rank=spread(midranks(sign_of(end) * values).mean(axis=0) if many else none),
+        rank=spread(ranks.mean().to_numpy()),
         blocks=np.where(usable, len(values), 0),
         against=place,
         margin=margin,
