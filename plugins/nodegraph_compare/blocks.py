@@ -173,7 +173,7 @@ def groups(
     draw, draws = drawn.combined(), math.prod(map(len, drawn.labels))
     times = [*(_times(scores, name) for name in ("start", "frames")), *_of_takes(scores)]
     value = values_of(scores, question.metric)
-    rows_of = _split(within.combined())
+    rows_of = rows_by(within.combined())
     methods = compare.combined()
     empty = _without_rows(scores, question, within, compare)
     shares = _Shares(scores, question)
@@ -258,7 +258,7 @@ def _column(scores: Across[Table], name: str) -> tuple[tuple[Label, ...], NDArra
 def values_of(scores: Across[Table], metric: str) -> NDArray[np.float64]:
     """Return the metric of all rows of all tables; NaN where it is not finite."""
     parts = [table[metric].to_numpy(dtype=np.float64) for table in scores.values()]
-    joined = np.concatenate(parts)
+    joined = np.concatenate([*parts, np.empty(0)])
     return np.where(np.isfinite(joined), joined, np.nan)
 
 
@@ -290,7 +290,7 @@ def _common(
     return np.where(differs, np.nan, first)
 
 
-def _split(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
+def rows_by(numbers: NDArray[np.intp]) -> dict[int, NDArray[np.intp]]:
     """Return, for each number that occurs, the rows in which it does."""
     order = np.argsort(numbers, kind="stable")
     distinct, starts = np.unique(numbers[order], return_index=True)

@@ -278,7 +278,7 @@ def ask(scores: Across[Table], asked: Asked) -> Question:
     compared = asked.compare if asked.compare is not None or not free else free[-1]
     units = asked.blocks or _default_blocks(scores, {*within, *filter(None, [compared])})
     named = (*within, *filter(None, [compared]), *units)
-    _check_names(scores, named)
+    check_names(scores, named, "compare, within and blocks")
     _check_blocks(units)
     taken = (*within, *filter(None, [compared]))
     sources = tuple(axis for axis in scores.sources or () if axis not in taken)
@@ -289,7 +289,7 @@ def ask(scores: Across[Table], asked: Asked) -> Question:
     averaged = tuple(axis for axis in scores.axes if axis not in (*named, *identity))
     known = (*clusters, *sources)
     drawn = tuple(name for name in units if name in scores.axes and name not in known)
-    value = _metric(scores, asked.metric)
+    value = metric_of(scores, asked.metric)
     end = better_end(scores, value, asked.better)
     alike = find_alike(scores, clusters, sources)
     columns = (value, compared, tuple(within), units, clusters, identity, averaged, drawn, end)
@@ -318,10 +318,17 @@ def _default_blocks(scores: Across[Table], taken: set[str]) -> tuple[str, ...]:
     return tuple(name for name in (*scores.axes, *unit) if name not in taken)
 
 
-def _check_names(scores: Across[Table], named: tuple[str, ...]) -> None:
+def check_names(scores: Across[Table], named: tuple[str, ...], settings: str) -> None:
+    """Check that each name is used once, and is a gathered axis or a column.
+
+    Raises
+    ------
+    ValueError
+        If it is not; the message lists the `settings` that share a name, or what there is instead.
+    """
     repeated = sorted({name for name in named if named.count(name) > 1})
     if repeated:
-        raise ValueError(f"compare, within and blocks share a name: {', '.join(repeated)}")
+        raise ValueError(f"{settings} share a name: {', '.join(repeated)}")
     for name in named:
         check_known(scores, name)
 
@@ -388,9 +395,16 @@ def _check_blocks(blocks: tuple[str, ...]) -> None:
         )
 
 
-def _metric(scores: Across[Table], metric: str | None) -> str:
+def metric_of(scores: Across[Table], metric: str | None, *, but: str = "") -> str:
+    """Return a column of numbers: as set, else the first of floats, but for one.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
     first = scores.values()[0]
-    floats = [str(name) for name in first.columns if first[name].dtype.kind == "f"]
+    floats = [str(name) for name in first if first[name].dtype.kind == "f" and name != but]
     if metric is None and not floats:
         raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
     column = floats[0] if metric is None else metric

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from nodegraph import Across, ColumnOf, Label, listed, node
+from nodegraph import Across, ColumnOf, Label, node
 from nodegraph_compare.actors import clusters_of
-from nodegraph_compare.comparison import fallback_label
+from nodegraph_compare.blocks import columns_of
 from nodegraph_compare.curve.answer import answer_of
 from nodegraph_compare.curve.curves import Curves
 from nodegraph_compare.curve.marks import Mark, marks
 from nodegraph_compare.curve.notes import losses, notes
-from nodegraph_compare.curve.points import Axes, compared_in, floors, points, unit_names
+from nodegraph_compare.curve.points import Axes, floors, points
 from nodegraph_compare.curve.scale import scale_of
 from nodegraph_compare.question import (
     Clusters,
@@ -26,11 +26,14 @@ from nodegraph_compare.question import (
     OneName,
     check_clusters,
     check_known,
+    check_names,
     check_numbers,
+    metric_of,
     unit_of,
 )
 from nodegraph_compare.recordings import recordings_of
 from nodegraph_compare.ties import at_most
+from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.unused_axes import unused_axes
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import TableInfo, with_info
@@ -44,7 +47,7 @@ if TYPE_CHECKING:
 _COLUMNS = ("low", "high", "blocks", "rows", "on curve", "local minimum", "floor", "below floor")
 
 
-def axes_of(
+def _axes_of(
     scores: Across[Table],
     *,
     x: str,
@@ -54,87 +57,39 @@ def axes_of(
     clusters: tuple[str, ...],
     lowest: bool | None,
 ) -> Axes:
-    """Return what is drawn.
-
-    Parameters
-    ----------
-    scores
-        The gathered tables.
-    x
-        Axis or column of numbers.
-    metric
-        Default: the first column of floats that is not `x`.
-    compare
-        Default: the last gathered axis that is not `x` or in `blocks`.
-    blocks
-        Axes, or columns, whose combinations are repeats.
-    clusters
-        Axes, or columns, whose combinations are independent. Default: the axes along which the
-        data differ, but for `x` and `compare`.
-    lowest
-        Whether the curve takes the lowest of several points at one x. Default: where `x` is a
-        column.
-
-    Raises
-    ------
-    ValueError
-        If there is no table, a name is unknown, used twice or one that the result's table needs,
-        or `x` or the metric is not a number.
-    """
+    """Return what is drawn, by the settings of the node, every name checked."""
     if not len(scores):
         raise ValueError("there is no table to draw a curve of")
     free = [axis for axis in scores.axes if axis not in (x, *blocks)]
     compare = compare if compare is not None or not free else free[-1]
+    taken = (x, *filter(None, [compare]))
     apart = x not in scores.axes if lowest is None else lowest
-    sources = tuple(axis for axis in scores.sources or () if axis not in (x, compare))
+    sources = tuple(axis for axis in scores.sources or () if axis not in taken)
     if clusters:
-        check_clusters(scores, clusters, (x, *filter(None, [compare])), sources)
+        check_clusters(scores, clusters, taken, sources)
     else:
         known = clusters_of(scores, sources)
         clusters = tuple(name for name in known if not (apart and name.partition(".")[0] in free))
     blocks = blocks or clusters
-    free = [axis for axis in free if axis not in blocks]
-    metric = _first_number(scores, x) if metric is None else metric
-    named = (x, metric, *filter(None, [compare]), *blocks)
-    _check_once((*named, *(axis for axis in free if axis not in named)))
-    for name in named:
-        check_known(scores, name, what="metric" if name == metric else "axis or column")
+    metric = metric_of(scores, metric, but=x)
+    named = (*taken, metric, *blocks)
+    check_names(scores, named, "x, metric, compare and blocks")
+    others = tuple(axis for axis in scores.axes if axis not in named)
+    own = [name for name in (*named, *others) if name in (*_COLUMNS, "marked")]
+    if own:
+        raise ValueError(f"the table of the curve has a column {', '.join(own)} of its own")
     _check_x(scores, x)
-    check_numbers(scores, metric, "metric")
-    rest = tuple(axis for axis in free if axis != compare)
-    every = scores.labels(compare) if compare in scores.axes else ()
-    return Axes(x, metric, compare, blocks, clusters, rest, apart, every)
+    units = clusters
+    if len(np.unique(columns_of(scores, clusters).combined())) <= MOST_RECORDINGS:
+        units = tuple(name for name in blocks if name in scores.axes and name not in clusters)
+    return Axes(x, metric, compare, blocks, clusters, units, others, apart)
 
 
-def check_floor(floor: Across[Table], axes: Axes) -> None:
-    """Check that the floor can be drawn beside the curves.
-
-    Raises
-    ------
-    ValueError
-        If a table of it lacks the metric, or only some of them have the compared labels.
-    """
-    check_known(floor, axes.metric, what="metric")
+def _check_floor(floor: Across[Table], axes: Axes) -> None:
+    """Check that all tables of the floor have the metric, and all or none the compared labels."""
     check_numbers(floor, axes.metric, "metric of the floor")
     if axes.compare and any(axes.compare in table for table in floor.values()):
         check_known(floor, axes.compare)
-
-
-def _first_number(scores: Across[Table], x: str) -> str:
-    first = scores.values()[0]
-    floats = [str(name) for name in first if first[name].dtype.kind == "f" and name != x]
-    if not floats:
-        raise ValueError(f"the tables have no column of floats; columns: {listed(first.columns)}")
-    return floats[0]
-
-
-def _check_once(named: tuple[str, ...]) -> None:
-    twice = sorted({name for name in named if named.count(name) > 1})
-    if twice:
-        raise ValueError(f"x, metric, compare and blocks share a name: {', '.join(twice)}")
-    taken = [name for name in named if name in (*_COLUMNS, "marked")]
-    if taken:
-        raise ValueError(f"the table of the curve has a column {', '.join(taken)} of its own")
 
 
 def _check_x(scores: Across[Table], x: str) -> None:
@@ -263,7 +218,7 @@ def curve(
     """
     from nodegraph_compare.curve.figure import draw
 
-    axes = axes_of(
+    axes = _axes_of(
         scores,
         x=x,
         metric=metric,
@@ -272,10 +227,10 @@ def curve(
         clusters=clusters,
         lowest=lowest,
     )
-    curve_points = points(scores, axes, _fallback(scores, axes, fallback))
+    curve_points = points(scores, axes, fallback)
     level = None
     if floor is not None:
-        check_floor(floor, axes)
+        _check_floor(floor, axes)
         level = _levels(floors(floor, axes), curve_points)
     scale = scale_of(curve_points, level)
     unit = unit_of(scores, axes.metric)
@@ -296,7 +251,7 @@ def curve(
         title=f"{axes.metric} over {axes.x}" + (f" by {axes.compare}" if axes.compare else ""),
         answer=answer_of(curves),
         notes=(
-            *notes(curves, unit_names(scores, axes)),
+            *notes(curves),
             *losses(scores, curves, skipped=True),
             *unused_axes(scores, axes.compare).values(),
         ),
@@ -306,15 +261,6 @@ def curve(
     if lost:
         warnings.warn("; ".join(lost), stacklevel=2)
     return Curve(with_info(frame, info), draw(curves))
-
-
-def _fallback(scores: Across[Table], axes: Axes, name: str | None) -> Label | None:
-    if name is None:
-        return None
-    if axes.compare is None or not axes.blocks:
-        lacking = "blocks" if axes.compare else "an axis or column to compare"
-        raise ValueError(f"a fallback needs {lacking}, and there is none")
-    return fallback_label(compared_in(scores, axes), name)
 
 
 def _levels(known: Mapping[Label, float], curves: Sequence[Points]) -> dict[Label, float]:
@@ -338,7 +284,8 @@ def _columns(curves: Curves, curve_points: Points) -> dict[str, object]:
     columns: dict[str, object] = {
         name: [curve_points.label] * len(place) for name in _compared(axes)
     }
-    columns |= {name: [other[name] for other in curve_points.others] for name in _apart(axes)}
+    apart = axes.others if axes.lowest else ()
+    columns |= {name: [other[name] for other in curve_points.others] for name in apart}
     columns |= {axes.x: curve_points.x, axes.metric: curve_points.value}
     if axes.blocks:
         columns |= {"low": curve_points.low, "high": curve_points.high}
@@ -356,8 +303,3 @@ def _columns(curves: Curves, curve_points: Points) -> dict[str, object]:
 
 def _compared(axes: Axes) -> Iterable[str]:
     return () if axes.compare is None else (axes.compare,)
-
-
-def _apart(axes: Axes) -> Iterable[str]:
-    """Return the axes that distinguish points at one x."""
-    return axes.others if axes.lowest else ()

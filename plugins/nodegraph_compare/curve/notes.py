@@ -32,26 +32,18 @@ def most_text(curves: Curves) -> str:
     return number_text(curves.enough, curves.unit)
 
 
-def notes(curves: Curves, units: tuple[str, ...]) -> list[str]:
-    """Return what the columns of the table mean.
-
-    Parameters
-    ----------
-    curves
-    units
-        What distinguishes independent units.
-    """
+def notes(curves: Curves) -> list[str]:
+    """Return what the columns of the table mean."""
     axes = curves.axes
     if axes.blocks:
         text = (
             f"{axes.metric}: mean over blocks, a block being one combination of "
             f"{', '.join(axes.blocks)}; low, high: "
         )
-        if units:
-            further = "" if units == axes.clusters else " of the same recording"
-            text += (
-                f"its {100 * CONFIDENCE:.0f} % interval for further {' and '.join(units)}{further}."
-            )
+        if axes.units:
+            further = " and ".join(axes.units)
+            same = "" if axes.units == axes.clusters else " of the same recording"
+            text += f"its {100 * CONFIDENCE:.0f} % interval for further {further}{same}."
         else:
             text += "none, as all blocks are of one recording."
     else:

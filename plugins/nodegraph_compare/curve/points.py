@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_compare.actors import label_at
-from nodegraph_compare.blocks import label_order
+from nodegraph_compare.blocks import block_means, columns_of, rows_by, values_of
+from nodegraph_compare.comparison import fallback_label
 from nodegraph_compare.inference import mean_interval
 from nodegraph_compare.ties import tied
-from nodegraph_compare.units import MOST_RECORDINGS, units_from
+from nodegraph_compare.units import units_from
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterable, Mapping, Sequence
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from nodegraph_mocap import Table
 
     Numbers = NDArray[np.float64]
-
-
-T = TypeVar("T", bound="Hashable")
 
 
 @dataclass(frozen=True)
@@ -40,13 +37,13 @@ class Axes:
     compare : str or None
         A curve per label.
     blocks, clusters : tuple of str
-        Repeats, and the independent units that they are in.
+        Repeats, and what they are in.
+    units : tuple of str
+        What distinguishes independent units: `clusters`, or the repetitions of few of them.
     others : tuple of str
         Gathered axes that are none of these.
     lowest : bool
         Whether the points of the `others` at one x stay apart, and the curve takes the lowest.
-    labels : tuple of labels
-        Every label that the graph has on the compared axis.
     """
 
     x: str
@@ -54,9 +51,9 @@ class Axes:
     compare: str | None
     blocks: tuple[str, ...]
     clusters: tuple[str, ...]
+    units: tuple[str, ...]
     others: tuple[str, ...]
     lowest: bool
-    labels: tuple[Label, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -101,25 +98,7 @@ class Points:
         return known[np.unique(self.x[known], return_index=True)[1]]
 
 
-@dataclass(frozen=True)
-class _Rows:
-    """The rows of all tables: what they belong to, and their numbers."""
-
-    labels: Sequence[Label]
-    others: Sequence[tuple[Label, ...]]
-    blocks: Sequence[Hashable]
-    clusters: NDArray[np.intp]
-    draws: NDArray[np.intp]
-    x: NDArray[np.float64]
-    value: NDArray[np.float64]
-
-    @property
-    def ratio(self) -> bool:
-        """Whether every number is above 0, so that means over clusters are geometric."""
-        return bool((self.value[np.isfinite(self.value)] > 0.0).all())
-
-
-def points(scores: Across[Table], axes: Axes, fallback: Label | None = None) -> tuple[Points, ...]:
+def points(scores: Across[Table], axes: Axes, fallback: str | None = None) -> tuple[Points, ...]:
     """Return the points of every compared label, in the order of the labels.
 
     Parameters
@@ -130,24 +109,67 @@ def points(scores: Across[Table], axes: Axes, fallback: Label | None = None) -> 
         Which axis or column is what.
     fallback
         The label whose value stands where another one with a curve has none in a block.
+
+    Raises
+    ------
+    ValueError
+        If there is a fallback, and nothing is compared or there are no blocks.
     """
-    rows = _rows(scores, axes)
-    taken: dict[Label, int] = {}
-    if fallback is not None:
-        rows, taken = _filled(rows, fallback)
-    labels = compared_in(scores, axes)
-    of = _places(rows.labels)
-    return tuple(
-        replace(_points(rows, of.get(label, []), label, axes), taken=taken.get(label, 0))
-        for label in labels
-    )
-
-
-def compared_in(scores: Across[Table], axes: Axes) -> tuple[Label, ...]:
-    """Return the compared labels in order; an empty one where nothing is compared."""
-    if axes.compare is not None and axes.compare in scores.axes:
-        return label_order(scores, axes.compare)
-    return tuple(dict.fromkeys(_gathered(scores, axes.compare)))
+    labels, kind = _compared(scores, axes.compare)
+    x, value = _along(scores, axes.x), values_of(scores, axes.metric)
+    placed, known, row = np.isfinite(x), np.isfinite(value), np.arange(len(x))
+    others = columns_of(scores, axes.others if axes.lowest else ())
+    other = others.combined()
+    # where no blocks are named each row is one, and a point of its own if points stay apart
+    block = columns_of(scores, axes.blocks + axes.clusters).combined() if axes.blocks else row
+    apart = other if axes.blocks or not axes.lowest else row
+    keys = np.stack([x, apart, block])[:, placed]
+    keys, first, of = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+    first, shape = row[placed][first], (len(first), len(labels))
+    values, _ = block_means(of, kind[placed], value[placed], *shape)
+    there, taken = np.zeros(shape, dtype=np.bool_), np.zeros(shape, dtype=np.bool_)
+    there[of, kind[placed]] = True
+    if fallback is not None and (axes.compare is None or not axes.blocks):
+        lacking = "blocks" if axes.compare else "an axis or column to compare"
+        raise ValueError(f"a fallback needs {lacking}, and there is none")
+    stands = fallback_label(labels, fallback)
+    if stands is not None:
+        instead = values[:, [labels.index(stands)]]
+        taken = np.isnan(values) & np.isfinite(instead) & np.isin(range(len(labels)), kind[known])
+        values, there = np.where(taken, instead, values), there | taken
+    cluster = columns_of(scores, axes.clusters).combined()[first]
+    draw = columns_of(scores, () if axes.units == axes.clusters else axes.units).combined()[first]
+    ratio = bool((value[known] > 0.0).all())
+    _, point = np.unique(keys[:2], axis=1, return_inverse=True)
+    of_points = rows_by(point).values()
+    result = []
+    for at, label in enumerate(labels):
+        own = [mine for blocks in of_points if len(mine := blocks[there[blocks, at]])]
+        numbers = np.array(
+            [_statistics(values[mine, at], cluster[mine], draw[mine], axes, ratio) for mine in own]
+        ).reshape(-1, 4)
+        numbers[:, 0] = tied(numbers[:, 0])
+        rows = first[[mine[0] for mine in own]]
+        order = np.lexsort((numbers[:, 0], x[rows]))
+        rows, (mean, low, high, count) = rows[order], numbers[order].T
+        result.append(
+            Points(
+                label,
+                tuple(
+                    dict(zip(others.names, others.decoded(code), strict=True))
+                    for code in other[rows].tolist()
+                ),
+                x[rows],
+                mean,
+                low,
+                high,
+                count.astype(np.intp),
+                without_x=int(np.count_nonzero(kind[~placed] == at)),
+                without_value=int(np.count_nonzero(there[:, at] & np.isnan(values[:, at]))),
+                taken=int(np.count_nonzero(taken[:, at])),
+            )
+        )
+    return tuple(result)
 
 
 def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
@@ -156,155 +178,32 @@ def floors(floor: Across[Table], axes: Axes) -> dict[Label, float]:
     The one number of rows that have no compared label stands under an empty label.
     """
     known = axes.compare in floor.axes or any(axes.compare in table for table in floor.values())
-    labels = _gathered(floor, axes.compare if known else None)
-    value = _numbers(floor, axes.metric)
-    means: dict[Label, float] = {}
-    for label, places in _places(labels).items():
-        finite = value[places][np.isfinite(value[places])]
-        means |= {label: float(finite.mean())} if len(finite) else {}
-    return means
+    labels, kind = _compared(floor, axes.compare if known else None)
+    value = values_of(floor, axes.metric)
+    kind, value = kind[np.isfinite(value)], value[np.isfinite(value)]
+    means, _ = block_means(np.zeros_like(kind), kind, value, 1, len(labels))
+    return {labels[at]: float(means[0, at]) for at in np.unique(kind)}
 
 
-def _rows(scores: Across[Table], axes: Axes) -> _Rows:
-    count = sum(len(table) for table in scores.values())
-    identity = tuple(dict.fromkeys((*axes.blocks, *axes.clusters)))
-    blocks = _together(scores, identity) if axes.blocks else range(count)
-    others = _together(scores, axes.others) if axes.lowest else [()] * count
-    units = unit_names(scores, axes)
-    drawn = () if units == axes.clusters else units
-    return _Rows(
-        labels=_gathered(scores, axes.compare),
-        others=others,
-        blocks=blocks,
-        clusters=_numbered(_together(scores, axes.clusters)),
-        draws=_numbered(_together(scores, drawn)),
-        x=_numbers(scores, axes.x),
-        value=_numbers(scores, axes.metric),
-    )
+def _compared(
+    scores: Across[Table], name: str | None
+) -> tuple[tuple[Label, ...], NDArray[np.intp]]:
+    """Return the compared labels, an empty one where nothing is compared, and each row's place."""
+    from pandas import isna
+
+    if name is None:
+        return ("",), columns_of(scores, ()).combined()
+    columns = columns_of(scores, (name,))
+    labels = ("missing" if isna(label) else label for label in columns.labels[0])
+    return tuple(labels), columns.codes[0]
 
 
-def _filled(rows: _Rows, fallback: Label) -> tuple[_Rows, dict[Label, int]]:
-    """Return rows in which blocks without a number have the fallback's, and their counts."""
-    keys = list(zip(rows.x.tolist(), rows.others, rows.blocks, strict=True))
-    of, value = _places(zip(rows.labels, keys, strict=True)), rows.value.copy()
-    known = {
-        key: (places[0], float(rows.value[places].mean()))
-        for (label, key), places in of.items()
-        if label == fallback and np.isfinite(rows.value[places]).all()
-    }
-    added: list[tuple[Label, int, float]] = []
-    taken: dict[Label, int] = {}
-    finite = np.isfinite(rows.value)
-    for label in dict.fromkeys(each for each, has in zip(rows.labels, finite, strict=True) if has):
-        for key, (place, instead) in known.items():
-            own = of.get((label, key), [])
-            if finite[own].all() and own:
-                continue
-            taken[label] = taken.get(label, 0) + 1
-            value[own] = instead
-            if not own:
-                added.append((label, place, instead))
-    places = [*range(len(keys)), *(place for _, place, _ in added)]
-    filled = _Rows(
-        labels=[*rows.labels, *(label for label, _, _ in added)],
-        others=[rows.others[place] for place in places],
-        blocks=[rows.blocks[place] for place in places],
-        clusters=rows.clusters[places],
-        draws=rows.draws[places],
-        x=rows.x[places],
-        value=np.concatenate([value, [instead for _, _, instead in added]]),
-    )
-    return filled, taken
-
-
-def unit_names(scores: Across[Table], axes: Axes) -> tuple[str, ...]:
-    """Return what distinguishes independent units: clusters, or repetitions of few of them.
-
-    Blocks of one recording that are not repetitions are not independent; they are one unit.
-    """
-    if len(set(_together(scores, axes.clusters))) > MOST_RECORDINGS:
-        return axes.clusters
-    return tuple(name for name in axes.blocks if name in scores.axes and name not in axes.clusters)
-
-
-def _together(scores: Across[Table], names: tuple[str, ...]) -> list[tuple[Label, ...]]:
-    """Return the labels of all rows in several axes or columns."""
-    parts = [_gathered(scores, name) for name in names]
-    return list(zip(*parts, strict=True)) if parts else [()] * len(_gathered(scores, None))
-
-
-def _gathered(scores: Across[Table], name: str | None) -> list[Label]:
-    """Return the label of all rows in an axis, or column; nothing where there is no name."""
-    gathered: list[Label] = []
-    for labels, table in scores:
-        if name is None or name in scores.axes or name in scores.fields:
-            gathered += [label_at(scores, name, labels) if name else ""] * len(table)
-        else:
-            column = table[name]
-            gathered += column.where(column.notna(), "missing").tolist()
-    return gathered
-
-
-def _numbers(scores: Across[Table], name: str) -> NDArray[np.float64]:
-    """Return finite numbers of all rows, else NaN."""
-    parts = [
-        np.full(len(table), labels.get(name, np.nan), dtype=np.float64)
-        if name in scores.axes
-        else table[name].to_numpy(dtype=np.float64)
-        for labels, table in scores
-    ]
-    numbers = np.concatenate([*parts, np.empty(0)])
-    return np.where(np.isfinite(numbers), numbers, np.nan)
-
-
-def _places(keys: Iterable[T]) -> dict[T, list[int]]:
-    """Return the places of each key, in the order in which the keys first come."""
-    places: dict[T, list[int]] = {}
-    for place, key in enumerate(keys):
-        places.setdefault(key, []).append(place)
-    return places
-
-
-def _numbered(keys: Sequence[Hashable]) -> NDArray[np.intp]:
-    """Return the place of each key among those that differ."""
-    place = {key: at for at, key in enumerate(dict.fromkeys(keys))}
-    return np.array([place[key] for key in keys], dtype=np.intp)
-
-
-def _points(rows: _Rows, places: Sequence[int], label: Label, axes: Axes) -> Points:
-    placed = [place for place in places if np.isfinite(rows.x[place])]
-    apart = axes.lowest and not axes.blocks
-    cells = _places(
-        (rows.x[place], rows.others[place], place if apart else None) for place in placed
-    )
-    blocks = [_blocks(rows, [placed[row] for row in cell]) for cell in cells.values()]
-    statistics = [_statistics(*block, axes, rows.ratio) for block in blocks]
-    numbers = np.array([(x, *row) for (x, _, _), row in zip(cells, statistics, strict=True)])
-    numbers = numbers.reshape(-1, 5)
-    numbers[:, 1] = tied(numbers[:, 1])
-    order = np.lexsort((numbers[:, 1], numbers[:, 0]))
-    keys = list(cells)
-    x, value, low, high, count = numbers[order].T
-    return Points(
-        label,
-        tuple(dict(zip(axes.others, keys[place][1], strict=False)) for place in order),
-        x,
-        value,
-        low,
-        high,
-        count.astype(np.intp),
-        without_x=len(places) - len(placed),
-        without_value=sum(int(np.isnan(values).sum()) for values, _, _ in blocks),
-    )
-
-
-def _blocks(rows: _Rows, places: list[int]) -> tuple[Numbers, NDArray[np.intp], NDArray[np.intp]]:
-    """Return the mean of the rows of each block, NaN where one has none, its cluster and draw."""
-    value = rows.value[places]
-    blocks = list(_places(rows.blocks[place] for place in places).values())
-    first = [places[block[0]] for block in blocks]
-    means = np.array([value[block].mean() for block in blocks])
-    return means, rows.clusters[first], rows.draws[first]
+def _along(scores: Across[Table], name: str) -> Numbers:
+    """Return the numbers of all rows in an axis, or in a column."""
+    if name not in scores.axes:
+        return values_of(scores, name)
+    labels = np.array([labels[name] for labels, _ in scores], dtype=np.float64)
+    return np.repeat(labels, [len(table) for table in scores.values()])
 
 
 def _statistics(

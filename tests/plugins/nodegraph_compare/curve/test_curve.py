@@ -391,3 +391,26 @@ def test_the_fallback_stands_where_another_curve_has_no_number() -> None:
     assert note.startswith("picky: 3 blocks")
     with pytest.raises(ValueError, match="blocks"):
         curve(scores, fallback="linear", **{**settings, "blocks": ()})
+
+
+def test_what_has_no_label_has_a_curve_of_its_own() -> None:
+    frame = pd.DataFrame({"x": [1, 1, 2, 2], "rmse": [1.0, 2.0, 3.0, 4.0], "who": ["a", None] * 2})
+    result = curve(Across((), (({}, frame),)), x="x", compare="who").table
+    assert result[["who", "x", "rmse"]].to_numpy().tolist() == [
+        ["a", 1, 1.0], ["a", 2, 3.0], ["missing", 1, 2.0], ["missing", 2, 4.0],
+    ]  # fmt: skip
+
+
+def test_a_row_of_the_fallback_without_a_place_is_no_loss_of_others() -> None:
+    frame = pd.DataFrame(
+        {
+            "x": [1.0, NAN, 1.0],
+            "gap": [0, 1, 1],
+            "rmse": [1.0, 2.0, 3.0],
+            "who": ["a", "a", "b"],
+        }
+    )
+    scores = Across((), (({}, frame),))
+    with pytest.warns(UserWarning, match="^a: 1 rows left out, whose x is not a finite number$"):
+        result = curve(scores, x="x", compare="who", blocks=("gap",), fallback="a").table
+    assert result[["who", "rmse", "blocks"]].to_numpy().tolist() == [["a", 1.0, 1], ["b", 2.0, 2]]
