@@ -7,10 +7,8 @@ import re
 from itertools import product
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-import nodegraph as ng
 from tests.records import read_record
 from tests.studies import DATA, ROOT, Studies, command, needs_recordings, table
 
@@ -93,27 +91,6 @@ def test_real_recordings_end_with_a_table(studies: Studies) -> None:
     fills = ("--only", f"fill={','.join(FILLS)},ridge")
     folder = studies.run("fill", "--axis", f"recording={takes}", *only, *fills)
     assert {fill for fill, _ in errors_of(folder)} >= FILLS
-
-
-@needs_recordings
-def test_three_neighbours_on_jaw_reach_the_error_that_is_expected() -> None:
-    run = ng.run(
-        GRAPH,
-        axis={"recording": [str(DATA / "animface" / "jaw.c3d")], "trial": range(6)},
-        only={
-            "fill": ["muscle", "linear"],
-            "terms": ["as_published"],
-            "condition": ["own_noise"],
-        },
-        until=["error"],
-    )
-    scores = run["error"].frame().dropna(subset="rmse")
-    errors = np.sqrt(scores["rmse"].pow(2).groupby([scores["fill"], scores["length"]]).mean())
-    for length, expected in ((5, 0.27), (15, 0.63), (45, 1.03)):
-        assert errors["muscle", length] == pytest.approx(expected, rel=0.25)
-    # a short gap belongs to the marker's own trajectory, a long one to its neighbours
-    assert errors["linear", 5] < errors["muscle", 5]
-    assert errors["linear", 45] > errors["muscle", 45]
 
 
 @needs_recordings

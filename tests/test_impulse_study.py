@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.studies import DATA, Studies, needs_recordings, table
+from tests.studies import Studies, table
 
 DESPIKERS = {"impulse", "redetect", "hampel", "median", "acceleration", "wavelet", "no_repair"}
 GROUPS = tuple(f"size {size}, impulses {share}" for size in (2.0, 5.0) for share in (0.005, 0.02))
@@ -86,13 +86,3 @@ def test_no_threshold_is_blind_to_the_impulses_of_the_study(built_in: Path) -> N
     for method in DESPIKERS - {"no_repair", "hampel"}:
         assert missed[method, "size 2.0, impulses 0.005"] < 0.05
     assert missed["hampel", "size 2.0, impulses 0.005"] < 0.4
-
-
-@needs_recordings
-def test_real_recordings_end_with_tables(studies: Studies) -> None:
-    names = ("animface/jaw.c3d", "vicon/shoulder.c3d", "facecap/take001.c3d")
-    takes = ",".join(str(DATA / name) for name in names)
-    only = ("--only", "size=5", "--only", "impulses=0.02")
-    folder = studies.run("impulses", "--axis", f"recording={takes}", *only)
-    assert {row["despike"] for row in table(folder / "impulses-missed_table.csv")} >= DESPIKERS
-    assert json.loads((folder / "run.json").read_text())["counts"]["failed"] == 0
