@@ -172,6 +172,7 @@ def _cell(verdicts: Verdicts, group: Verdict, line: Line) -> _Cell:
     """Return the card of a group in short: its headline, the dots of all methods, one more."""
     if not group.known:
         return ()
+    verdicts = without_unit(verdicts)
     card, kinds = card_of(verdicts, group, line), kinds_of(verdicts, group)
     is_of_all = group is verdicts.overall
     are_few = len(verdicts.groups) * len(verdicts.methods) <= _MOST_DOTS
@@ -190,7 +191,7 @@ def _cell(verdicts: Verdicts, group: Verdict, line: Line) -> _Cell:
     if len(beside) > 1:
         return (first, *dots, ("tied", (f"{len(beside)} others",), ()))
     others: list[_Part] = [
-        (kinds.get(place, "rest"), (name,), behind_text(without_unit(verdicts), group, place))
+        (kinds.get(place, "rest"), (name,), behind_text(verdicts, group, place))
         for place, name in zip(beside, method_words(verdicts, beside), strict=True)
     ]
     return (first, *dots, *others)
