@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FARTHEST = 1e9  # mm
-_MISSING, _MEASURED = int(Origin.MISSING), int(Origin.MEASURED)
+_MISSING, _MEASURED = np.uint8(Origin.MISSING), np.uint8(Origin.MEASURED)
 
 
 def recording_header(names: Sequence[str], rate: float) -> Trajectories:
@@ -47,15 +47,14 @@ def marker_frame(numbers: NDArray[np.floating], *, zeros_missing: bool = False) 
     ValueError
         If a position is infinite or beyond 1e9 mm.
     """
-    from nodegraph_live import marker_frame_kernel
-
-    frame = MarkerFrame(np.empty(numbers.shape), np.empty(len(numbers), dtype=np.uint8))
-    is_near = marker_frame_kernel.read_markers(
-        numbers, zeros_missing, _FARTHEST, frame.positions, frame.origin, _MISSING, _MEASURED
-    )
-    if not is_near:
+    positions = np.array(numbers, dtype=np.float64)
+    missing = np.isnan(positions).any(axis=1)
+    if zeros_missing:
+        missing |= ~positions.any(axis=1)
+    positions[missing] = np.nan
+    if (np.abs(positions) > _FARTHEST).any():
         raise ValueError("a position is beyond 1e9 mm")
-    return frame
+    return MarkerFrame(positions, np.where(missing, _MISSING, _MEASURED))
 
 
 def weights_frame(values: NDArray[np.float64]) -> NDArray[np.float64]:

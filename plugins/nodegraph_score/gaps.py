@@ -42,29 +42,46 @@ class _Stream:
 
     def __init__(self, estimate: Trajectories, truth: Trajectories, hidden: Mask) -> None:
         hidden_errors(estimate, truth, hidden)  # that the markers are the same
-        self._of_estimate = np.array(columns(estimate.markers, truth.markers), dtype=np.intp)
-        self._of_hidden = np.array(columns(hidden.markers, truth.markers), dtype=np.intp)
+        self._of_estimate = columns(estimate.markers, truth.markers)
+        self._of_hidden = columns(hidden.markers, truth.markers)
         self._markers = truth.markers
-        self._open = np.zeros((len(truth.markers), 8))
-        self._closed = np.zeros(8)
+        self._before = np.full((len(truth.markers), 3), np.nan)  # errors
+        # of each marker's open gap: its frames, those filled, their squares, sum and largest
+        self._open = np.zeros((5, len(truth.markers)))
+        self._closed = np.zeros((2, 5))
 
     def push(
         self, estimate: MarkerFrame, truth: MarkerFrame, hidden: NDArray[np.bool_]
     ) -> NDArray[np.float64]:
-        from nodegraph_score import gaps_kernel
+        hidden = hidden[self._of_hidden]
+        unknown = np.flatnonzero(hidden & np.isnan(truth.positions[:, 0]))
+        if len(unknown):
+            marker = self._markers[unknown[0]]
+            raise Refusal(f"marker {marker!r}: hidden, but the truth has no sample")
+        error = estimate.positions[self._of_estimate] - truth.positions
+        ended = ~hidden & (self._open[0] > 0.0)
+        if ended.any():
+            jumps = lengths(error[ended] - self._before[ended])
+            self._closed += _counts_and_sums(self._open[:, ended], jumps)
+            self._open[:, ended] = 0.0
+        self._before = error
+        distance = lengths(error)
+        filled = hidden & ~np.isnan(distance)
+        distance = np.where(filled, distance, 0.0)
+        self._open[:4] += hidden, filled, distance**2, distance
+        self._open[4] = np.maximum(self._open[4], distance)
+        gaps = self._open[:, self._open[0] > 0.0]
+        counts, sums = self._closed + _counts_and_sums(gaps, np.full(gaps.shape[1], np.nan))
+        with np.errstate(invalid="ignore"):
+            return np.array([counts[0], *sums / counts])
 
-        column = gaps_kernel.first_unknown(truth.positions, hidden, self._of_hidden)
-        if column >= 0:
-            raise Refusal(f"marker {self._markers[column]!r}: hidden, but the truth has no sample")
-        return gaps_kernel.advance(
-            self._open,
-            self._closed,
-            estimate.positions,
-            truth.positions,
-            hidden,
-            self._of_estimate,
-            self._of_hidden,
-        )
+
+def _counts_and_sums(gaps: NDArray[np.float64], jumps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how many of (5, G) gaps have each number of `_RUNNING`, and its sum, (2, 5)."""
+    frames, filled, squares, total, largest = gaps
+    numbers = np.array((filled / frames, np.sqrt(squares / frames), total / frames, largest, jumps))
+    numbers[1:, filled < frames] = np.nan
+    return np.array((np.count_nonzero(~np.isnan(numbers), axis=1), np.nansum(numbers, axis=1)))
 
 
 def _means_over_gaps(table: Table) -> list[float]:
