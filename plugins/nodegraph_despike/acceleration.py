@@ -10,6 +10,7 @@ from pydantic import Field
 from nodegraph import Unit, node
 from nodegraph_despike.repair import Repairing, repaired
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.frame_ranges import runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -63,9 +64,7 @@ def acceleration(
 
 def _bridged(positions: NDArray[np.float64], bad: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return the positions with each run of bad samples on the line between its neighbours."""
-    edges = np.diff(np.pad(bad.astype(np.int8), ((1, 1), (0, 0))).T, axis=1)
-    marker, first = np.nonzero(edges == 1)
-    after = np.nonzero(edges == -1)[1]
+    marker, first, after = runs_of(bad)
     length = after - first
     run = np.repeat(np.arange(len(first)), length)
     step = np.arange(len(run)) - np.repeat(np.cumsum(length) - length, length) + 1

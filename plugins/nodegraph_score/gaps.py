@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from nodegraph import Columns, Refusal, RunningForm, Truth, node
 from nodegraph_mocap import MarkerFrame, Mask, Table, Trajectories
+from nodegraph_mocap.frame_ranges import RunsOfTrue, runs_of
 from nodegraph_mocap.suspect import impulses, lengths
 from nodegraph_score.hidden_errors import columns, hidden_errors
 from nodegraph_score.take import take_of
@@ -172,32 +172,15 @@ def gaps(
     return _table(_find(mask[some]), error, has, jumps, markers, poses, take_of(truth))
 
 
-@dataclass(frozen=True)
-class _Gaps:
-    """Runs of hidden frames, ordered by first frame, then marker.
-
-    Attributes
-    ----------
-    marker, first, last : (G,) arrays of int
-        The marker's column, and the first and last frame.
-    """
-
-    marker: NDArray[np.intp]
-    first: NDArray[np.intp]
-    last: NDArray[np.intp]
-
-
-def _find(mask: NDArray[np.bool_]) -> _Gaps:
-    """Return the runs of True along the frames of a (M, T) mask."""
-    edges = np.diff(np.pad(mask.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-    marker, first = np.nonzero(edges == 1)
-    last = np.nonzero(edges == -1)[1] - 1
-    order = np.lexsort((marker, first))
-    return _Gaps(marker[order], first[order], last[order])
+def _find(mask: NDArray[np.bool_]) -> RunsOfTrue:
+    """Return the gaps of a (M, T) mask, ordered by first frame, then marker."""
+    runs = runs_of(mask.T)
+    order = np.lexsort((runs.marker, runs.start))
+    return RunsOfTrue(*(column[order] for column in runs))
 
 
 def _table(
-    gaps: _Gaps,
+    gaps: RunsOfTrue,
     error: NDArray[np.float64],
     has: NDArray[np.bool_],
     jumps: NDArray[np.float64],
@@ -207,7 +190,7 @@ def _table(
 ) -> Table:
     from pandas import DataFrame
 
-    frames = gaps.last - gaps.first + 1
+    frames = gaps.stop - gaps.start
     present = np.rint(_means(has.astype(np.float64), gaps, 0, 0) * frames)
     whole = present == frames
     errors = {
@@ -218,7 +201,7 @@ def _table(
         {
             "gap": np.arange(len(frames)),
             "marker": np.array(markers, dtype=object)[gaps.marker],
-            "start": gaps.first,
+            "start": gaps.start,
             "frames": frames,
             **errors,
             "filled": present / frames,
@@ -236,12 +219,12 @@ def _table(
     return with_info(table, info)
 
 
-def _suspect(jumps: NDArray[np.float64], gaps: _Gaps) -> list[str]:
+def _suspect(jumps: NDArray[np.float64], gaps: RunsOfTrue) -> list[str]:
     """Return the impulses of the truth in each gap; `jumps` is (M, T)."""
     texts = [""] * len(gaps.marker)
     for gap in np.flatnonzero(_maxima(jumps, gaps)):
-        first = gaps.first[gap]
-        inside = jumps[gaps.marker[gap], first : gaps.last[gap] + 1]
+        first = gaps.start[gap]
+        inside = jumps[gaps.marker[gap], first : gaps.stop[gap]]
         texts[gap] = ", ".join(
             f"impulse in frame {first + frame} ({inside[frame]:.1f} mm)"
             for frame in np.flatnonzero(inside)
@@ -249,7 +232,7 @@ def _suspect(jumps: NDArray[np.float64], gaps: _Gaps) -> list[str]:
     return texts
 
 
-def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def _errors(gaps: RunsOfTrue, error: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
     """Return each error of each gap; `error` is (M, T, 3)."""
     distance = lengths(error)
     step = _padded(lengths(np.diff(error, axis=1)), before=1, after=0)
@@ -259,9 +242,7 @@ def _errors(gaps: _Gaps, error: NDArray[np.float64]) -> dict[str, NDArray[np.flo
         "mae": _means(distance, gaps, 0, 0),
         "coordinate mae": _means(np.abs(error).mean(axis=2), gaps, 0, 0),
         "max": _maxima(distance, gaps),
-        "jump": np.append(step, np.full((len(step), 1), np.nan), axis=1)[
-            gaps.marker, gaps.last + 1
-        ],
+        "jump": np.append(step, np.full((len(step), 1), np.nan), axis=1)[gaps.marker, gaps.stop],
         "velocity": np.sqrt(_means(step**2, gaps, 0, 1)),
         "acceleration": np.sqrt(_means(bend**2, gaps, 1, 1)),
     }
@@ -273,7 +254,7 @@ def _padded(values: NDArray[np.float64], *, before: int, after: int) -> NDArray[
 
 
 def _means(
-    values: NDArray[np.float64], gaps: _Gaps, before: int, after: int
+    values: NDArray[np.float64], gaps: RunsOfTrue, before: int, after: int
 ) -> NDArray[np.float64]:
     """Return the mean of the numbers from `before` a gap to `after` it; NaN where none is."""
     samples, starts = _samples(values, gaps, before, after)
@@ -285,18 +266,17 @@ def _means(
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _maxima(values: NDArray[np.float64], gaps: _Gaps) -> NDArray[np.float64]:
+def _maxima(values: NDArray[np.float64], gaps: RunsOfTrue) -> NDArray[np.float64]:
     samples, starts = _samples(values, gaps, 0, 0)
     return np.maximum.reduceat(samples, starts) if len(starts) else np.empty(0)
 
 
 def _samples(
-    values: NDArray[np.float64], gaps: _Gaps, before: int, after: int
+    values: NDArray[np.float64], gaps: RunsOfTrue, before: int, after: int
 ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
     """Return the samples of a (M, T) array, gap after gap, and where each gap starts."""
-    first = np.maximum(gaps.first - before, 0)
-    last = np.minimum(gaps.last + after, values.shape[1] - 1)
-    lengths = last - first + 1
+    first = np.maximum(gaps.start - before, 0)
+    lengths = np.minimum(gaps.stop + after, values.shape[1]) - first
     starts = np.cumsum(lengths) - lengths
     frame = np.arange(lengths.sum()) + np.repeat(first - starts, lengths)
     return values[np.repeat(gaps.marker, lengths), frame], starts
