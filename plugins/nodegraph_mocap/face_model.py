@@ -66,6 +66,14 @@ class HeadMotion(Value):
         """Number of frames, T."""
         return len(self.rotations)
 
+    def __getitem__(self, frames: slice | NDArray[np.generic]) -> HeadMotion:
+        """Return the motion in some frames: a slice, flags, or numbers."""
+        return HeadMotion(
+            rotations=self.rotations[frames],
+            translations=self.translations[frames],
+            scales=self.scales[frames],
+        )
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BlendshapeModel(Value):

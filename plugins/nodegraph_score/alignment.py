@@ -19,7 +19,7 @@ from nodegraph_score.components import (
     principal,
 )
 from nodegraph_score.notes import with_notes
-from nodegraph_score.pose import NAMES, carried, check_proper, frames_of, left_over, pose
+from nodegraph_score.pose import NAMES, carried, check_proper, left_over, pose
 from nodegraph_tables import TableInfo, poses_of
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def alignment(
         moved = movement(numbers[complete])
         notes += [f"{name}: {note}" if name else note for note in left_out(recording, pca, moved)]
         if len(pca.sd):
-            head = carried(recording.positions[complete], frames_of(there, complete))
+            head = carried(recording.positions[complete], there[complete])
             parts.append(_table(labels, pca, moved, pca.part_of(head), components))
     if not parts:
         raise Refusal("; ".join(notes) or "there is no recording")
@@ -142,13 +142,9 @@ def _removed(
     recording: Trajectories,
     removed: Across[HeadMotion] | None,
 ) -> HeadMotion:
-    """Return the motion that was taken out of a recording; empty without any."""
+    """Return the motion that was taken out of a recording; a still head's without any."""
     if removed is None:
-        still = np.tile(np.eye(3), (recording.frames, 1, 1))
-        frames = recording.frames
-        return HeadMotion(
-            rotations=still, translations=np.zeros((frames, 3)), scales=np.ones(frames)
-        )
+        return HeadMotion.still(recording.frames)
     matches = [
         motion
         for at, motion in removed

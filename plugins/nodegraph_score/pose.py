@@ -76,15 +76,6 @@ def carried(positions: NDArray[np.float64], motion: HeadMotion) -> NDArray[np.fl
     return np.asarray(scale * (mean @ motion.rotations.transpose(0, 2, 1)) + shift)
 
 
-def frames_of(motion: HeadMotion, frames: NDArray[np.bool_]) -> HeadMotion:
-    """Return some of the frames."""
-    return HeadMotion(
-        rotations=motion.rotations[frames],
-        translations=motion.translations[frames],
-        scales=motion.scales[frames],
-    )
-
-
 def check_proper(what: str, motion: HeadMotion) -> None:
     """Raise a ValueError if a rotation is a mirror image."""
     mirrored = np.linalg.det(motion.rotations) < 0

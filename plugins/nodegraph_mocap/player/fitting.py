@@ -9,7 +9,7 @@ import numpy as np
 
 from nodegraph import Refusal
 from nodegraph_mocap.animation import Animation
-from nodegraph_mocap.face_model import HeadMotion, Weights
+from nodegraph_mocap.face_model import Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.playback import Panel
 from nodegraph_mocap.player.data import MOST_STEPS, beyond, step_of
@@ -42,7 +42,12 @@ def thinned(shown: Trajectories | Animation, every: int) -> Trajectories | Anima
     if every == 1:
         return shown
     if isinstance(shown, Animation):
-        return _thinned_animation(shown, every)
+        motion = shown.head_motion
+        return replace(
+            shown,
+            weights=thinned_weights(shown.weights, every),
+            head_motion=motion and motion[::every],
+        )
     return replace(
         shown,
         positions=shown.positions[::every],
@@ -100,17 +105,3 @@ def _across(shown: Trajectories | Animation | Weights) -> int:
     if isinstance(shown, Animation):
         return len(shown.head.names) + 4 * (shown.head_motion is not None)
     return len(shown.markers)
-
-
-def _thinned_animation(shown: Animation, every: int) -> Animation:
-    motion = shown.head_motion
-    return replace(
-        shown,
-        weights=thinned_weights(shown.weights, every),
-        head_motion=motion
-        and HeadMotion(
-            rotations=motion.rotations[::every],
-            translations=motion.translations[::every],
-            scales=motion.scales[::every],
-        ),
-    )

@@ -23,17 +23,9 @@ def weights(*names: str, frames: int = 4) -> Weights:
     return Weights(values=values, names=names, rate=30.0)
 
 
-def still(frames: int) -> HeadMotion:
-    return HeadMotion(
-        rotations=np.tile(np.eye(3), (frames, 1, 1)),
-        translations=np.zeros((frames, 3)),
-        scales=np.ones(frames),
-    )
-
-
 def test_weights_find_their_morph_targets(head: Head) -> None:
     given = weights("MouthSmileRight", "JawOpen")
-    result = Animation(head=head, weights=given, head_motion=still(4))
+    result = Animation(head=head, weights=given, head_motion=HeadMotion.still(4))
     assert (result.frames, result.rate) == (4, 30.0)
     expected = np.column_stack([given.values[:, 1], np.zeros(4), given.values[:, 0]])
     np.testing.assert_array_equal(result.morph_weights, expected)
@@ -47,7 +39,7 @@ def test_a_missing_weight_stays_missing(head: Head) -> None:
 
 def test_frames_must_agree(head: Head) -> None:
     with pytest.raises(ValueError, match="the weights have 4 frames, the head motion 5"):
-        Animation(head=head, weights=weights("jawOpen"), head_motion=still(5))
+        Animation(head=head, weights=weights("jawOpen"), head_motion=HeadMotion.still(5))
 
 
 def test_a_weight_needs_a_morph_target(head: Head) -> None:

@@ -89,11 +89,6 @@ def weights(frames: int = 9, names: str = "ab") -> Weights:
     return Weights(values=np.zeros((frames, len(names))), names=tuple(names), rate=60.0)
 
 
-def motion(frames: int) -> HeadMotion:
-    turns = np.tile(np.eye(3), (frames, 1, 1))
-    return HeadMotion(rotations=turns, translations=np.zeros((frames, 3)), scales=np.ones(frames))
-
-
 OTHER = replace(TRUTH, markers=("w", "x", "y", "z"))
 SHORT_MASK = Mask(hidden=MASK.hidden[:39], markers=NAMES)
 PAIRED = ("gaps", "impulses", "smoothness", "calibration")
@@ -144,4 +139,4 @@ def test_weights_and_head_motions_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ValueError, match="no shape is in both: estimate has a, b, reference x, y"):
         weights_mse(weights(), weights(9, "xy"))
     with pytest.raises(ValueError, match="estimate has 9 frames, the truth has 10"):
-        head_motion(motion(9), motion(10))
+        head_motion(HeadMotion.still(9), HeadMotion.still(10))
