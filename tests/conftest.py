@@ -50,8 +50,8 @@ _NUMBERS = count()
 gc.disable()  # until all tests are collected: nothing of theirs is garbage
 
 LONG = (
-    *("test_contracts", "test_stored_studies", "test_reports", "test_misbehaving_nodes"),
-    *("test_third_party", "test_locked_studies", "test_fill_study", "test_executor"),
+    *("test_contracts", "test_locked_studies", "test_stored_studies", "test_reports"),
+    *("test_misbehaving_nodes", "test_third_party", "test_fill_study", "test_executor"),
     *("test_page", "test_charts", "test_installation", "test_answers", "test_jupyter"),
     *("test_readme", "test_live_page", "test_machines", "test_odd_reports"),
     *("test_documentation", "test_tracking_study", "test_marker_selection_study"),

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from nodegraph.lock.lockfile import read_lock
-from tests.studies import FILL, GRAPHS, ONE, ROOT, Studies, command, needs_fetched
+from tests.studies import FILL, GRAPHS, OF_SAMPLES, ONE, ROOT, Studies, command, needs_fetched
 
 LOCKS = sorted((ROOT / "graphs").glob("*.lock"))
 SMALL = (*ONE, "--only", "fill=muscle,pca,linear")
@@ -42,11 +42,14 @@ def test_every_shipped_graph_has_a_lock() -> None:
     [pytest.param(path, marks=needs_fetched(path.stem)) for path in LOCKS],
     ids=lambda path: path.stem,
 )
-def test_a_shipped_lock_is_of_its_graph_and_holds(
+def test_a_shipped_lock_is_of_its_graph_and_holds_with_nothing_computed_again(
     lock: Path, studies: Studies, tmp_path: Path
 ) -> None:
     assert read_lock(lock).text[f"{lock.stem}.yaml"] == (lock.with_suffix(".yaml").read_text())
+    studies.few(lock.stem)
     ended = studies.command("verify", str(lock), folder=tmp_path)
+    if lock.stem not in OF_SAMPLES:
+        assert re.search(r"finished after .*: \d+ already stored(, \d+ refused)?\n$", ended.err)
     assert ended.status == 0, ended.out
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.records import read_record
-from tests.studies import FILL, ONE, ROOT, STUDIES, Studies, command, few
+from tests.studies import FILL, ONE, ROOT, Studies, command, few
 
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
@@ -57,8 +57,8 @@ def computed(record: dict[str, Any]) -> set[str]:
     return {f"{step['node']} {step['labels'].get('fill', '')}".strip() for step in steps}
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_a_second_run_computes_nothing(studies: Studies, name: str) -> None:
+@pytest.mark.parametrize("name", ["fill", "live", "spline_orders"])
+def test_a_second_run_computes_nothing_and_writes_the_same(studies: Studies, name: str) -> None:
     earlier = studies.few(name)
     later = studies.run(name, *few(name))
     first, second = read_record(earlier), read_record(later)
