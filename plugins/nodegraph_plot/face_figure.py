@@ -12,6 +12,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import Origin, figure_text
+from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.view import frontal
 from nodegraph_plot.recordings import true_positions
 from nodegraph_tables.style import BLACK, BLUE, GREY, ORANGE
@@ -103,10 +104,7 @@ def _faces(
     chosen = list(frames)
     points = seen.project(recording.positions[chosen])
     known = seen.project(true_positions(truth, recording)[chosen])
-    names = {name: place for place, name in enumerate(recording.markers)}
-    edges = recording.marker_set.edges if recording.marker_set else ()
-    joined = [(names[a], names[b]) for a, b in edges if a in names and b in names]
-    ends = np.array(joined, dtype=np.intp).reshape(-1, 2)
+    ends = np.array(edges_of(recording), dtype=np.intp).reshape(-1, 2)
     return [
         _Face(points[index], known[index], recording.origin[frame], _whole(points[index][ends]))
         for index, frame in enumerate(chosen)

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import figure_text
+from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.view import frontal
 from nodegraph_tables.style import BLACK, GREY, LIGHT
 
@@ -94,10 +95,7 @@ def _places(recording: Trajectories, view: str) -> NDArray[np.float64]:
 
 def _draw_face(axis: Axes, panel: Panel, points: NDArray[np.float64]) -> None:
     recording = panel.recording
-    number = {name: place for place, name in enumerate(recording.markers)}
-    edges = recording.marker_set.edges if recording.marker_set else ()
-    joined = [(number[a], number[b]) for a, b in edges if a in number and b in number]
-    ends = points[np.array(joined, dtype=np.intp).reshape(-1, 2)]
+    ends = points[np.array(edges_of(recording), dtype=np.intp).reshape(-1, 2)]
     ends = ends[np.isfinite(ends).all(axis=(1, 2))]
     axis.add_collection(LineCollection(list(ends), colors=LIGHT, linewidths=0.6, zorder=1))
     chosen = np.isin(recording.markers, panel.selection.chosen)

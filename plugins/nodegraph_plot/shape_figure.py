@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nodegraph_mocap import figure_text
+from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.view import frontal
 from nodegraph_tables.style import BLUE, GREY, LIGHT, ORANGE
 
@@ -82,12 +83,10 @@ def _handle(what: str, colour: str, wide: float) -> Line2D:
 
 def _joined(shape: Trajectories, points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
     """Return both ends of every line of a shape that has them."""
-    place = {name: column for column, name in enumerate(shape.markers)}
     round_trip = np.roll(np.arange(len(points)), -1)
     ends = np.column_stack([np.arange(len(points)), round_trip])
     if shape.marker_set is not None:
-        edges = [(place[a], place[b]) for a, b in shape.marker_set.edges if {a, b} <= set(place)]
-        ends = np.array(edges, dtype=np.intp).reshape(-1, 2)
+        ends = np.array(edges_of(shape), dtype=np.intp).reshape(-1, 2)
     lines = points[ends]
     return list(lines[np.isfinite(lines).all(axis=(1, 2))])
 

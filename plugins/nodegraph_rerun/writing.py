@@ -14,6 +14,7 @@ import numpy as np
 
 from nodegraph import Across, Files, NodegraphError, Truth, node
 from nodegraph_files.writers import File
+from nodegraph_mocap.face_layout import edges_of
 from nodegraph_mocap.recording import Origin, Trajectories
 from nodegraph_tables.style import BLUE, GREY, ORANGE, VERMILLION
 
@@ -117,14 +118,13 @@ def _chunks(label: str, recording: Trajectories, *, grey: bool) -> Iterator[obje
     from rerun.chunk import Chunk
 
     path = rerun.new_entity_path([label])
-    place = {marker: number for number, marker in enumerate(recording.markers)}
-    edges = recording.marker_set.edges if recording.marker_set else ()
     markers = rerun.ClassDescription(
         info=rerun.AnnotationInfo(id=0, label=label),
         keypoint_annotations=[
-            rerun.AnnotationInfo(id=number, label=marker) for marker, number in place.items()
+            rerun.AnnotationInfo(id=number, label=marker)
+            for number, marker in enumerate(recording.markers)
         ],
-        keypoint_connections=[(place[start], place[end]) for start, end in edges],
+        keypoint_connections=[(first, second) for first, second in edges_of(recording)],
     )
     yield Chunk.from_columns(path, [], rerun.AnnotationContext.columns(context=[markers]))
     present = recording.present
