@@ -20,11 +20,10 @@ from nodegraph_files.glb.document import (
     Channel,
     Document,
     Sampler,
-    SceneNode,
     entry_at,
     read_document,
 )
-from nodegraph_files.glb.reading import Placed, head_of, meshes_of_head, place_of, target_names
+from nodegraph_files.glb.reading import Placed, head_of, meshes_of_head, places_of, target_names
 from nodegraph_files.head import RawHead
 from nodegraph_mocap.face_model import HeadMotion
 
@@ -218,8 +217,8 @@ class _Moving:
                     where,
                     is_rotation=path == "rotation",
                 )
-            rest = rest @ place_of(node, index)
-            moved = moved @ (_places(node, parts, len(times)) if parts else place_of(node, index))
+            rest = rest @ places_of(node, index)[0]
+            moved = moved @ places_of(node, index, parts, len(times))
         return _as_motion(moved @ np.linalg.inv(rest))
 
 
@@ -286,22 +285,6 @@ def _sampled(
         + (3 * share**2 - 2 * share**3) * second
         + (share**3 - share**2) * length * arriving
     )
-
-
-def _places(
-    node: SceneNode, parts: Mapping[str, NDArray[np.float64]], frames: int
-) -> NDArray[np.float64]:
-    """Return (T, 4, 4) places of a node below the one above it."""
-    from scipy.spatial.transform import Rotation
-
-    quaternions = np.broadcast_to(parts.get("rotation", np.array(node.rotation)), (frames, 4))
-    if not np.linalg.norm(quaternions, axis=1).all():
-        raise ValueError("a rotation is zero")
-    places = np.tile(np.eye(4), (frames, 1, 1))
-    scales = np.broadcast_to(parts.get("scale", np.array(node.scale)), (frames, 3))
-    places[:, :3, :3] = Rotation.from_quat(quaternions).as_matrix() * scales[:, np.newaxis]
-    places[:, :3, 3] = parts.get("translation", np.array(node.translation))
-    return places
 
 
 def _as_motion(places: NDArray[np.float64]) -> HeadMotion:

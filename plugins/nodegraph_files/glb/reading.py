@@ -199,7 +199,7 @@ def _tree(document: Document) -> Iterator[tuple[int, NDArray[np.float64]]]:
         if index in seen:
             raise ValueError(f"node {index} is in the scene twice")
         seen.add(index)
-        place = parent @ place_of(node, index)
+        place = parent @ places_of(node, index)[0]
         yield index, place
         todo.extend((child, place) for child in reversed(node.children))
 
@@ -211,24 +211,22 @@ def _roots(document: Document) -> list[int]:
     return [index for index in range(len(document.nodes)) if index not in below]
 
 
-def place_of(node: SceneNode, index: int) -> NDArray[np.float64]:
-    """Return the (4, 4) matrix from a node to the one above it."""
-    if node.matrix is not None:
-        return np.array(node.matrix).reshape(4, 4).T
-    place = np.eye(4)
-    place[:3, :3] = _scene_turned(node.rotation, index) * np.array(node.scale)
-    place[:3, 3] = node.translation
-    return place
+def places_of(
+    node: SceneNode, index: int, parts: Mapping[str, NDArray[np.float64]] = {}, frames: int = 1
+) -> NDArray[np.float64]:
+    """Return (T, 4, 4): from a node to the one above it, of which some parts have T values."""
+    from scipy.spatial.transform import Rotation
 
-
-def _scene_turned(quaternion: tuple[float, float, float, float], index: int) -> NDArray[np.float64]:
-    """Return the rotation matrix of a quaternion x, y, z, w."""
-    length = float(np.linalg.norm(quaternion))
-    if not length:
+    if node.matrix is not None and not parts:
+        return np.tile(np.array(node.matrix).reshape(4, 4).T, (frames, 1, 1))
+    quaternions = np.broadcast_to(parts.get("rotation", np.array(node.rotation)), (frames, 4))
+    if not np.linalg.norm(quaternions, axis=1).all():
         raise ValueError(f"node {index}: its rotation is zero")
-    x, y, z, w = np.array(quaternion) / length
-    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + 2 * w * across + 2 * across @ across)
+    places = np.tile(np.eye(4), (frames, 1, 1))
+    scales = np.broadcast_to(parts.get("scale", np.array(node.scale)), (frames, 3))
+    places[:, :3, :3] = Rotation.from_quat(quaternions).as_matrix() * scales[:, np.newaxis]
+    places[:, :3, 3] = parts.get("translation", np.array(node.translation))
+    return places
 
 
 def _placed(

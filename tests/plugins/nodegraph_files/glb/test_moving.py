@@ -154,7 +154,7 @@ def test_what_moves_and_is_not_the_head_is_told(tmp_path: Path) -> None:
         ([0, 1e9], "weights", np.zeros(6), "no rate|frames at"),
         ([0, 0.5], "scale", [[1, 1, 1], [1, 2, 1]], "stretched or sheared, most in frame 1"),
         ([0, 0.5], "scale", [[1, 1, 1], [-1, 1, 1]], "vanishes or is mirrored in frame 1"),
-        ([0, 0.5], "rotation", [[0, 0, 0, 1], [0, 0, 0, 0]], "a rotation is zero"),
+        ([0, 0.5], "rotation", [[0, 0, 0, 1], [0, 0, 0, 0]], "node 0: its rotation is zero"),
         ([0, 0.5], "pointer", np.zeros(2), "no animation moves the head"),
     ],
 )
