@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections import defaultdict
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -11,7 +12,6 @@ from pydantic import Field
 
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.marker_errors import MarkerErrors
 from nodegraph_plot.recordings import check_something, check_truth, estimated, true_positions
 
 if TYPE_CHECKING:
@@ -20,6 +20,24 @@ if TYPE_CHECKING:
     from nodegraph import Label
 
 Samples = Literal["made", "all"]
+
+
+@dataclass(frozen=True)
+class MarkerErrors:
+    """The errors of one picture, by marker.
+
+    Attributes
+    ----------
+    errors : dict of marker to float
+        Millimetres; NaN without a sample.
+    samples : dict of marker to int
+        How many are behind each error.
+    takes : int
+    """
+
+    errors: dict[str, float]
+    samples: dict[str, int]
+    takes: int
 
 
 @node("plot.error_map")

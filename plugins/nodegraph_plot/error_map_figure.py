@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_mocap import Trajectories
-    from nodegraph_plot.marker_errors import MarkerErrors
+    from nodegraph_plot.error_map import MarkerErrors
 
 _ACROSS = 5
 _LETTERS = 22

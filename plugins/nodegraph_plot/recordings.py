@@ -9,7 +9,6 @@ import numpy as np
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, check_markers
-from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_tables.style import Look, looks
 
 if TYPE_CHECKING:
@@ -111,12 +110,6 @@ def comparable(recording: Trajectories, truth: Trajectories | None) -> NDArray[n
     flags = estimated(recording)
     known = flags & np.isfinite(true_positions(truth, recording)[..., 0])
     return known if known.any() else flags
-
-
-def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the first and last place of each run of True."""
-    _, start, stop = runs_of(flags)
-    return list(zip(start.tolist(), (stop - 1).tolist(), strict=True))
 
 
 def _of(name: str) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Across, Truth, nearest, node
 from nodegraph_mocap import Figure, Trajectories
+from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_plot.recordings import (
     check_all_markers,
     check_frames,
@@ -18,7 +19,6 @@ from nodegraph_plot.recordings import (
     estimated,
     named,
     named_looks,
-    runs,
     true_positions,
 )
 from nodegraph_tables.style import looks
@@ -157,17 +157,18 @@ def _around_gap(
 ) -> tuple[int, int]:
     """Return first and last frame around the longest run of estimated, else missing samples."""
     length = min(recording.frames for recording in recordings.values())
-    gaps = [
-        gap
+    flags = [
+        _gaps(recording, truth)[:length, recording.markers.index(marker)]
         for recording in recordings.values()
         for marker in markers
-        for gap in runs(_gaps(recording, truth)[:length, recording.markers.index(marker)])
     ]
-    if not gaps:
+    _, starts, stops = runs_of(np.column_stack(flags))
+    if not len(starts):
         return 0, length - 1
-    first, last = max(gaps, key=lambda gap: gap[1] - gap[0])
-    around = max(last - first + 1, _FEWEST_AROUND)
-    return max(first - around, 0), min(last + around, length - 1)
+    longest = np.argmax(stops - starts)
+    first, stop = int(starts[longest]), int(stops[longest])
+    around = max(stop - first, _FEWEST_AROUND)
+    return max(first - around, 0), min(stop + around, length) - 1
 
 
 def _gaps(recording: Trajectories, truth: Trajectories | None) -> NDArray[np.bool_]:

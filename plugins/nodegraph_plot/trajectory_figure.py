@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from nodegraph_mocap import figure_text
-from nodegraph_plot.recordings import estimated, runs, true_positions
+from nodegraph_mocap.frame_ranges import runs_of
+from nodegraph_plot.recordings import estimated, true_positions
 from nodegraph_tables.axes import SMALL, plain
 from nodegraph_tables.style import BLACK, LIGHT, PALE, REST, Look
 
@@ -138,9 +139,9 @@ def _panel(
 ) -> None:
     values = curves.positions[..., coordinate]
     true = curves.truth[..., coordinate]
-    for first, last in runs(curves.gaps):
-        ends = curves.frames[[first, last]]
-        axis.axvspan(ends[0] - 0.5, ends[1] + 0.5, color=PALE, linewidth=0, zorder=0)
+    _, starts, stops = runs_of(curves.gaps)
+    for first, last in zip(curves.frames[starts], curves.frames[stops - 1], strict=True):
+        axis.axvspan(first - 0.5, last + 0.5, color=PALE, linewidth=0, zorder=0)
     common = np.where(curves.common, values[0], np.nan)
     (grey,) = axis.plot(curves.frames, common, color=LIGHT, linewidth=_BROAD, label="measured")
     named: list[tuple[str, Look, NDArray[np.float64]]] = []
