@@ -1,4 +1,4 @@
-"""The report of each shipped graph in a browser: what it shows is what the files beside it hold."""
+"""Reports of shipped graphs in a browser: what they show is what the files beside them hold."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ import pytest
 from playwright.sync_api import Page
 
 from nodegraph.graphfile.yaml_text import read_yaml
-from tests.browser import assert_all_can_read_it, drag, load, needs_axe, resize, until
+from tests.browser import AXE, assert_all_can_read_it, drag, load, resize, until
 from tests.plugins.nodegraph_mocap.player.unpacked import Read
-from tests.studies import GRAPHS, STUDIES, Studies
+from tests.studies import GRAPHS, Studies
 
 LABELS = {"component", "length", "ghosts", "dropout"}
 CLIPBOARD = """
@@ -94,10 +94,22 @@ UNNAMED = """
 """
 
 
-@pytest.fixture(scope="module", params=STUDIES)
-def run(request: pytest.FixtureRequest, studies: Studies) -> Path:
-    """The folder of a run of one shipped graph, on few trials."""
-    return studies.few(request.param)
+def kinds_of_results(graph: Path) -> set[tuple[str, str]]:
+    """Return the nodes whose results a report shows, with the output where one is named."""
+    plain: Any = read_yaml(graph.read_text(), graph.name).plain()
+    shown = [each["show"] if isinstance(each, dict) else each for each in plain["report"]]
+    places = [place.partition(".") for place in shown]
+    return {(plain["nodes"][node]["use"], output) for node, _, output in places}
+
+
+def varied() -> list[str]:
+    """Return graphs whose reports show, together, every kind of result that any of them shows."""
+    kinds = {path.stem: kinds_of_results(path) for path in GRAPHS}
+    chosen: dict[str, set[tuple[str, str]]] = {}
+    for name in sorted(kinds, key=lambda name: -len(kinds[name])):
+        if kinds[name] - set().union(*chosen.values()):
+            chosen[name] = kinds[name]
+    return [*chosen]
 
 
 def cells(text: str) -> tuple[list[str], list[list[str]]]:
@@ -124,14 +136,19 @@ def alike(shown: str, stored: str, *, percent: bool) -> bool:
         return False
 
 
+@pytest.mark.parametrize("name", [*varied(), "live"])
 def test_the_page_says_what_its_files_hold_fits_screens_and_paper_and_can_be_used(
-    run: Path, tab: Page
+    studies: Studies, tab: Page, name: str
 ) -> None:
+    run = studies.few(name)
     load(tab, run / "report.html", width=DESKTOP[0], height=DESKTOP[1])
     assert_it_says_what_its_files_hold(run, tab)
     assert_it_fits_paper_and_screens(tab)
     assert_it_can_be_used_by_keys_and_mouse(run, tab)
     assert tab.evaluate("performance.getEntriesByType('resource').length") == 0
+    if AXE:
+        tab.evaluate(FEW_ELEMENTS)
+        assert_all_can_read_it(tab)
 
 
 def assert_it_says_what_its_files_hold(run: Path, page: Page) -> None:
@@ -335,29 +352,3 @@ def test_a_gap_is_opened_from_a_dot_a_row_and_a_place(studies: Studies, tab: Pag
 
 def state(page: Page) -> Any:
     return page.evaluate(f"{PLAYER}.state")
-
-
-def kinds_of_results(graph: Path) -> set[tuple[str, str]]:
-    """Return the nodes whose results a report shows, with the output where one is named."""
-    plain: Any = read_yaml(graph.read_text(), graph.name).plain()
-    shown = [each["show"] if isinstance(each, dict) else each for each in plain["report"]]
-    places = [place.partition(".") for place in shown]
-    return {(plain["nodes"][node]["use"], output) for node, _, output in places}
-
-
-def varied() -> list[str]:
-    """Return graphs whose reports show, together, every kind of result that any of them shows."""
-    kinds = {path.stem: kinds_of_results(path) for path in GRAPHS}
-    chosen: dict[str, set[tuple[str, str]]] = {}
-    for name in sorted(kinds, key=lambda name: -len(kinds[name])):
-        if kinds[name] - set().union(*chosen.values()):
-            chosen[name] = kinds[name]
-    return [*chosen]
-
-
-@needs_axe
-@pytest.mark.parametrize("name", varied())
-def test_axe_finds_nothing(studies: Studies, tab: Page, name: str) -> None:
-    load(tab, studies.few(name) / "report.html")
-    tab.evaluate(FEW_ELEMENTS)
-    assert_all_can_read_it(tab)
