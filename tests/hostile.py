@@ -1,4 +1,4 @@
-"""Hostile files, stores, kills and crowds for hours: ``python -m tests.hostile --hours 2``.
+"""Hostile files, kills, crowds and odd studies for hours: ``python -m tests.hostile --hours 2``.
 
 Each round has a seed of its own and prints what it did; the first that fails ends the program with
 its seed, and ``--seed`` begins there. The ordinary tests have short forms of all of it.
@@ -31,6 +31,7 @@ from nodegraph_mocap.specimens import recordings
 from nodegraph_xarray import to_xarray
 from tests.plugins.nodegraph_files.test_hostile import damaged
 from tests.plugins.nodegraph_live.test_packets import SOURCES, taken
+from tests.test_answers import check_odd
 
 ROOT = Path(__file__).parents[1]
 EXECUTE = ROOT / "tests" / "nodegraph" / "execute"
@@ -138,7 +139,14 @@ def nodes(seed: int, folder: Path) -> Counter[str]:
     return Counter({"rounds of misbehaving nodes": 1})
 
 
-ROUNDS: tuple[Callable[[int, Path], Counter[str]], ...] = (readers, stores, kills, crowd, nodes)
+def answers(seed: int, folder: Path) -> Counter[str]:
+    """Compare what all places say of a study of an odd shape."""
+    return Counter({"odd studies": 1, "of these, compared": int(check_odd(seed, folder))})
+
+
+ROUNDS: tuple[Callable[[int, Path], Counter[str]], ...] = (
+    *(readers, stores, kills, crowd, nodes, answers),
+)
 
 
 def replayed(path: Path) -> None:
