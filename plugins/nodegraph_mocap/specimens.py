@@ -6,7 +6,6 @@ name has, the model of a name has its markers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,23 +34,6 @@ _AT_REST = np.array([
     [-22.0, -41.0, 84.0], [23.5, -42.5, 83.0], [1.0, 3.5, 104.0], [-1.5, 71.0, 72.0],
     [-66.0, 31.0, 21.0], [67.0, 29.5, 22.5],
 ])  # fmt: skip
-
-
-def specimens() -> Mapping[type, Callable[[], Mapping[str, Any]]]:
-    """Return what makes the specimens of each type."""
-    return {
-        Trajectories: recordings,
-        Mask: masks,
-        Marks: marks,
-        MarkerSet: marker_sets,
-        Selection: selections,
-        Detections: detections,
-        BlendshapeModel: models,
-        Head: heads,
-        Weights: weights,
-        Animation: animations,
-        HeadMotion: head_motions,
-    }
 
 
 def recordings() -> dict[str, Trajectories]:

@@ -7,12 +7,12 @@ import pytest
 
 from nodegraph_blendshapes.animate_mesh import mesh
 from nodegraph_files.writers import write_glb
-from nodegraph_mocap import Head, HeadMotion, Weights
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap import Head
+from nodegraph_mocap.specimens import head_motions, heads, weights
 
-HEAD: Head = specimens()[Head]()["complete"]
-WEIGHTS: Weights = specimens()[Weights]()["complete"]
-MOTION: HeadMotion = specimens()[HeadMotion]()["complete"]
+HEAD = heads()["complete"]
+WEIGHTS = weights()["complete"]
+MOTION = head_motions()["complete"]
 
 
 def test_weights_drive_the_morph_targets_of_their_names() -> None:

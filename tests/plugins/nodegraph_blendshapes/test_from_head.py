@@ -8,13 +8,13 @@ import pytest
 from nodegraph import Refusal
 from nodegraph_blendshapes.from_head import from_head
 from nodegraph_files.readers import read_head, read_marker_set, read_model
-from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap import MarkerSet
+from nodegraph_mocap.specimens import heads, models
 from tests.studies import DATA, needs_recordings
 
 FACECAP = DATA / "facecap"
-MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
-HEAD: Head = specimens()[Head]()["complete"]
+MODEL = models()["complete"]
+HEAD = heads()["complete"]
 
 
 def test_the_specimens_head_and_model_are_one_face() -> None:

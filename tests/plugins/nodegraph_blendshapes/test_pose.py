@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from nodegraph_blendshapes.pose import pose
-from nodegraph_mocap import BlendshapeModel, MarkerSet, Weights
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap import MarkerSet, Weights
+from nodegraph_mocap.specimens import marker_sets, models, weights
 
-MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
-SET: MarkerSet = specimens()[MarkerSet]()["complete"]
-WEIGHTS: Weights = specimens()[Weights]()["complete"]
+MODEL = models()["complete"]
+SET = marker_sets()["complete"]
+WEIGHTS = weights()["complete"]
 
 
 def test_a_pose_is_the_neutral_and_each_shape_as_much_as_its_weight() -> None:
     posed = pose(WEIGHTS, MODEL, SET)
     assert (posed.markers, posed.rate, posed.marker_set) == (MODEL.markers, WEIGHTS.rate, SET)
-    for frame, weights in zip(posed.positions, WEIGHTS.values, strict=True):
+    for frame, given in zip(posed.positions, WEIGHTS.values, strict=True):
         expected = MODEL.neutral.copy()
-        for weight, shape in zip(weights, MODEL.shapes, strict=True):
+        for weight, shape in zip(given, MODEL.shapes, strict=True):
             expected += weight * shape
         np.testing.assert_allclose(frame, expected, rtol=0, atol=1e-12)
     assert posed.measured.all()

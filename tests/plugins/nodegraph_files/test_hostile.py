@@ -34,8 +34,8 @@ from nodegraph_files.glb.reading import read_glb
 from nodegraph_files.head import read_marker_vertices
 from nodegraph_files.obj import read_obj
 from nodegraph_files.text.weights import read_weights_table
-from nodegraph_mocap import BlendshapeModel, Head, Trajectories
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap import Trajectories
+from nodegraph_mocap.specimens import heads, models
 from tests.plugins.nodegraph_files.conftest import build
 
 TIMES = 100
@@ -118,8 +118,8 @@ def text(content: str, read: Callable[[Path], object] = read_csv, says: str = ":
     return Case(content.encode(), read, says)
 
 
-MODEL: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
-HEAD: Head = specimens()[Head]()["complete"]
+MODEL = models()["complete"]
+HEAD = heads()["complete"]
 LIVE_LINK = "Timecode,BlendShapeCount,JawOpen,EyeBlinkLeft\n" + "".join(
     f"00:00:{count // 60:02}:{count % 60:02}.000,2,{count / 1e3},0.5\n" for count in range(50, 70)
 )

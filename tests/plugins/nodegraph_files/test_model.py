@@ -10,7 +10,7 @@ import pytest
 from nodegraph.testing import same
 from nodegraph_files import model_bytes, read_model_npz, sample_folder
 from nodegraph_mocap import BlendshapeModel
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.specimens import models
 
 
 def arrays(**changes: object) -> dict[str, object]:
@@ -30,7 +30,7 @@ def written(folder: Path, content: dict[str, Any]) -> Path:
 
 
 def test_what_is_written_reads_back(tmp_path: Path) -> None:
-    model: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
+    model = models()["complete"]
     path = tmp_path / "model.npz"
     path.write_bytes(model_bytes(model))
     assert same(read_model_npz(path), model)

@@ -8,13 +8,12 @@ import pytest
 from nodegraph.testing import same
 from nodegraph_files import head_bytes
 from nodegraph_files.readers import read_head, read_model
-from nodegraph_mocap import Head
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.specimens import heads
 from tests.studies import DATA, needs_recordings
 
 HERE = Path(__file__).parent
 FACECAP = DATA / "facecap"
-HEAD: Head = specimens()[Head]()["complete"]
+HEAD = heads()["complete"]
 TABLE = "marker,vertex\nnose,3\nchin,0\n"
 OBJ = (HERE / "head.obj").read_text()
 

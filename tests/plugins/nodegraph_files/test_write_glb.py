@@ -9,10 +9,9 @@ import nodegraph as ng
 from nodegraph_files import animation_bytes, head_bytes
 from nodegraph_files.readers import read_head
 from nodegraph_files.writers import write_glb
-from nodegraph_mocap import Head
-from nodegraph_mocap.specimens import animations, specimens
+from nodegraph_mocap.specimens import animations, heads
 
-HEAD: Head = specimens()[Head]()["complete"]
+HEAD = heads()["complete"]
 COMPLETE = animations()["complete"]
 GRAPH = """\
 nodegraph: 1

@@ -9,13 +9,12 @@ from nodegraph.plugin.registry import default_registry
 from nodegraph.store import Packer
 from nodegraph.testing import same
 from nodegraph_mocap import Animation, Head, HeadMotion, Weights
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.specimens import animations, heads
 
 
 @pytest.fixture
 def head() -> Head:
-    made_head: Head = specimens()[Head]()["complete"]
-    return replace(made_head, names=("jawOpen", "mouthSmile_L", "mouthSmile_R"))
+    return replace(heads()["complete"], names=("jawOpen", "mouthSmile_L", "mouthSmile_R"))
 
 
 def weights(*names: str, frames: int = 4) -> Weights:
@@ -52,7 +51,7 @@ def test_a_weight_needs_a_morph_target(head: Head) -> None:
 
 @pytest.mark.parametrize("name", ["complete", "gaps"])
 def test_an_animation_is_stored_as_it_is(name: str) -> None:
-    case: Animation = specimens()[Animation]()[name]
+    case = animations()[name]
     packer = Packer(default_registry().hooks.kinds)
     packed = packer.pack(case)
     back = packer.unpack(packed.head, packed.buffers)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph_mocap import BlendshapeModel, Origin
+from nodegraph_mocap import Origin
 from nodegraph_mocap.shape_names import matched
 from nodegraph_mocap.specimens import (
     animations,
     heads,
     masks,
+    models,
     recordings,
     selections,
-    specimens,
     weights,
 )
 
@@ -48,7 +48,7 @@ def test_selections_choose_markers_of_the_recordings_of_their_names() -> None:
 
 
 def test_recording_model_head_and_weights_are_one_face() -> None:
-    model: BlendshapeModel = specimens()[BlendshapeModel]()["complete"]
+    model = models()["complete"]
     head, driven = heads()["complete"], weights()["complete"]
     assert recordings()["complete"].markers == model.markers == head.markers
     assert model.names == head.names == driven.names
@@ -68,10 +68,3 @@ def test_heads_and_weights_are_what_their_names_say() -> None:
         "mouthSmileRight",
         "jawOpen",
     }
-
-
-def test_every_type_has_specimens_of_that_type() -> None:
-    for kind, make in specimens().items():
-        values = make().values()
-        assert values
-        assert all(isinstance(value, kind) for value in values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import nodegraph_mocap
 from nodegraph_tables import nodegraph_kinds
 from nodegraph_tables.specimens import table_specimens
 
@@ -15,7 +16,7 @@ def test_tables_hold_scores_that_are_there_and_scores_that_are_not() -> None:
 
 
 def test_every_type_has_specimens_of_that_type() -> None:
-    for kind in nodegraph_kinds():
+    for kind in (*nodegraph_kinds(), *nodegraph_mocap.nodegraph_kinds()):
         if kind.specimens is not None:
             values = kind.specimens().values()
             assert values

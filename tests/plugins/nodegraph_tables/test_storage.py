@@ -12,10 +12,10 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
+import nodegraph_mocap
 import nodegraph_tables
 from nodegraph.equality import same
 from nodegraph.store import Packer, Unreadable
-from nodegraph_mocap.specimens import specimens
 from nodegraph_tables import Answer, StoredFigure
 from nodegraph_tables.figures import render_figure, render_stored_figure
 from nodegraph_tables.info import TableInfo, Take, info_of, with_info
@@ -133,8 +133,9 @@ def test_a_figure_comes_back_as_a_stand_in(packer: Packer, figure: Figure) -> No
 
 
 MAKERS = {
-    **specimens(),
-    **{kind.type: kind.specimens for kind in nodegraph_tables.nodegraph_kinds() if kind.specimens},
+    kind.type: kind.specimens
+    for kind in (*nodegraph_mocap.nodegraph_kinds(), *nodegraph_tables.nodegraph_kinds())
+    if kind.specimens
 }
 
 

@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from nodegraph_files.glb.writing import held_weights, quaternions
-from nodegraph_mocap import Animation, Head, Weights
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap import Animation, Weights
+from nodegraph_mocap.specimens import heads
 
-HEAD: Head = specimens()[Head]()["complete"]
+HEAD = heads()["complete"]
 NAN = np.nan
 
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from nodegraph_files.glb.writing import vertex_normals
 from nodegraph_mocap import Head
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.specimens import heads
 
-HEAD: Head = specimens()[Head]()["complete"]
+HEAD = heads()["complete"]
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 """Counter-clockwise as seen from outside."""

@@ -13,11 +13,10 @@ import pytest
 from nodegraph_files import head_bytes
 from nodegraph_files.glb.buffers import joined_glb, split_glb
 from nodegraph_files.glb.reading import read_glb
-from nodegraph_mocap import Head
-from nodegraph_mocap.specimens import specimens
+from nodegraph_mocap.specimens import heads
 from tests.studies import DATA, needs_recordings
 
-HEAD: Head = specimens()[Head]()["complete"]
+HEAD = heads()["complete"]
 CONTENT = head_bytes(HEAD)
 FACECAP = DATA / "facecap"
 

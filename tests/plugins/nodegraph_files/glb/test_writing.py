@@ -15,9 +15,9 @@ from nodegraph_files.glb.document import read_document
 from nodegraph_files.glb.writing import vertex_normals
 from nodegraph_files.readers import read_head
 from nodegraph_mocap import Animation, Head, HeadMotion
-from nodegraph_mocap.specimens import animations, specimens
+from nodegraph_mocap.specimens import animations, heads
 
-HEAD: Head = specimens()[Head]()["complete"]
+HEAD = heads()["complete"]
 COMPLETE = animations()["complete"]
 
 
