@@ -52,13 +52,6 @@ def test_what_several_groups_and_methods_lack_stands_once() -> None:
     )
 
 
-def test_skipped_combinations_are_noted_without_a_warning() -> None:
-    absent = (Absent({"fill": "b"}, "skipped", ""),)
-    scores = Across(("fill",), (({"fill": "a"}, pd.DataFrame()),), absent)
-    whole = group_of((5,), ("a",), np.ones((3, 1)))
-    assert left_out(scores, QUESTION, [whole]) == ["b: 1 combination skipped"]
-
-
 def test_absent_combinations_are_counted_by_label_with_two_of_their_reasons() -> None:
     absent = [Absent({"fill": "b"}, "refused", why) for why in ("x", "y", "x", "z", "w")]
     assert absences(absent, "fill") == ["b: 5 combinations refused (x; y; and 2 more reasons)"]

@@ -326,6 +326,29 @@ def test_means_of_zero_are_compared_by_differences() -> None:
         table(scores, equivalent=1.1)
 
 
+def test_one_block_with_all_the_variance_decides_nothing() -> None:
+    near = np.random.default_rng(3).lognormal(sigma=0.1, size=9)
+    wild = near.copy()
+    wild[4] *= 1e6
+    result = table(Across.of({"a": scored(near), "wild": scored(wild)}, axis="fill"))
+    assert "The data cannot tell which is best: no difference is clear." in words(result.table)[0]
+    (verdict,) = result.overview.verdicts.groups
+    assert not verdict.marks
+    assert verdict.mean[1] / verdict.mean[0] == pytest.approx(1e6 ** (1 / 9))
+
+
+def test_forty_methods_have_a_verdict() -> None:
+    random = np.random.default_rng(3)
+    near = random.lognormal(sigma=0.1, size=9)
+    values = [near * random.uniform(0.97, 1.03, 9) for _ in range(30)]
+    values += [near * random.uniform(5, 50, 9) for _ in range(10)]
+    tables = {str(at): scored(each) for at, each in enumerate(values)}
+    result = table(Across.of(tables, axis="fill"))
+    (verdict,) = result.overview.verdicts.groups
+    assert set(range(30, 40)) <= set(verdict.behind)
+    assert re.search(r"; \d+ more; the other \d+ clearly behind", " ".join(words(result.table)[:2]))
+
+
 def test_what_nothing_is_missing_for_has_no_columns_and_remarks_on_all_groups_stand_once() -> None:
     frame = table(trials(8), within=("length",), fallback="far").table
     assert {"mean, common blocks", "mean, worst of block"}.isdisjoint(frame)
