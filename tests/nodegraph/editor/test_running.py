@@ -196,7 +196,7 @@ def test_a_verdict_is_said_before_the_run_ends(editor: Editor, path: Path) -> No
     assert (now["state"], now["answer"]) == ("running", "start 1: It is 1.")
 
 
-@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGHUP])
 def test_the_run_ends_with_the_editor(
     path: Path, toys: Path, monkeypatch: pytest.MonkeyPatch, end: signal.Signals
 ) -> None:

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import threading
 from collections.abc import Callable
@@ -155,23 +154,6 @@ def test_large_values_warnings_and_errors_come_back(study: Callable[..., Run]) -
     assert 'KeyError("no such marker")' in there["fails"].trace
 
 
-def test_a_process_that_ends_fails_its_step_alone(study: Callable[..., Run]) -> None:
-    text = """
-        axes: {k: {count: 2}}
-        nodes:
-          x: {use: away.pid, with: {mark: $k}}
-          exits: {use: away.exits, in: {from: x, at: {k: 0}}}
-          killed: {use: away.killed, in: {from: x, at: {k: 1}}}
-          after: {use: away.warns, in: x}
-        """
-    run = study(text, ONE)
-    assert run.counts() == {**run.counts(), "done": 4, "failed": 2}
-    ended = outcomes(run)
-    assert ended["exits"].reason == "the process that computed it ended with exit status 3"
-    by_signal = "the process that computed it was ended by signal SIGKILL (out of memory?)"
-    assert ended["killed"].reason == by_signal
-
-
 def test_an_interruption_ends_a_node_that_never_returns(
     study: Callable[..., Run], fifo: Callable[[str], Path]
 ) -> None:
@@ -217,19 +199,3 @@ def test_processes_end_with_the_one_that_started_them(
         parent.kill()
         parent.communicate()
         assert opened.read() == ""  # the end: nobody has it open any more
-
-
-def test_ctrl_c_ends_a_script(
-    script: Callable[..., subprocess.Popen[str]],
-    fifo: Callable[[str], Path],
-    listen: Callable[..., IO[str]],
-) -> None:
-    alive = fifo("alive")
-    nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
-    parent = script(nodes, "processes")
-    with listen(alive, parent) as opened:
-        opened.readline()
-        parent.send_signal(signal.SIGINT)
-        _, complained = parent.communicate(timeout=60)
-        assert opened.read() == ""
-    assert complained.endswith("KeyboardInterrupt\n")

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import signal
 import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 from urllib.error import HTTPError
 from urllib.request import urlopen
 
@@ -234,7 +233,7 @@ def test_a_node_that_kills_its_worker_fails_alone(study: Callable[..., Run]) -> 
           bad: {use: away.killed, in: {from: x, at: {k: 3}}}
           good: {use: away.warns, in: x}
         """
-    run = study(text, OWN)
+    run = study(text, HowToRun("dask", 1))
     assert reasons(run) == {"2 workers that computed it died of it"}
     assert run.counts() == {**run.counts(), "done": 40, "failed": 1}
 
@@ -326,22 +325,6 @@ def test_a_script_without_a_guard_runs_once(script: Callable[..., subprocess.Pop
     nodes = "{x: {use: away.pid}, a: {use: script.own, in: x}, b: {use: away.prints, in: a}}"
     output, complained = script(nodes, "dask").communicate(timeout=60)
     assert (output, complained) == ("3\n", "noise\n")
-
-
-def test_ctrl_c_ends_a_script_with_its_workers(
-    script: Callable[..., subprocess.Popen[str]],
-    fifo: Callable[[str], Path],
-    listen: Callable[..., IO[str]],
-) -> None:
-    alive = fifo("alive")
-    nodes = f"{{x: {{use: away.pid}}, a: {{use: away.for_ever, in: x, with: {{alive: {alive}}}}}}}"
-    parent = script(nodes, "dask")
-    with listen(alive, parent) as opened:
-        opened.readline()
-        parent.send_signal(signal.SIGINT)
-        _, complained = parent.communicate(timeout=60)
-        assert opened.read() == ""
-    assert complained.endswith("KeyboardInterrupt\n")
 
 
 @pytest.fixture(scope="module")
