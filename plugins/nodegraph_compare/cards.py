@@ -31,6 +31,7 @@ from nodegraph_compare.words import (
 from nodegraph_tables.answer import (
     HERE,
     MAY_BE,
+    MOST_CARDS,
     MOST_ROWS,
     ONE_ROW,
     Card,
@@ -89,8 +90,8 @@ def lines_of(verdicts: Verdicts) -> list[Line]:
     """Return the line of each card; none where no mean is known.
 
     On it are all means, and the ends of intervals that are not far beyond these. Cards share it;
-    but a logarithmic one that has no room for numbers at its ends begins on each card with the
-    least number there. Its length is the same ratio on all of them.
+    but a logarithmic one of more cards than stand in a row is of multiples of each card's least
+    mean.
     """
     groups = verdicts.groups
     means, ends = _drawn(verdicts, groups)
@@ -99,10 +100,17 @@ def lines_of(verdicts: Verdicts) -> list[Line]:
     shared = line_through(means, ends, log=verdicts.metric.better != "none")
     if not shared.log or shared.least or len(groups) <= ONE_ROW:
         return [shared] * len(groups)
-    drawn = ([*of, *near] or means for group in groups for of, near in [_drawn(verdicts, [group])])
-    own = [Line.through([each for each in of if each > 0.0], log=True) for of in drawn]
-    ratio = max(line.high / line.low for line in own)
-    return [replace(line, high=ratio * line.low) for line in own]
+    are_cards = len(groups) <= MOST_CARDS  # which have intervals
+    drawn = [_drawn(verdicts, [group]) for group in groups]
+    ones = [min(of, default=min(means)) for of, _ in drawn]
+    multiples = [
+        each / one
+        for one, (of, near) in zip(ones, drawn, strict=True)
+        for each in (*of, *(near if are_cards else ()))
+        if each > 0.0
+    ]
+    low, high = min(multiples), max(multiples)
+    return [Line(low * one, high * one, log=True, one=one) for one in ones]
 
 
 def _drawn(verdicts: Verdicts, groups: Sequence[Verdict]) -> tuple[list[float], list[float]]:

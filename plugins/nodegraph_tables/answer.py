@@ -174,12 +174,15 @@ class Line(Value):
         Whether equal distances are equal ratios.
     least : float
         With a line from 0: the number down to which they are; 0 on other lines.
+    one : float
+        The number of which its ticks are multiples; 0 where they are numbers.
     """
 
     low: float
     high: float
     log: bool = False
     least: float = 0.0
+    one: float = 0.0
 
     @property
     def to_rounds(self) -> Line:
@@ -864,7 +867,7 @@ def _rows_html(rows: Rows, *, judged: bool) -> str:
             f"<td>{_strip(rows.others, rows)}</td><td></td></tr>"
         )
     # what the axis says is in the numbers
-    axis = f'<tr aria-hidden="true"><td></td><td>{_axis(rows)}</td><td></td></tr>'
+    axis = f'<tr aria-hidden="true"><td></td><td>{axis_html(rows)}</td><td></td></tr>'
     names = "lead-rows lead-judged" if judged else "lead-rows"
     return f'<table class="{names}"><tbody>{body}{axis}</tbody></table>'
 
@@ -880,10 +883,12 @@ def dots_html(rows: Rows) -> str:
 
 
 def _strip(of: Sequence[Row], rows: Rows) -> str:
-    """Return a dot with its interval, or several dots, and where 0 is."""
-    parts = [_upright(rows.line, 0.0)] if not rows.line.log and rows.line.low <= 0.0 else []
+    """Return a dot with its interval, or several dots, and where 0 is, or the one multiple."""
+    line = rows.line
+    from_0 = not line.log and line.low <= 0.0
+    parts = [_upright(line, line.one)] if from_0 or line.one else []
     for row in of:
-        x, low, high = (_place(rows.line, each) for each in (row.value, row.low, row.high))
+        x, low, high = (_place(line, each) for each in (row.value, row.low, row.high))
         if len(of) == 1 and row.low < row.high:
             parts.append(f'<line class="reach" x1="{low}" x2="{high}" y1="8" y2="8"/>')
         radius = 4 if row.kind == "rest" else 5
@@ -896,10 +901,14 @@ def _strip(of: Sequence[Row], rows: Rows) -> str:
     return f'<svg class="lead-strip" height="16" aria-hidden="true">{"".join(parts)}</svg>'
 
 
-def _axis(rows: Rows) -> str:
+def axis_html(rows: Rows) -> str:
+    """Return the axis of the dots of rows: the ends of its line, or multiples of a number."""
     line, texts = rows.line, []
-    ends = [line.low, line.high]
-    if not line.log and line.low < 0.0 < line.high:
+    ends, one = [line.low, line.high], line.one or 1.0
+    if line.one:
+        multiples = Line(line.low / one, line.high / one, log=True).ticks()
+        ends = [one * each for each in multiples]
+    elif not line.log and line.low < 0.0 < line.high:
         # no number stands too near to that at 0
         ends = [0.0, *(end for end in ends if abs(line.share(end) - line.share(0.0)) > _EDGE)]
     for tick in ends:
@@ -907,12 +916,14 @@ def _axis(rows: Rows) -> str:
         anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
         with_unit = tick == line.high and len(unit_text(rows.unit)) <= _SHORT_UNIT
         text = tick_text(tick, rows.unit, with_unit=with_unit)
+        if line.one:
+            anchor, text = "middle", f"{tick_text(tick / one, '')}\N{MULTIPLICATION SIGN}"
         texts.append(
             f'<text class="{anchor}" x="{_place(line, tick)}" y="15">{escape(text)}</text>'
             f'<line x1="{_place(line, tick)}" x2="{_place(line, tick)}" y1="0" y2="4"/>'
         )
     whole = f'<line x1="{_place(line, line.low)}" x2="{_place(line, line.high)}" y1="0" y2="0"/>'
-    return f'<svg class="lead-strip" height="18">{whole}{"".join(texts)}</svg>'
+    return f'<svg class="lead-strip" height="18" aria-hidden="true">{whole}{"".join(texts)}</svg>'
 
 
 def _upright(line: Line, value: float) -> str:

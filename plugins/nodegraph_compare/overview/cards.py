@@ -21,9 +21,9 @@ from nodegraph_compare.words import (
 from nodegraph_tables.answer import (
     HERE,
     MOST_CARDS,
-    ONE_ROW,
     Rows,
     Word,
+    axis_html,
     cards_html,
     dots_html,
     html_of,
@@ -31,7 +31,6 @@ from nodegraph_tables.answer import (
     lead_of_parts,
     listing,
     say,
-    tick_text,
     with_descriptions,
 )
 from nodegraph_tables.numbers import span_text
@@ -51,6 +50,8 @@ _MOST_ROWS = 60
 _MOST_DOTS = 1000
 """In all cells of a grid together."""
 _NONE = "\N{EN DASH}"
+_DOT = 0.04
+"""Width of a dot, as a share of its line."""
 _SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
@@ -112,7 +113,8 @@ def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
     sides = list(dict.fromkeys(side for side, _ in cells))
     names = [verdicts.within[axis] for axis in axes[:-1]]
     sides_heads = "".join(f'<th scope="col" rowspan="2">{escape(name)}</th>' for name in names)
-    top_heads = "".join(f'<th scope="col">{escape(str(top))}</th>' for top in tops)
+    axis = _axis(texts)
+    top_heads = "".join(f'<th scope="col">{escape(str(top))}{axis}</th>' for top in tops)
     heads = (
         f'{sides_heads}<th scope="colgroup" colspan="{len(tops)}">{escape(verdicts.within[last])}'
         f"</th></tr><tr>{top_heads}"
@@ -141,14 +143,19 @@ def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
 
 
 def _list(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
-    names = (", ".join(verdicts.within[axis] for axis in varying(verdicts)), "best")
-    heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in names)
+    name = ", ".join(verdicts.within[axis] for axis in varying(verdicts))
+    heads = f'<th scope="col">{escape(name)}</th><th scope="col">best{_axis(texts)}</th>'
     rows = [
         f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
         f"<td{_filled(verdicts, group, text)}"
         for group, text in zip(verdicts.groups, texts, strict=False)
     ]
     return _table(heads, rows)
+
+
+def _axis(cells: Sequence[_Cell]) -> str:
+    """Return the axis of the dots of cells, which they share; empty where they have none."""
+    return next((axis_html(part) for cell in cells for part in cell if isinstance(part, Rows)), "")
 
 
 def _filled(verdicts: Verdicts, group: Verdict | None, cell: _Cell) -> str:
@@ -251,20 +258,25 @@ def _dot(kind: Kind, name: str = "") -> Markup:
 def _about_dots(verdicts: Verdicts, lines: Sequence[Line]) -> Iterator[str]:
     """Yield what stands beside dots, and what the lines are on which they lie."""
     line = lines[0]
-    are_cards = len(verdicts.groups) <= MOST_CARDS
-    if are_cards and any(np.isfinite(group.low).any() for group in verdicts.groups):
-        yield "line: 95 % interval"
+    if len(verdicts.groups) <= MOST_CARDS and (known := _widths(verdicts, lines)):
+        short = max(known) < _DOT
+        yield "the dot covers the 95 % interval" if short else "line: 95 % interval"
     if verdicts.is_sequence:
         yield "%: change to the one before"
-    axis, unit = [], verdicts.metric.unit
-    if any(each != line for each in lines):
-        axis.append(f"from the least to {line.high / line.low:.2g} times as much")
-    elif len(lines) > ONE_ROW:
-        axis.append(f"{tick_text(line.low, unit)} to {tick_text(line.high, unit, with_unit=True)}")
-    if line.log:
-        axis.append("logarithmic, but 0 at its left end" if line.least else "logarithmic")
-    if axis:
-        yield f"axis: {', '.join(axis)}"
+    if line.one:
+        yield "axis: multiples of the lowest, logarithmic"
+    elif line.log:
+        yield f"axis: logarithmic{', but 0 at its left end' * bool(line.least)}"
+
+
+def _widths(verdicts: Verdicts, lines: Sequence[Line]) -> list[float]:
+    """Return the widths of all intervals, as shares of their line."""
+    return [
+        line.share(high) - line.share(low)
+        for group, line in zip(verdicts.groups, lines, strict=True)
+        for low, high in zip(group.low, group.high, strict=True)
+        if np.isfinite(low)
+    ]
 
 
 def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:

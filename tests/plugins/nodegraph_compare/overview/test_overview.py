@@ -264,7 +264,7 @@ def test_several_axes_have_a_card_for_each_combination_of_their_labels() -> None
     assert sentence.startswith("It depends on heat. One method for all: rich. ")
     assert certainty.startswith(
         "rich is lowest over all 6 groups together, at most 39\N{NO-BREAK SPACE}% behind in any; "
-        "next over all is plain, clearly 24\N{NO-BREAK SPACE}% behind. The best is clear in each "
+        "next over all is plain, clearly 24\N{NO-BREAK SPACE}% behind. Clearly: p "
     )
     assert " Lowest: plain for 180" in sentence
     assert scope.startswith("5 kitchens: holds for further kitchens.")
@@ -353,10 +353,13 @@ def test_groups_of_other_sizes_have_lines_on_which_the_same_ratio_is_as_long() -
     assert len(places) == 5 * 3
     for group in range(5):
         plain, rich, dry = places[3 * group : 3 * group + 3]
+        assert plain == pytest.approx(places[0], abs=0.2)
         assert rich - plain == pytest.approx(places[1] - places[0], abs=0.2)
         assert rich - plain == pytest.approx(dry - rich, abs=0.2)
         assert dry - plain > 40  # of a hundred; on one line of all groups a third of them
-    assert "axis: from the least to " in text_of(lead)
+    assert "axis: multiples of the lowest, logarithmic" in text_of(lead)
+    ticks = re.findall(r'x="([\d.]+)%" y="15">1\N{MULTIPLICATION SIGN}<', lead)
+    assert [float(tick) for tick in ticks] == pytest.approx([places[0]] * 5, abs=0.2)
 
 
 def test_packed_errors_are_those_of_the_blocks(study: Compared) -> None:
@@ -497,7 +500,7 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     assert len(re.findall(r"clearly best rich [\d.]+ ", text_of(lead))) == 11
     assert len(re.findall(r"clearly behind rich \+[\d.]+ \(\d+ %\)", text_of(lead))) == 1
     assert lead.count('<td class="for-all">') == 11
-    assert lead.count('class="lead-strip"') == 12
+    assert lead.count('class="lead-strip" height="16"') == 12
     assert "tinted : rich, the one to take" in text_of(lead)
     every = kitchens(recipes, 2, heats=tuple(range(100, 112)))
     lead = rendered(compared(every, within=("heat",)).overview).lead
