@@ -244,17 +244,17 @@ def test_a_run_is_complete_though_its_worker_is_killed_with_a_value_that_was_sen
     mark = tmp_path / "killed"
     text = """
         inputs: {mark: ""}
-        axes: {k: {count: 99}}
+        axes: {k: {count: 30}}
         nodes:
           big: {use: away.pair, with: {rows: 20000}}
           x: {use: away.number}
-          a: {use: away.killed_once, in: x, with: {mark: $mark, number: $k, at: 70}}
+          a: {use: away.killed_once, in: x, with: {mark: $mark, number: $k, at: 20}}
           size: {use: away.also_size, in: {pair: big, x: a}}
         """
     run = study(text, HowToRun("dask", 1), mark=str(mark))
     assert mark.exists()
-    assert run.counts() == {**run.counts(), "done": 200, "failed": 0}
-    assert [value for _, value in run["a"]] == [7 + k for k in range(99)]
+    assert run.counts() == {**run.counts(), "done": 62, "failed": 0}
+    assert [value for _, value in run["a"]] == [7 + k for k in range(30)]
     assert {value for _, value in run["size"]} == {20000 * 36 * 8}
     assert len(sent) > 2
 
