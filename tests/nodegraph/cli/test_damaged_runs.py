@@ -22,7 +22,8 @@ from tests.records import read_record, write_steps
 from tests.texts import edit
 
 Place = tuple[str | int, ...]
-OTHERS: tuple[object, ...] = (None, 7, "odd", [], {}, [7], {"odd": 7})
+OTHERS: tuple[object, ...] = (None, 7, "odd", [7])
+OTHERS_ON_TOP: tuple[object, ...] = ([], {}, {"odd": 7})
 READERS = (
     ("archive", "ran", "--out", "new.zip"),
     ("export", "ran", "fill", "--at", "fill=hold,length=1", "--out", "new.raw", "--store", "kept"),
@@ -58,7 +59,7 @@ def places(data: object, at: Place = ()) -> Iterator[Place]:
 def changed(data: object, at: Place) -> Iterator[Any]:
     """Yield data without what is at a place, and with something else there."""
     text = json.dumps(data)
-    for other in (..., *OTHERS):
+    for other in (..., *OTHERS, *(OTHERS_ON_TOP if len(at) == 1 else ())):
         damaged = inner = json.loads(text)
         for key in at[:-1]:
             inner = inner[key]
