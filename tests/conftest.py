@@ -8,12 +8,10 @@ import signal
 import sys
 from collections.abc import Generator, Iterator
 from itertools import count
-from pathlib import Path
 
 import hypothesis
 import pytest
 
-from tests.environments import ROOT, build, one_wheel
 from tests.memory import give_back
 from tests.studies import Studies
 
@@ -52,7 +50,7 @@ gc.disable()  # until all tests are collected: nothing of theirs is garbage
 LONG = (
     *("test_contracts", "test_locked_studies", "test_stored_studies", "test_reports"),
     *("test_misbehaving_nodes", "test_third_party", "test_fill_study", "test_executor"),
-    *("test_page", "test_charts", "test_installation", "test_answers", "test_jupyter"),
+    *("test_page", "test_charts", "test_answers", "test_jupyter"),
     *("test_readme", "test_live_page", "test_machines", "test_odd_reports"),
     *("test_documentation", "test_tracking_study", "test_marker_selection_study"),
 )
@@ -122,9 +120,3 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
     folder = tmp_path_factory.getbasetemp()
     shared = folder.parent if WORKER else folder
     return Studies(tmp_path_factory, shared / "studies")
-
-
-@pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel built from the tree."""
-    return one_wheel(build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel"), "nodegraph")

@@ -1,4 +1,4 @@
-"""Wheels as users get them: the content of ours, and a third-party plugin beside it.
+"""Wheels as users get them: ours alone, and a third-party plugin beside it.
 
 The third-party wheel adds a method, a figure, a file format, an executor and a command.
 """
@@ -161,6 +161,30 @@ report: [heights]
 """
 
 
+SMOOTH = """
+nodegraph: 1
+nodes:
+  capture: {use: read.recording, with: {path: "sample:face"}}
+  smooth: {use: smooth.one_euro, in: capture}
+  table: {use: score.roughness, in: smooth}
+report: [table]
+"""
+"""Reads a file of the package, and compiles a function."""
+
+LISTS = """
+from nodegraph.cli.main import main
+main(["show", "fill"])
+print("---")
+main(["new"])
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel built from the tree."""
+    return one_wheel(build(ROOT, tmp_path_factory.mktemp("wheel"), "--wheel"), "nodegraph")
+
+
 @pytest.fixture(scope="module")
 def through_sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the sdist and the wheel built from it."""
@@ -193,6 +217,39 @@ def test_wheel_from_the_sdist_is_the_wheel_from_the_tree(wheel: Path, through_sd
     with tarfile.open(next(through_sdist.glob("*.tar.gz"))) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
     assert {"tests/test_third_party.py", "graphs/fill.yaml", "LICENSE"} <= inside
+
+
+def test_wheel_and_checkout_replace_each_other_and_a_run_writes_nothing_there(
+    tmp_path: Path, wheel: Path
+) -> None:
+    (tmp_path / "smooth.yaml").write_text(SMOOTH)
+    place = Environment.create(tmp_path)
+    before = place.files()
+    leave_what_an_earlier_version_left(place)
+    place.install("--no-compile", wheel)
+    # files where folders would be written
+    in_the_way = [
+        place.home,
+        *(each / "__pycache__" for each in place.site_packages.glob("nodegraph_*/")),
+    ]
+    for path in in_the_way:
+        path.touch()
+    check_run(place, "3 steps: 3 computed")  # kernels are compiled for this run alone
+    for path in in_the_way:
+        path.unlink()
+
+    place.install("-e", ROOT)
+    check_all_is_there(place)
+    check_run(place, "3 steps: 3 stored")
+
+    for left in place.site_packages.glob("nodegraph_*/"):
+        shutil.rmtree(left)
+    place.install("--force-reinstall", wheel)
+    other = ("--no-cache", "--executor", "processes", "--jobs", "1")
+    check_run(place, "3 steps: 3 computed", *other)
+    assert list(place.home.rglob("nodegraph/kernels/*/one_euro_kernel.*.nbc"))
+    place.uninstall("nodegraph")
+    assert place.files() == before
 
 
 def test_a_third_party_method_joins_the_comparison(place: Environment, tmp_path: Path) -> None:
@@ -271,6 +328,28 @@ def test_a_new_plugin_is_installed_and_passes_its_own_tests(
     shown = nodegraph(place, "show", "fill.hold_on", cwd=tmp_path).stdout
     assert "Say again each" in shown
     assert "Whatever the method is published in" in shown
+
+
+def leave_what_an_earlier_version_left(place: Environment) -> None:
+    """Make folders that look like packages, without modules."""
+    for package in (ROOT / "plugins").glob("nodegraph_*"):
+        left = place.site_packages / package.name / "left"
+        left.mkdir(parents=True)
+        (left / "a_kernel.run-1.py311.nbi").touch()
+
+
+def check_run(place: Environment, steps: str, *words: str) -> None:
+    """Check that the graph runs, and that nothing is written to what is installed."""
+    installed = place.files()
+    assert steps in place.run("nodegraph", "run", "smooth.yaml", *words)
+    assert place.files() == installed
+
+
+def check_all_is_there(place: Environment) -> None:
+    """Check that nodes and example graphs are listed."""
+    nodes, graphs = place.run("python", "-c", LISTS).split("---\n")
+    assert {"fill.muscle", "fill.subspace_kalman"} <= set(nodes.split())
+    assert "fill" in graphs.split()
 
 
 def write_plugin(folder: Path, name: str, modules: dict[str, str]) -> Path:
