@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 PROGRAM = """
-import scipy.linalg, sklearn.cluster  # which load OpenBLAS and OpenMP
+import scipy.linalg, sklearn  # which load OpenBLAS and OpenMP
 from threadpoolctl import threadpool_info
 from nodegraph.audit.repeat import numeric_threads
 

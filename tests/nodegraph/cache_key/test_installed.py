@@ -157,7 +157,7 @@ def test_processes_that_order_sets_in_other_ways_find_and_gather_the_same(
             cwd=tmp_path,
             env={"PYTHONHASHSEED": seed, "PYTHONPATH": f"{ROOT}:{ROOT / 'plugins'}"},
         ).stdout
-        for seed in "123"
+        for seed in "12"
     }
     digest = answers["compare:compare.table"].digest
     assert printed == {f"{digest}\ntable ('face_1', 'face_2', 'face_3')\n"}
