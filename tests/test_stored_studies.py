@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,27 +18,6 @@ from tests.studies import FILL, ONE, ROOT, Studies, command, few
 STEPWISE = ("guenter", "lin_ouhyoung", "muscle", "waters")
 FILLS = f"fill={','.join(STEPWISE)},cubic,ridge"
 SMALL = (*ONE, "--only", FILLS)
-Again = Callable[..., dict[str, object]]
-
-
-@pytest.fixture
-def again(tmp_path: Path) -> Again:
-    """Run the graph of fills with a copy of the plugins, and return its record."""
-    plugins = tmp_path / "plugins"
-    shutil.copytree(ROOT / "plugins", plugins)
-    (tmp_path / "fill.yaml").write_text(FILL)
-    path = os.pathsep.join([str(plugins), str(ROOT)])
-    words = [sys.executable, "-m", "nodegraph.cli.main", "run", "fill.yaml"]
-
-    def run() -> dict[str, object]:
-        environment = {**os.environ, "PYTHONPATH": path}
-        process = subprocess.run(
-            [*words, *SMALL], env=environment, cwd=tmp_path, capture_output=True, check=False
-        )
-        assert process.returncode == 0, process.stderr.decode()
-        return read_record(tmp_path / "runs" / "fill")
-
-    return run
 
 
 def edit(file: Path, old: str, new: str) -> None:
@@ -73,17 +51,23 @@ def test_a_second_run_computes_nothing_and_writes_the_same(studies: Studies, nam
             assert (later / path.relative_to(earlier)).read_bytes() == path.read_bytes(), path.name
 
 
-def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(
-    again: Again, tmp_path: Path
-) -> None:
-    fills = tmp_path / "plugins" / "nodegraph_fill"
-    assert command("run", "fill.yaml", *SMALL, folder=tmp_path).status == 0
+def test_an_edited_helper_reruns_what_depends_on_it_and_a_comment_nothing(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "plugins", tmp_path / "plugins")
+    (tmp_path / "fill.yaml").write_text(FILL)
+    run = ("run", "fill.yaml", *SMALL)
+    assert command(*run, folder=tmp_path).status == 0
     everything = computed(read_record(tmp_path / "runs" / "fill"))
-    assert {"capture", "gaps", "fill muscle", "error muscle", "table"} <= everything
-    edit(fills / "stepwise.py", "from __future__", "# a remark\nfrom __future__")
-    edit(fills / "muscle.py", "def muscle(", "# another\n\n\ndef muscle(")
-    assert computed(again()) == set()
+    assert {"capture", "gaps", "fill muscle", "fill cubic", "error muscle", "table"} <= everything
+    fills = tmp_path / "plugins" / "nodegraph_fill"
+    edit(fills / "cubic.py", "def cubic(", "# a remark\n\n\ndef cubic(")
+    edit(fills / "whole_take.py", "from __future__", "# another\nfrom __future__")
     helper = "reach = gaps.stop.max(initial=0) + 1", "reach = 1 + gaps.stop.max(initial=0)"
     edit(fills / "stepwise.py", *helper)
+    path = os.pathsep.join([str(tmp_path / "plugins"), str(ROOT)])
+    process = subprocess.run(
+        [sys.executable, "-m", "nodegraph.cli.main", *run],
+        env={**os.environ, "PYTHONPATH": path}, cwd=tmp_path, capture_output=True, check=False,
+    )  # fmt: skip
+    assert process.returncode == 0, process.stderr.decode()
     changed = {f"{node} {name}" for node in ("fill", "error") for name in STEPWISE}
-    assert computed(again()) == {*changed, "table"}
+    assert computed(read_record(tmp_path / "runs" / "fill")) == {*changed, "table"}
