@@ -1,9 +1,8 @@
-"""Least squares within bounds, of many targets at once: what to solve by which method.
+"""Least squares within bounds, of many targets at once.
 
 Block pivoting on normal equations finds the weights; where columns depend on each other, with a
 ridge that is taken back. What it finds is held against the conditions for a least sum of squares
-(Karush, Kuhn & Tucker), and what does not meet them goes to `scipy.optimize.lsq_linear`. Weights
-that do not meet them either are not given.
+(Karush, Kuhn & Tucker). Weights that do not meet them are not given.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ RIDGE = 1e-9
 _PLAIN = 1e-9
 """As long as no column lies closer to the others (squared sine), no ridge is needed."""
 
-_ROUNDS, _APPROACHES = 10_000, 20
+_ROUNDS = 100_000
 
 
 class BoundedSolution(NamedTuple):
@@ -123,9 +122,8 @@ class System:
             some = targets[again], linears[again]
             pivoting_kernel.bounded(squares, *some, work, _ROUNDS, KKT, found, least)
             weights[again], solved[again] = found, least
-        for frame in np.flatnonzero(~solved):
-            weights[frame] = _by_scipy(squares, targets[frame])
-        return BoundedSolution(weights, np.asarray(np.isnan(weights).any(axis=1)))
+        weights[~solved] = np.nan
+        return BoundedSolution(weights, ~solved)
 
     @cached_property
     def _squares(self) -> Any:
@@ -145,25 +143,6 @@ def _are_apart(unit: Matrix) -> bool:
     except np.linalg.LinAlgError:
         return False
     return bool(np.diag(factor).min() ** 2 > _PLAIN)
-
-
-def _by_scipy(squares: Any, target: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the (K,) weights of one target; NaN if they are not those of least squares.
-
-    With a ridge, it is taken back as by `pivoting_kernel.bounded`.
-    """
-    from scipy.optimize import lsq_linear
-
-    columns, low, high, root = squares.columns, squares.low, squares.high, np.sqrt(squares.ridge)
-    matrix, weights = np.hstack([columns, root * np.eye(len(columns))]).T, np.zeros(len(columns))
-    for _ in range(_APPROACHES):
-        whole = np.append(target, root * weights)
-        found = lsq_linear(matrix, whole, (low, high), method="bvls", tol=KKT)
-        at = found.active_mask
-        weights = np.where(at < 0, low, np.where(at > 0, high, found.x))
-        if are_least(columns, target[None], weights[None], low, high)[0]:
-            return weights
-    return np.full(len(columns), np.nan)
 
 
 def inwards(columns: Matrix, targets: Matrix, weights: Matrix, low: float, high: float) -> Matrix:

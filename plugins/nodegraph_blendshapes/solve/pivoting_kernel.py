@@ -36,8 +36,10 @@ PULL = 1e-14
 
 AT_LOW, AT_HIGH, FREE = 0, 1, 2
 _ROUNDS = 4
-_APPROACHES = 60
 _LITTLE = 1e-14
+_APPROACHES = 10_000
+_FINE = 59
+"""After so many approaches, what the caller asks for is enough."""
 _NOTHING = 1e-300
 
 
@@ -128,7 +130,7 @@ def bounded(
         weights[:] = 0.0
         if squares.ridge > 0.0:
             _free_all(squares, work)  # what rounding leaves must not depend on the target before
-        for _ in range(_APPROACHES if squares.ridge > 0.0 else 1):
+        for approach in range(_APPROACHES if squares.ridge > 0.0 else 1):
             for k in range(len(weights)):
                 linear[k] = linears[frame, k] + squares.ridge * weights[k]
             is_settled = _exchange(squares, linear, work, length, most)
@@ -145,7 +147,7 @@ def bounded(
                 _copy(weights, work.weights)
                 left = _left(squares, target, rest, work, length)
             solved[frame] = left <= share
-            if left <= _LITTLE or not is_settled:
+            if left <= (_LITTLE if approach < _FINE else share) or not is_settled:
                 break
 
 

@@ -254,9 +254,8 @@ def solve_weights(
     another and worse one. Where shapes depend on each other, a ridge of a billionth of the largest
     curvature makes the weights the only ones, and is taken back step by step [3]_. Every answer is
     held against the conditions for a least: the gradient that does not push a weight against its
-    bound is at most 1e-11 of ``|column| (|x - x0| + sum |column| |w|)``. What does not meet them
-    is solved by SciPy's ``lsq_linear``; a frame of which no answer meets them has no weights
-    (NaN), counted in a warning.
+    bound is at most 1e-11 of ``|column| (|x - x0| + sum |column| |w|)``. A frame of which no
+    answer meets them has no weights (NaN), counted in a warning.
 
     Markers are matched by name; those that only recording or model has are left out, with a
     warning. A shape that moves none of the recording's markers by 0.5 mm cannot be seen: its weight

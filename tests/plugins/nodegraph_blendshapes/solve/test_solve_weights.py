@@ -112,7 +112,6 @@ def test_what_could_not_be_determined_is_reported(monkeypatch: pytest.MonkeyPatc
     model, _, _ = face(VALUES)
     recording = posed(model, 2.0 * VALUES - 0.5, noise=0.5)
     monkeypatch.setattr(bounded, "_ROUNDS", 1)
-    monkeypatch.setattr(bounded, "_APPROACHES", 0)
     with pytest.warns(UserWarning, match=r"in \d+ of 20 frames the weights of least squares could"):
         solution = solve_weights(recording, model)
     lost = np.isnan(solution.weights.values).all(axis=1)
