@@ -23,10 +23,11 @@ def number(text: str) -> float:
 @needs_fetched("fill_published")
 def test_least_squares_has_the_published_error_of_each_mask(studies: Studies) -> None:
     folder = studies.run("fill_published", "--only", "fill=least_squares,ridge")
-    rows = table(folder / "masks_table.csv")
+    every = table(folder / "masks_table.csv")
+    rows = [row for row in every if row["fill"] == "least_squares"]
     assert len(rows) == 15
     for row in rows:
-        assert float(row["least_squares"]) == pytest.approx(number(row["mask"]), rel=0.03)
+        assert float(row["mean"]) == pytest.approx(number(row["mask"]), rel=0.03)
     error = {
         (row["fill"], row["learnt"], row["mask.missing"]): float(row["mean"])
         for row in table(folder / "table.csv")

@@ -18,12 +18,10 @@ TABLES = ("wrong-samples", "error-left", "impulses-missed", "good-samples-repair
 def means_of(folder: Path, name: str) -> dict[tuple[str, str], float]:
     """Return the means by method, size and share: ``size 5.0, impulses 0.02``."""
     rows = table(folder / f"{name}_table.csv")
-    if "impulses" in rows[0]:
-        return {
-            (row["despike"], f"size {row['size']}, impulses {row['impulses']}"): float(row["mean"])
-            for row in rows
-        }
-    return {(row["despike"], group): float(row[group]) for row in rows for group in GROUPS}
+    return {
+        (row["despike"], f"size {row['size']}, impulses {row['impulses']}"): float(row["mean"])
+        for row in rows
+    }
 
 
 @pytest.fixture(scope="module")

@@ -55,6 +55,9 @@ TABLES = """
   const link = beside?.querySelector('a[href$=".csv"]');
   return {
     file: link ? decodeURIComponent(link.getAttribute("href").slice(2)) : null,
+    laid_out: Boolean(table.closest("figure").querySelector("template.whole")),
+    heads: [...table.tHead.rows[0].cells]
+      .map((cell) => cell.textContent.replace(/ \\[[^\\]]*\\]$/, "")),
     columns: [...table.tHead.rows[0].cells].map((cell) => Number(cell.dataset.column)),
     percent: [...table.tHead.rows[0].cells]
       .map((cell) => cell.querySelector(".unit")?.textContent.trim() === "[%]"),
@@ -188,12 +191,53 @@ def assert_tables_hold_what_their_files_hold(run: Path, page: Page) -> None:
     assert sorted(table["file"] for table in tables) == stored
     for table in tables:
         heads, rows = cells((run / table["file"]).read_text())
+        if table["laid_out"]:
+            assert_each_mean_stands_where_its_labels_say(table, heads, rows)
+            continue
         assert len(table["rows"]) == len(rows)
         for column, place in enumerate(table["columns"]):
             for shown, row in zip(table["rows"], rows, strict=True):
                 percent = table["percent"][column]
                 where = table["file"], heads[place]
                 assert alike(shown[column], row[place], percent=percent), where
+
+
+def assert_each_mean_stands_where_its_labels_say(
+    table: dict[str, Any], heads: list[str], rows: list[list[str]]
+) -> None:
+    labels, mean = range(heads.index("blocks")), heads.index("mean")
+    side = {place: column for column, place in enumerate(table["columns"]) if place in labels}
+    seen = set()
+    for row in rows:
+        (down,) = [
+            at
+            for at, shown in enumerate(table["rows"])
+            if all(alike(shown[side[place]], row[place], percent=False) for place in side)
+        ]
+        (along,) = [
+            column
+            for column, head in enumerate(table["heads"])
+            if column not in side.values()
+            and all(stands_in(head, heads[at], row[at]) for at in labels if at not in side)
+        ]
+        seen.add((down, along))
+        percent = table["percent"][along]
+        assert alike(table["rows"][down][along], row[mean], percent=percent), (table["file"], row)
+    assert len(seen) == len(rows)
+    empty = [
+        not cell
+        for down, shown in enumerate(table["rows"])
+        for along, cell in enumerate(shown)
+        if along not in side.values() and (down, along) not in seen
+    ]
+    assert all(empty)
+
+
+def stands_in(head: str, name: str, label: str) -> bool:
+    """Return whether a head names a label, a number with what it is."""
+    is_number = is_text_of_number(label)
+    text = f"{name} {float(label):.12g}" if is_number else label
+    return f", {text}, " in f", {head}, "
 
 
 def is_text_of_number(text: str) -> bool:

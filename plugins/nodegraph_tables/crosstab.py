@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 from typing import TYPE_CHECKING
 
 from nodegraph import Grid
-from nodegraph_tables.cells import ALL, cells_at, columns_of
+from nodegraph_tables.cells import ALL, CellText, cells_at, columns_of
 from nodegraph_tables.info import info_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from nodegraph_tables.cells import CellText, Column
+    from nodegraph_tables.cells import Column
+    from nodegraph_tables.info import TableInfo
 
 Labels = tuple[str, ...]
 
@@ -58,8 +59,9 @@ def crosstab(
     ----------
     table
     rows, columns
-        Labels that stand down the side, and along the top, in place of these. What neither names
-        stands in the rows; in the columns, if only rows are named.
+        Labels that stand down the side, and along the top, in place of these, or of
+        `TableInfo.layout`. What neither names stands in the rows; in the columns, if only rows are
+        named.
     most
         The columns of groups from which on the outer labels stand down the side.
     in_print
@@ -74,8 +76,12 @@ def crosstab(
     shown = columns_of(table, in_print=in_print)
     labels = {column.name: column for column in shown if column.label}
     marked = [column for column in shown if column.name in info.best]
-    is_long = len(marked) == 1 and len(labels) > 1
-    if rows or columns:
+    is_asked = bool(rows or columns)
+    if not is_asked:
+        rows, columns = _layout_of(info, labels)
+    # methods alone may stand along the top
+    is_long = len(marked) == 1 and len(labels) > (not columns)
+    if is_asked:
         _check(rows, columns, labels if is_long else ())
     if not labels or not marked:
         return None
@@ -92,6 +98,7 @@ def crosstab(
     side, top = _layout(labels, rows, columns, None if most is None else most + more)
     order = _order(labels)
     row_of, head_of = (_texts(labels[name] for name in names) for names in (side, top))
+    row_of = row_of or ((),) * len(table)  # all labels stand along the top
     groups = {*list(labels)[:-1]}
     # what is over all groups has no place where some stand down the side, some along the top
     left_out = info.overall if groups & {*side} and groups & {*top} else ()
@@ -132,6 +139,33 @@ def _check(rows: Sequence[str], columns: Sequence[str], labels: Iterable[str]) -
             raise ValueError(f"{name!r} is named twice among rows and columns")
 
 
+def seen_columns(table: pd.DataFrame) -> list[Column]:
+    """Return the columns that a reader sees: of `TableInfo.layout`, else those of the table."""
+    info, columns = info_of(table), columns_of(table)
+    of = {column.name: column for column in columns}
+    crossed = crosstab(table) if any(_layout_of(info, of)) else None
+    if crossed is None:
+        return columns
+    value = next(column for column in columns if column.name in info.best)
+    labels = (
+        [CellText(row[at], "", best=False, tied=False) for row in crossed.rows]
+        for at in range(len(crossed.side))
+    )
+    return [
+        *(of[name]._replace(cells=cells) for name, cells in zip(crossed.side, labels, strict=True)),
+        *(
+            value._replace(name=", ".join(head), cells=cells, constant=False)
+            for head, cells in zip(crossed.heads, crossed.columns, strict=True)
+        ),
+    ]
+
+
+def _layout_of(info: TableInfo, names: Collection[str]) -> tuple[Labels, Labels]:
+    """Return the layout of a table; none where it lacks a column that stands in it."""
+    rows, columns = info.layout
+    return (rows, columns) if {*rows, *columns}.issubset(names) else ((), ())
+
+
 def _texts(columns: Iterable[Column]) -> tuple[Labels, ...]:
     return tuple(zip(*(map(str, column.cells) for column in columns), strict=True))
 
@@ -159,7 +193,7 @@ def _order(labels: Mapping[str, Column]) -> dict[str, dict[str, float]]:
     }
     within: dict[Labels, int] = {}
     places: dict[str, list[int]] = {}
-    of_rows = _texts(labels[name] for name in groups)
+    of_rows = _texts(labels[name] for name in groups) or ((),) * len(labels[compared].cells)
     for group, cell in zip(of_rows, labels[compared].cells, strict=True):
         within[group] = within.get(group, -1) + 1
         places.setdefault(str(cell), []).append(within[group])
@@ -168,8 +202,8 @@ def _order(labels: Mapping[str, Column]) -> dict[str, dict[str, float]]:
 
 
 def _head(table: pd.DataFrame, name: str, text: str) -> str:
-    """Return a label along the top, with its axis where it is a number."""
-    is_number = table[name].dtype.kind in "iuf"
+    """Return a label along the top, with its axis where it is a number, true or false."""
+    is_number = table[name].dtype.kind in "biuf"
     return f"{name} {text}" if is_number and text != ALL else text
 
 

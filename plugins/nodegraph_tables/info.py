@@ -72,6 +72,9 @@ class TableInfo:
     cells : mapping of column to mapping of {"low", "high", "p"} to column
         The columns that are shown within the cells of another, as ``mean [low, high]``, with a
         dagger where p is below 0.05.
+    layout : pair of tuples of columns
+        Labels that stand down the side, and along the top, where a reader sees the marked numbers
+        in rows and columns; see `crosstab`. The CSV file has a row for each.
     unseen : tuple of columns
         Columns that only the CSV file has.
     take : Take, optional
@@ -99,6 +102,7 @@ class TableInfo:
     sequences: tuple[str, ...] = ()
     compared: str = ""
     cells: Mapping[str, Mapping[Part, str]] = field(default_factory=dict)
+    layout: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
     unseen: tuple[str, ...] = ()
     take: Take | None = None
     poses: Poses | None = None

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from html import escape
 from typing import TYPE_CHECKING
 
 from nodegraph import Rendered
 from nodegraph_tables.answer import answer_html, in_authors_words, lead_style
-from nodegraph_tables.cells import CellText, Column, columns_of
-from nodegraph_tables.crosstab import grid_of
+from nodegraph_tables.cells import CellText, Column
+from nodegraph_tables.crosstab import grid_of, seen_columns
 from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.latex import latex_of, without_constants
 from nodegraph_tables.style import SHARE
@@ -58,7 +58,7 @@ def _rendered(table: pd.DataFrame, words: str, title: str) -> Rendered:
     table = _with_named_rows(table)
     info = info_of(table)
     caption = words or info.title or title
-    columns, constants = without_constants(columns_of(table))
+    columns, constants = without_constants(seen_columns(table))
     notes = [*constants, *info.notes]
     csv = _csv(table)
     cards = bool(info.answer.cards)
@@ -114,9 +114,12 @@ def _html(
     head = "".join(_head(*both) for both in zip(columns, classes, strict=True))
     groups = list(zip(*(tuple(map(str, column.cells)) for column in labels[:-1]), strict=True))
     compared = [column.cells for column in columns if column.name == info.compared]
-    folded = _folded(groups, len(rows), info)
-    # in a wide table a mark is about a cell
-    leads = {*_rows_of(info.best), *_rows_of(info.tied)} if len(info.best) == 1 else set()
+    best = [at for at, row in enumerate(rows) if any(cell.best for cell in row)]
+    tied = [at for at, row in enumerate(rows) if any(cell.tied for cell in row)]
+    folded = _folded(groups, len(rows), best, tied, info.highlights)
+    # where several columns have marks, one is about a cell
+    marked = [column for column in columns if any(cell.best or cell.tied for cell in column.cells)]
+    leads = {*best, *tied} if len(marked) == 1 else set()
 
     def row_class(place: int) -> str:
         begins = place > 0 and bool(groups) and groups[place] != groups[place - 1]
@@ -130,13 +133,14 @@ def _html(
     stacked = sum(column.has_intervals for column in columns) > _MOST_BESIDE
     kinds = ["table", *(["stacked"] if stacked else []), *(["folded"] if folded else [])]
     more = f' data-more="{len(folded)}"' if folded else ""
+    kept = ["csv", *(["whole"] if any(info.layout) else [])]
     cut = [f"The first {_MOST_ROWS} of {len(rows)} rows; the CSV file has all."]
     if any(unit == SHARE for unit in info.units.values()):
         notes = [*notes, "Percentages are shares in the CSV file: 0.49 for 49 %."]
     return (
         f'<figure{_class(kinds)}{more}><div class="scroll"><table class="sortable">'
         f"<caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        f'</div><template class="csv">{escape(csv, quote=False)}</template>'
+        f"</div><template{_class(kept)}>{escape(csv, quote=False)}</template>"
         f"{_notes([*(cut if len(rows) > _MOST_ROWS else []), *notes])}</figure>"
     )
 
@@ -150,7 +154,13 @@ def _notes(notes: Sequence[str]) -> str:
     return f'<ul class="quiet">{items}</ul>' if items else ""
 
 
-def _folded(groups: Sequence[object], count: int, info: TableInfo) -> set[int]:
+def _folded(
+    groups: Sequence[object],
+    count: int,
+    best: Sequence[int],
+    all_tied: Sequence[int],
+    highlights: Sequence[int],
+) -> set[int]:
     """Return the rows that a folded table leaves out, none of a short one.
 
     Of each group it shows the best, those that are tied with it, and what else is highlighted; the
@@ -158,22 +168,16 @@ def _folded(groups: Sequence[object], count: int, info: TableInfo) -> set[int]:
     """
     if count <= _SHORT_TABLE:
         return set()
-    best, all_tied = _rows_of(info.best), _rows_of(info.tied)
     starts = [at for at in range(count) if at == 0 or (groups and groups[at] != groups[at - 1])]
     few = _FEW_ROWS if len(starts) > 1 else _SHORT_TABLE
     most = max(1, _SHOWN_ROWS // len(starts))
     shown: set[int] = set()
     for start, end in zip(starts[:_SHOWN_ROWS], [*starts[1:], count], strict=False):
         tied = [at for at in all_tied if start <= at < end]
-        marked = [*best, *tied[:1], *info.highlights, *tied]
+        marked = [*best, *tied[:1], *highlights, *tied]
         of_group = dict.fromkeys(at for at in marked if start <= at < end)
         shown |= {*[*(of_group or range(start, min(end, start + few)))][:most]}
     return {*range(count)} - shown
-
-
-def _rows_of(marks: Mapping[str, Sequence[int]]) -> list[int]:
-    """Return the rows that are marked in any column."""
-    return sorted({place for rows in marks.values() for place in rows})
 
 
 def _method(compared: Sequence[Sequence[CellText]], place: int) -> str:

@@ -28,6 +28,7 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
   const guarded = (text) => (/^[=+\-@\t\r]/.test(text) && Number.isNaN(Number(text)) ? `'${text}` : text);
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const csv = (shown) => {
+    if (shown.whole) return shown.whole;
     if (shown.records) return shown.records[0] + shown.rows().map((row) => shown.records[shown.places.get(row) + 1]).join("");
     const { heads, rows } = partsOf(shown);
     return [...heads, ...rows].map((row) => row.map(guarded).map(quoted).join(",")).join("\n") + "\n";
@@ -187,8 +188,10 @@ nodegraph.define("tables", ["page", "selection"], ({ element, copy, announce }, 
     const source = figure.querySelector("template.csv");
     const shown = {
       figure, table, body, places, rows: () => [...body.rows],
+      // where a row is several of the file
+      whole: source?.matches(".whole") && source.content.textContent,
       get records() {
-        return source && (this.known ??= source.content.textContent.match(RECORD));
+        return source && !this.whole && (this.known ??= source.content.textContent.match(RECORD));
       },
       fields(row) {
         return fieldsOf(this.records[places.get(row) + 1]);

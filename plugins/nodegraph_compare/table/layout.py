@@ -1,105 +1,27 @@
-"""The table in rows and columns, as a paper prints it: a mean and its interval in each cell."""
+"""The table of a comparison: a row for each mean."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nodegraph_compare.verdict import COMMON, WORST
 from nodegraph_tables import TableInfo, with_info
-from nodegraph_tables.style import CHANCE, SHARE
+from nodegraph_tables.style import CHANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from nodegraph import Across, Declared, Label
-    from nodegraph_compare.question import Question
-    from nodegraph_compare.verdict import Mark, Verdict, Verdicts
+    from nodegraph_compare.verdict import Verdict, Verdicts
     from nodegraph_mocap import Table
     from nodegraph_tables.info import Part
 
 
-Labels = tuple["Label", ...]
-
-
-class _Cell(NamedTuple):
-    """The content of one place of the table."""
-
-    mean: float
-    low: float
-    high: float
-    p: float
-    blocks: int
-    mark: Mark | None
-
-
-_NOTHING = _Cell(np.nan, np.nan, np.nan, np.nan, 0, None)
-
-
-def wide_table(verdicts: Verdicts, layout: TableLayout, parts: Sequence[Part]) -> Table:
-    """Return the means in rows and columns.
-
-    Further numbers about the mean are in columns of their own, which a reader sees in one cell.
-    The best mean of each group is marked.
-
-    Parameters
-    ----------
-    verdicts
-        On each group.
-    layout
-        What stands down the side, and along the top.
-    parts
-        Further numbers about the mean: ``low``, ``high`` and ``p``, against the baseline, or the
-        best.
-    """
-    from pandas import DataFrame
-
-    cells = {
-        (_picked(at, layout.rows), _picked(at, layout.columns)): cell
-        for group in verdicts.groups
-        for at, cell in _cells(verdicts, group)
-    }
-    place = _order(verdicts)
-    unit = verdicts.metric.unit
-    rows = sorted({row for row, _ in cells}, key=place(layout.rows))
-    tops = sorted({top for _, top in cells}, key=place(layout.columns))
-    stacked = [[cells.get((row, top), _NOTHING) for row in rows] for top in tops]
-    columns = _side(rows, layout)
-    if set(verdicts.within).issubset(layout.rows):
-        columns["blocks"] = [max(cell.blocks for cell in row) for row in zip(*stacked, strict=True)]
-    under = dict(zip(_heads(tops, layout.columns, taken=columns), stacked, strict=True))
-    for head, column in under.items():
-        columns |= _beneath(head, column, parts)
-    info = TableInfo(
-        # a share is printed in percent, which a head must say; other units stand in the title
-        units=dict.fromkeys(under, unit) if unit == SHARE else {},
-        labels=layout.rows,
-        compared=verdicts.compare if verdicts.compare in layout.rows else "",
-        cells={head: {part: f"{head} {part}" for part in parts} for head in under},
-        best={
-            head: tuple(at for at, cell in enumerate(column) if cell.mark == "best")
-            for head, column in under.items()
-        },
-        tied={
-            head: tuple(at for at, cell in enumerate(column) if cell.mark == "tied")
-            for head, column in under.items()
-        },
-    )
-    return with_info(DataFrame(columns), info)
-
-
-def _side(rows: Sequence[Labels], layout: TableLayout) -> dict[str, Sequence[object]]:
-    """Return the columns of labels down the side."""
-    return {name: [row[at] for row in rows] for at, name in enumerate(layout.rows)}
-
-
-def _beneath(head: str, column: Sequence[_Cell], parts: Sequence[str]) -> dict[str, list[float]]:
-    """Return the columns of numbers under one head: the means, then the further numbers."""
-    beside = {f"{head} {part}": [getattr(cell, part) for cell in column] for part in parts}
-    return {head: [cell.mean for cell in column]} | beside
+Names = tuple[str, ...]
 
 
 def blocks_text(groups: Sequence[Verdict]) -> str:
@@ -110,69 +32,8 @@ def blocks_text(groups: Sequence[Verdict]) -> str:
     return f"The means are over {counts[0]} to {counts[-1]} blocks." if counts else ""
 
 
-def _cells(verdicts: Verdicts, group: Verdict) -> Iterable[tuple[Mapping[str, Label], _Cell]]:
-    at = dict(zip(verdicts.within, group.labels, strict=True))
-    paired, marks = group.paired, group.marks
-    for place in group.ranked:
-        names = {verdicts.compare: verdicts.methods[place]} if verdicts.compare else {}
-        p = np.nan if paired is None else float(paired.p[place])
-        numbers = (group.mean, group.low, group.high)
-        mean, low, high = (float(number[place]) for number in numbers)
-        yield at | names, _Cell(mean, low, high, p, int(group.blocks[place]), marks.get(place))
-
-
-def _picked(at: Mapping[str, Label], names: Sequence[str]) -> Labels:
-    return tuple(at[name] for name in names)
-
-
-def _order(verdicts: Verdicts) -> Callable[[Sequence[str]], Callable[[Labels], tuple[int, ...]]]:
-    """Return what gives the places of labels in the order in which the graph lists them."""
-    listed: dict[str, Sequence[Label]] = {verdicts.compare: verdicts.methods}
-    for at, name in enumerate(verdicts.within):
-        listed[name] = tuple(dict.fromkeys(group.labels[at] for group in verdicts.groups))
-    places = {
-        name: {label: at for at, label in enumerate(labels)} for name, labels in listed.items()
-    }
-
-    def key_of(names: Sequence[str]) -> Callable[[Labels], tuple[int, ...]]:
-        return lambda labels: tuple(
-            places[name][label] for name, label in zip(names, labels, strict=True)
-        )
-
-    return key_of
-
-
-def _heads(tops: Sequence[Labels], names: Sequence[str], taken: Iterable[str]) -> list[str]:
-    """Return a name for each column: its labels, with what they are where the labels are bare."""
-    bare = [
-        ", ".join(
-            label if isinstance(label, str) else f"{name} {label}"
-            for name, label in zip(names, labels, strict=True)
-        )
-        for labels in tops
-    ]
-    parts = {f"{head} {part}" for head in bare for part in ("low", "high", "p")}
-    if len({*bare, *parts, *taken}) == len(bare) + len(parts) + len(list(taken)):
-        return bare
-    return [
-        ", ".join(f"{name} {label!r}" for name, label in zip(names, labels, strict=True))
-        for labels in tops
-    ]
-
-
-Names = tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class TableLayout:
-    """Names that stand down the side, and along the top; without the latter, a row per mean."""
-
-    rows: Names
-    columns: Names
-
-
 def implied(
-    scores: Across[Table], compare: str | None, within: Names, layout: TableLayout, blocks: Names
+    scores: Across[Table], compare: str | None, within: Names, named: Names, blocks: Names
 ) -> tuple[str | None, Names]:
     """Return the compared axis and the axes of groups that the layout implies.
 
@@ -185,15 +46,14 @@ def implied(
         The gathered tables.
     compare, within, blocks
         As the user gave them.
-    layout
-        Which names stand down the side, and along the top.
+    named
+        Which names stand down the side, or along the top.
 
     Raises
     ------
     ValueError
         If a name is laid out twice.
     """
-    named = (*layout.rows, *layout.columns)
     repeated = sorted({name for name in named if named.count(name) > 1})
     if repeated:
         raise ValueError(f"rows and columns share a name: {', '.join(repeated)}")
@@ -201,15 +61,6 @@ def implied(
     if compare is None and axes:
         compare = axes[-1]
     return compare, (*within, *(name for name in named if name not in (compare, *within)))
-
-
-def completed(layout: TableLayout, question: Question) -> TableLayout:
-    """Return the layout with a place for every name of the question, in rows if it has columns."""
-    names = (*question.within, *question.compared)
-    rest = tuple(name for name in names if name not in (*layout.rows, *layout.columns))
-    if layout.columns:
-        return TableLayout((*layout.rows, *rest), layout.columns)
-    return TableLayout(layout.rows, rest if layout.rows else ())
 
 
 _DIFFERENCE = {
@@ -236,7 +87,9 @@ _VALUED = {
 _LOST = {"refused": "refused", "left missing": "missing"}
 
 
-def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
+def means_table(
+    verdicts: Verdicts, declared: Mapping[Label, Declared], layout: tuple[Names, Names]
+) -> Table:
     """Return a row per group and method, the best mean of each group first and marked.
 
     Columns that would hold nothing are left out: what was refused or left missing where nothing
@@ -249,14 +102,20 @@ def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
         On each group, and over all of them.
     declared
         What the methods declare.
+    layout
+        Labels that a reader sees down the side, and along the top, methods in the order of the
+        graph; none where every mean has a row.
     """
     from pandas import DataFrame
 
+    every: Sequence[Verdict] = verdicts.every
+    if any(layout):
+        every = [replace(group, ranked=tuple(sorted(group.ranked))) for group in every]
     columns: dict[str, Any] = {}
     paired = "ratio" if verdicts.ratio else "difference"
     texts = differing(declared)
     overall = verdicts.overall
-    for group in verdicts.every:
+    for group in every:
         for name, values in _columns(verdicts, group, paired, texts).items():
             columns.setdefault(name, []).extend(values)
     if overall is not None:
@@ -269,12 +128,12 @@ def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
             if _holds(name, values) and not _says_no_more(name, values, columns["mean"])
         }
     )
-    rows = [(group, place) for group in verdicts.every for place in group.ranked]
+    rows = [(group, place) for group in every for place in group.ranked]
     marks = [group.marks.get(place) for group, place in rows]
     best, tied = (
         tuple(row for row, of in enumerate(marks) if of == mark) for mark in ("best", "tied")
     )
-    shown = {id(group): _highlights(verdicts, group) for group in verdicts.every}
+    shown = {id(group): _highlights(verdicts, group) for group in every}
     highlights = tuple(row for row, (group, place) in enumerate(rows) if place in shown[id(group)])
     unit = verdicts.metric.unit
     valued = (
@@ -297,16 +156,19 @@ def long_table(verdicts: Verdicts, declared: Mapping[Label, Declared]) -> Table:
         )
         if name in frame
     }
+    if any(layout) and "p" in frame:
+        intervals["mean"] = {**intervals["mean"], "p": "p"}
     info = TableInfo(
         unseen=("arithmetic mean",),
         units=units | {name: "share" for name in _LOST if name in frame},
         labels=(*verdicts.within, *compared),
-        best={"mean": best} if compared else {},
+        best={"mean": best} if compared or any(layout) else {},
         tied={"mean": tied} if compared else {},
-        highlights=highlights,
+        highlights=() if any(layout) else highlights,
         overall=tuple(row for row, (group, _) in enumerate(rows) if group is overall),
         compared=verdicts.compare,
         cells=intervals,
+        layout=layout,
     )
     return with_info(frame, info)
 

@@ -28,14 +28,7 @@ from nodegraph_compare.question import (
 from nodegraph_compare.recordings import recordings_of
 from nodegraph_compare.suspects import suspects
 from nodegraph_compare.table.judge import by_rules, over_groups, variations, verdict_of
-from nodegraph_compare.table.layout import (
-    TableLayout,
-    blocks_text,
-    completed,
-    implied,
-    long_table,
-    wide_table,
-)
+from nodegraph_compare.table.layout import blocks_text, implied, means_table
 from nodegraph_compare.table.notes import notes
 from nodegraph_compare.table.summary import by_ratio, summarise
 from nodegraph_compare.unused_axes import unused_axes
@@ -43,16 +36,13 @@ from nodegraph_compare.verdict import Verdicts, clusters_name
 from nodegraph_compare.words import number_name
 from nodegraph_mocap import Figure, Table
 from nodegraph_tables import info_of, with_info
-from nodegraph_tables.info import Part
-from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
 
     from nodegraph import Declared
 
 
-_PARTS: tuple[Part, ...] = ("low", "high", "p")
 _SHARES = (
     "refused: share of combinations that were refused or failed; left missing: share of rows "
     "without a number."
@@ -166,8 +156,8 @@ def table(
         labels of `within` (a reader sees ``all``): with Y the logarithm of a cluster's mean,
         averaged over groups, methods are compared as within a group. A claim that rests on any one
         of G groups multiplies its p by G.
-        With `rows` or `columns`: the means only, with ``low`` and ``high`` (and ``p``) of each
-        column in columns of their own, which a reader of the report sees in one cell.
+        With `rows` or `columns` a reader sees means with their intervals alone, laid out so;
+        methods are in the order of the graph, and no row is over all groups.
         Its answer has a line per group: which mean is best, over what, and which methods are not
         certain to be worse. Its notes list what that rests on: what was left out or filled in,
         where few large errors decide, and what it is without blocks whose truth is suspect: those
@@ -187,8 +177,8 @@ def table(
     """
     from nodegraph_compare.table.figure import draw
 
-    layout = TableLayout(rows, columns)
-    compare, within = implied(scores, asked.compare, asked.within, layout, asked.blocks)
+    named = (*rows, *columns)
+    compare, within = implied(scores, asked.compare, asked.within, named, asked.blocks)
     comparison = prepare(scores, replace(asked, compare=compare, within=within))
     question, gathered = comparison.question, comparison.groups
     for name in beside:
@@ -228,8 +218,10 @@ def table(
         for label, each in scores.methods.get(question.compare or "", {}).items()
         if label in comparison.methods
     }
-    layout = completed(layout, question)
-    overall = None if layout.columns else over_groups(every)
+    # names that all stand down the side leave a row per mean
+    count = len((*question.within, *question.compared))
+    layout = (rows, columns) if columns or 0 < len(rows) < count else ((), ())
+    overall = None if any(layout) else over_groups(every)
     verdicts = Verdicts(
         metric=metrics[0],
         beside=metrics[1 : 1 + len(beside)],
@@ -261,8 +253,13 @@ def table(
         ),
         overall=None if overall is None else verdict_of(overall, comparison),
     )
-    means = _laid_out(verdicts, question, layout, declared)
+    means = means_table(verdicts, declared, layout)
     info = info_of(means)
+    cells: list[str] = []
+    if any(layout):
+        cells = [f"{_cell_text(verdicts, question)} {blocks_text(verdicts.groups)}"]
+    elif not {"refused", "left missing"}.isdisjoint(means):
+        cells = [_SHARES]
     averaged = [
         f"{text}."
         for axis, text in unused_axes(scores, question.compare).items()
@@ -273,10 +270,11 @@ def table(
     of_table = answer if is_described(verdicts) else answer.in_words
     info = replace(
         info,
+        title=f"{number_name(verdicts)}{question.by}",
         answer=replace(of_table, more=(*of_table.more, *averaged)),
         notes=(
             *notes(verdicts, question),
-            *info.notes,
+            *cells,
             *(
                 f"{label}: adapted {each['adapted']}"
                 for label, each in declared.items()
@@ -308,26 +306,8 @@ def _places(
     )
 
 
-def _laid_out(
-    verdicts: Verdicts, question: Question, layout: TableLayout, declared: Mapping[Label, Declared]
-) -> Table:
-    metric = verdicts.metric
-    named = layout.columns and metric.unit != SHARE  # else the columns have units
-    title = f"{number_name(verdicts, unit_text(metric.unit) if named else '')}{question.by}"
-    note: tuple[str, ...] = ()
-    if layout.columns:
-        some = any(group.judged for group in verdicts.groups)
-        parts = [part for part in _PARTS if part != "p" or some]
-        means = wide_table(verdicts, layout, parts)
-        note = (f"{_cell_text(question, parts)} {blocks_text(verdicts.groups)}",)
-    else:
-        means = long_table(verdicts, declared)
-        if not {"refused", "left missing"}.isdisjoint(means):
-            note = (_SHARES,)
-    return with_info(means, replace(info_of(means), title=title, notes=note))
-
-
-def _cell_text(question: Question, parts: Sequence[str]) -> str:
+def _cell_text(verdicts: Verdicts, question: Question) -> str:
     best = "" if question.better == "none" else "; the best of a group is marked"
-    apart = "; \N{DAGGER} clearly apart from the best, or from the baseline" if "p" in parts else ""
-    return f"A cell holds the mean and its interval [low, high]{best}{apart}."
+    apart = "; \N{DAGGER} clearly apart from the best, or from the baseline"
+    some = any(group.judged for group in verdicts.groups)
+    return f"A cell holds the mean and its interval [low, high]{best}{apart if some else ''}."

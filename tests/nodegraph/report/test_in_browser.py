@@ -171,6 +171,20 @@ def test_a_table_is_copied_as_it_is_shown(tab: Page, tmp_path: Path, form: str, 
     assert f"{form} copied" in tab.content()
 
 
+def test_a_table_laid_out_anew_sorts_by_what_it_shows_and_is_copied_as_its_file(
+    tab: Page, tmp_path: Path
+) -> None:
+    whole = "length,method,mean\n5,muscle,1.25\n45,muscle,10.5\n"
+    source = f'<template class="csv whole">{whole}</template></figure>'
+    show(tab, tmp_path, Rendered(TABLE.replace("</figure>", source)))
+    tab.click(HEAD.format(1))
+    methods = tab.locator("tbody td:first-child").all_text_contents()
+    assert methods == ["guenter", "lin", "muscle", "refused"]
+    tab.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    tab.click(".copy [aria-label$=CSV]")
+    assert tab.evaluate("navigator.clipboard.readText()") == whole
+
+
 def test_rows_follow_the_selection_and_the_theme_is_chosen(tab: Page, tmp_path: Path) -> None:
     linked = re.sub(r"<tr><td>(\w+)</td>", r'<tr data-method="\1"><th class="name">\1</th>', TABLE)
     show(tab, tmp_path, Rendered(linked))
