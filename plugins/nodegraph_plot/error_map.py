@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections import defaultdict
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -18,26 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from nodegraph import Label
+    from nodegraph_plot.error_map_figure import MarkerErrors
 
 Samples = Literal["made", "all"]
-
-
-@dataclass(frozen=True)
-class MarkerErrors:
-    """The errors of one picture, by marker.
-
-    Attributes
-    ----------
-    errors : dict of marker to float
-        Millimetres; NaN without a sample.
-    samples : dict of marker to int
-        How many are behind each error.
-    takes : int
-    """
-
-    errors: dict[str, float]
-    samples: dict[str, int]
-    takes: int
 
 
 @node("plot.error_map")
@@ -120,6 +102,8 @@ def _truth_of(name: str, labels: Mapping[str, Label], truth: Across[Trajectories
 
 def _errors(takes: list[tuple[Trajectories, Trajectories]], samples: Samples) -> MarkerErrors:
     """Return the mean over takes of the root mean square distances."""
+    from nodegraph_plot.error_map_figure import MarkerErrors
+
     errors: dict[str, list[float]] = defaultdict(list)
     counts: dict[str, int] = defaultdict(int)
     for recording, truth in takes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_mocap import Trajectories
-    from nodegraph_plot.error_map import MarkerErrors
 
 _ACROSS = 5
 _LETTERS = 22
@@ -58,6 +58,24 @@ class _Scale:
         """Return the errors of the legend, to two digits."""
         ends = float(self.norm.vmin or 0.0), float(self.norm.vmax or 0.0)
         return [float(f"{error:.2g}") for error in np.geomspace(*ends, _STEPS)]
+
+
+@dataclass(frozen=True)
+class MarkerErrors:
+    """The errors of one picture, by marker.
+
+    Attributes
+    ----------
+    errors : dict of marker to float
+        Millimetres; NaN without a sample.
+    samples : dict of marker to int
+        How many are behind each error.
+    takes : int
+    """
+
+    errors: dict[str, float]
+    samples: dict[str, int]
+    takes: int
 
 
 def draw(pictures: Mapping[str, MarkerErrors], truths: Sequence[Trajectories], view: str) -> Figure:
