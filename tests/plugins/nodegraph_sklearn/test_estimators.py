@@ -155,7 +155,7 @@ def test_the_rivals_of_the_page_stand_beside_each_other_in_a_graph(tmp_path: Pat
     fill = text.split("Five rivals for a fill:\n\n```yaml\n")[1].split("```")[0]
     path = tmp_path / "rivals.yaml"
     path.write_text(GRAPH + indent(fill, "  "), encoding="utf-8")
-    run = nodegraph.run(path, executor="processes", jobs=1, store=tmp_path / "store")
+    run = nodegraph.run(path, jobs=1, store=tmp_path / "store")
     assert run.ok
     errors = run["error"].frame()
     assert errors["rmse"].notna().all()
