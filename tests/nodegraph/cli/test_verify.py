@@ -190,6 +190,14 @@ def test_locked_values_that_are_stored_are_compared_exactly(verified: Verified) 
     assert lines[6] == "    output.cells[0, 0] was 1001.0, now 1001.5 (2 such places)"
 
 
+def test_another_text_in_a_result_is_no_rounding(verified: Verified) -> None:
+    edit("study.py", '"right"', '"wrong"')
+    shutil.rmtree("kept")
+    assert (
+        "    types, shapes, texts or which samples are missing differ" in verified()[1].splitlines()
+    )
+
+
 def test_an_edit_without_effect_is_none(verified: Verified) -> None:
     edit("study.py", "1000.0 + SHIFT", "SHIFT + 1000.0")
     assert verified()[1].startswith("identical: ")
@@ -321,6 +329,38 @@ def test_a_refusal_is_a_result(verified: Verified) -> None:
     assert status == 1
     assert lines[3] == "first: fill(length=5, fill=shift)"
     assert "    was done, now refused: a gap of 5.0 cells" in lines
+
+
+def test_numbers_in_a_reason_may_drift(
+    verified: Verified, drifting: Callable[[str], list[str]]
+) -> None:
+    edit("study.py", "sum() > 8", "sum() > 4")
+    edit("study.py", "a gap of {float(np.isnan(sheet.cells).sum())}", "{np.nanmean(sheet.cells)}")
+    lock_again()
+    assert any(line.startswith("within tolerance: ") for line in drifting("1e-12"))
+
+
+def test_a_study_without_conclusions_has_none_to_keep(
+    verified: Verified, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("inner.yaml").write_text(frozen.INNER)
+    Path("outer.yaml").write_text(frozen.OUTER)
+    assert main(["lock", "outer.yaml", "--plugin", "study.py", *STORE]) == 0
+    for size, expected in (("1e-12", "within tolerance: "), ("1e-6", "diverged: ")):
+        monkeypatch.setenv("DRIFT", size)
+        assert expected in verified("--rerun", lock="outer.lock")[1]
+
+
+def test_a_file_that_has_come_to_an_axis_diverges(verified: Verified) -> None:
+    edit("study.yaml", "length: [2, 5]", 'length: [2, 5], one: {files: "numbers*.txt"}')
+    edit("study.yaml", "inputs: {file: numbers.txt}\n", "")
+    edit("study.yaml", "$file", "$one")
+    lock_again()
+    frozen.write_numbers("numbers2.txt")
+    status, out, _ = verified()
+    assert status == 1
+    assert "\ndiverged: study.lock: " in out
+    assert "    only in this run: sheet(one=numbers2); cut(length=2, one=numbers2); " in out
 
 
 def test_what_failed_then_and_now_is_counted_as_such(verified: Verified) -> None:

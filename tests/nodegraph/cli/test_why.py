@@ -28,28 +28,18 @@ def test_unchanged_steps_are_stored(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new", "node", "text"),
+    ("file", "old", "new", "text"),
     [
-        ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "gaps", "code: toys was edited"),
-        ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "total", "toy.cut: code: toys was edited"),
-        (
-            "toys.py",
-            "sum(parts.values())",
-            "2 * sum(parts.values())",
-            "total",
-            "toy.sum: code: toys was edited",
-        ),
-        ("toy.yaml", "start: 5", "start: 6", "total", "a: start was 5, now 6"),
-        ("toy.yaml", "[1, 5]", "[2, 5]", "gaps", "gaps(length=2): was not in the earlier run"),
-        ("toy.yaml", "fill.*", "[fill.hold]", "total", "total: parts took 4 values, now 2"),
+        ("toys.py", "Cut(x - length, x)", "Cut(x, x)", "toy.cut: code: toys was edited"),
+        ("toy.yaml", "start: 5", "start: 6", "a: start was 5, now 6"),
     ],
 )
 def test_the_part_that_changed_is_named(
-    command: Command, file: str, old: str, new: str, node: str, text: str
+    command: Command, file: str, old: str, new: str, text: str
 ) -> None:
     command("run", "toy.yaml")
     edit(file, old, new)
-    status, out, _ = command("check", "toy.yaml", "--why", node)
+    status, out, _ = command("check", "toy.yaml", "--why", "total")
     assert status == 0
     assert text in out
 
