@@ -74,13 +74,12 @@ def test_the_record_agrees_with_the_events(built_in: Path) -> None:
     }
 
 
-def test_the_report_holds_the_table_and_fetches_nothing(built_in: Path) -> None:
+def test_the_report_holds_the_table(built_in: Path) -> None:
     html = (built_in / "report.html").read_text()
     assert "Which method fills the gaps of a face best?" in html
     assert "lin_ouhyoung" in html
     assert "<svg" in html
     assert "Making faces" in html
-    assert 'src="http' not in html
 
 
 @needs_recordings

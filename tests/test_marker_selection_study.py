@@ -11,6 +11,7 @@ from statistics import median
 import pytest
 
 import nodegraph as ng
+from nodegraph.plan import plan
 from nodegraph_files import sample_folder
 from tests.records import read_record
 from tests.studies import DATA, ROOT, Studies, needs_recordings, table
@@ -143,6 +144,19 @@ def test_rivals_choose_as_many_markers(built_in: Path) -> None:
     run = ng.run(GRAPH, only=one, axis={"k": [10], "seed": [0]})
     sizes = {labels["chosen"]: len(selection.chosen) for labels, selection in run["chosen"]}
     assert max(sizes.values()) - min(sizes.values()) <= 1
+
+
+def test_the_graph_of_the_language_plans_shared_steps_once() -> None:
+    graph = ng.load(AS_PRINTED)
+    planned = plan(graph)
+    steps = {name: len(set(cells.values())) for name, cells in planned.cells.items()}
+    per_actor = dict.fromkeys(("capture", "model", "face", "complete"), len(ACTORS))
+    per_size = dict.fromkeys(("chosen", "kept", "selected", "mse"), len(ACTORS) * 12)
+    assert steps == {**per_actor, **per_size, "fig2": 1}
+    assert graph.nodes["fig2"].gathered == ("actor", "k")
+    assert graph.axes["k"].labels == tuple(range(5, 61, 5))
+    first = next(step for step in planned.steps if step.node == "chosen")
+    assert first.settings["k"] == 5
 
 
 def test_the_graph_of_the_language_runs_as_it_is_printed(studies: Studies) -> None:
