@@ -21,7 +21,7 @@ from tests.environments import ROOT
 from tests.nodegraph.edit.graph_texts import Writer
 
 GRAPHS = sorted(ROOT.glob("graphs/**/*.yaml"))
-SEEDS = range(60)
+SEEDS = range(20)
 FILL = "nodegraph: 1\nnodes:\n  a: {use: read.recording}\n  fill: {use: fill.muscle, in: a}\n"
 
 

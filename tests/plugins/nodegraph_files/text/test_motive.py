@@ -147,7 +147,6 @@ def test_the_rate_of_capture_where_there_is_no_other(write: Write) -> None:
             motive(MARKER, rows=("0,0,1,two,3",)),
             r":8:4: 'two' is not a number \(column Face:lip Y\)",
         ),
-        (motive(MARKER, rows=("0,0,1,2,3,4",)), ":8: 6 cells, but 5 columns"),
         (motive(MARKER, without=("Name",)).replace(",,A1,A1,A1\n", ""), ":5: no row of names"),
     ],
 )

@@ -143,7 +143,6 @@ def test_what_is_odd_is_read_with_a_warning(
         (qtm(), ": no frames follow line 8"),
         (qtm("1 2 3 4"), ":9: 4 coordinates make no whole number of markers; MARKER_NAMES has 2"),
         (qtm("1 2 3 4 5 6", "1 2 3 4 5 x"), ":10:6: 'x' is not a number"),
-        (qtm("1 2 3 4 5 6", "1 2 3 4 5 6 7"), ":10: 7 cells, but 6 columns"),
     ],
 )
 def test_what_is_wrong_is_refused_with_its_place(write: Write, text: str, message: str) -> None:

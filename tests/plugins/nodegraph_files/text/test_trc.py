@@ -59,8 +59,9 @@ def test_units_become_millimetres(write: Write, unit: str, millimetres: float) -
     np.testing.assert_allclose(read.positions[0, 0], np.array([1, 2, 3]) * millimetres)
 
 
-@pytest.mark.parametrize("cell", ["one", "1_000", "0x1", "1,5,2", "#N/A"])
-@pytest.mark.parametrize("column", [1, 2, 3, 8])
+@pytest.mark.parametrize(
+    ("cell", "column"), [("one", 1), ("1_000", 2), ("0x1", 3), ("1,5,2", 8), ("#N/A", 3)]
+)
 def test_text_for_a_number_is_reported_with_its_place(write: Write, cell: str, column: int) -> None:
     row = ["2", "0.01", "7", "8", "9", "10", "11", "12"]
     row[column - 1] = cell
