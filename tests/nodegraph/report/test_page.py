@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import base64
+import hashlib
 import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
@@ -23,6 +25,7 @@ from nodegraph.report import (
     page,
 )
 from nodegraph.report.notes import note_kinds
+from nodegraph.report.page import policy
 from nodegraph.report.study import NoteSubject, numbered
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "rect", "line", "path"}
@@ -355,9 +358,9 @@ def test_notes_stand_beside_the_answer_or_the_figure_once_and_as_safe_markdown()
 def test_nothing_is_fetched_and_the_policy_forbids_it() -> None:
     notes = "![a](http://evil.example/x.png) <img src=http://evil.example/y> [b](javascript:c)"
     read = Page(page(study(notes_markdown=notes)))
-    policy = next(tag["content"] for tag in read.all("meta") if "http-equiv" in tag)
-    assert policy.startswith("default-src 'none'; script-src 'sha256-")
-    assert "http" not in policy
+    rules = next(tag["content"] for tag in read.all("meta") if "http-equiv" in tag)
+    assert rules.startswith("default-src 'none'; script-src 'sha256-")
+    assert "http" not in rules
     for _, attributes in read.tags:
         assert not re.match(r"https?:|//|javascript:", attributes.get("src", ""))
     assert [tag["href"] for tag in read.all("link")] == ["data:,"]
@@ -400,3 +403,26 @@ def test_a_file_beside_the_page_stays_beside_it() -> None:
 )
 def test_durations(seconds: float, text: str) -> None:
     assert duration(seconds) == text
+
+
+def digest(script: str) -> str:
+    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+
+
+def test_scripts_of_trusted_parts_are_allowed_once_each() -> None:
+    parts = [
+        "<p>no</p>",
+        "<SCRIPT>a &amp; b < c</SCRIPT>",
+        "<script>own()</script>",
+        "<script>d\r\n</script>",
+    ]
+    rules = dict(value.split(" ", 1) for value in policy(parts, "own()").split("; "))
+    expected = [digest(value) for value in ("own()", "a &amp; b < c", "d\n")]
+    assert rules["script-src"] == " ".join(f"'sha256-{script}'" for script in expected)
+    assert rules["default-src"] == "'none'"
+
+
+def test_text_that_only_looks_like_a_script_is_not_allowed() -> None:
+    assert policy(
+        ["&lt;script>a()&lt;/script>", "<b title='<script>a()</script>'>"], "own()"
+    ) == policy([], "own()")

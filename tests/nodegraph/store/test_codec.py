@@ -496,3 +496,12 @@ def test_a_digest_covers_every_byte() -> None:
     head = '["array",0,"<f8",[1]]'
     first, other = (Packed(head, (memoryview(bytes([0] * 7 + [last])),)) for last in (0, 1))
     assert first.digest != other.digest
+
+
+def test_lists_and_mappings_are_lent_as_copies() -> None:
+    packer = Packer()
+    value = [1, {"a": [2]}]
+    lent = packer.lend(value)
+    lent[1]["a"].append(3)
+    assert value == [1, {"a": [2]}]
+    assert packer.lend((1, 2)) == (1, 2)

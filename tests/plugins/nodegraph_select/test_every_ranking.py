@@ -1,14 +1,17 @@
-"""What selections that rank all markers refuse, and that rounding ranks none."""
+"""What selections refuse, in plain calls as in a graph, and that rounding ranks none."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from nodegraph import Refusal
 from nodegraph_mocap import Selection, Trajectories
+from nodegraph_select.checks import check_share, check_whole
 from nodegraph_select.greedy import greedy
 from nodegraph_select.qr import qr
 from nodegraph_select.variance import variance
@@ -36,3 +39,25 @@ def test_rounding_chooses_no_marker(face: Trajectories, select: Select) -> None:
     with pytest.warns(UserWarning, match="2 of the 3 pairs chosen determine all markers"):
         selection = select(replace(face, positions=positions), k=5)
     assert selection.chosen == ("lip_left", "lip_right", "brow_left", "brow_right", "nose")
+
+
+@pytest.mark.parametrize("value", [3, 4, np.int64(7)])
+def test_whole_numbers_that_are_large_enough(value: int) -> None:
+    check_whole("runs", value, 3)
+
+
+@pytest.mark.parametrize("value", [2, -1, 3.0, 3.5, np.nan, "3", None])
+def test_what_is_no_such_number(value: Any) -> None:
+    with pytest.raises(ValueError, match=r"^runs must be a whole number from 3 on, got "):
+        check_whole("runs", value, 3)
+
+
+@pytest.mark.parametrize("value", [1e-300, 0.5, 1, 1.0])
+def test_shares(value: float) -> None:
+    check_share("variance", value)
+
+
+@pytest.mark.parametrize("value", [0.0, -0.1, 1.0 + 1e-9, np.inf, np.nan])
+def test_what_is_no_share(value: float) -> None:
+    with pytest.raises(ValueError, match=r"^variance must be above 0 and at most 1, got "):
+        check_share("variance", value)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nodegraph_synthesize.layout import FEWEST, MOST, MarkerLayout, make_layout
+from nodegraph_synthesize.layout import FEWEST, MOST, MarkerLayout, edges_between, make_layout
 from nodegraph_synthesize.proportions import Proportions
 from nodegraph_synthesize.surface import make_surface
 
@@ -59,3 +59,16 @@ def test_fewer_markers_keep_their_names_and_more_come_on_top() -> None:
 def test_other_numbers_are_refused(count: int) -> None:
     with pytest.raises(ValueError, match=f"10 to 150 of them here, got {count}"):
         _layout(count)
+
+
+@pytest.mark.parametrize("count", [10, 41, 60, 150])
+def test_edges_join_every_marker_and_mirror_each_other(count: int) -> None:
+    layout = _layout(count)
+    marker_set = edges_between(layout.marker_set, _SURFACE.vertices[layout.vertices])
+    mirror = {left: right for left, right in marker_set.pairs}
+    mirror |= {right: left for left, right in marker_set.pairs}
+    edges = {frozenset(edge) for edge in marker_set.edges}
+    assert len(edges) == len(marker_set.edges)
+    assert {frozenset(mirror.get(end, end) for end in edge) for edge in edges} == edges
+    assert frozenset().union(*edges) == set(marker_set.markers)
+    assert marker_set.stable == layout.marker_set.stable

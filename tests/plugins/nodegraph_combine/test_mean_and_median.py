@@ -1,4 +1,4 @@
-"""The median of several recordings."""
+"""The mean and the median of several recordings."""
 
 from __future__ import annotations
 
@@ -8,17 +8,24 @@ import numpy as np
 import pytest
 
 from nodegraph import Across
+from nodegraph_combine.mean import mean
 from nodegraph_combine.median import median
 from nodegraph_mocap import Trajectories
 
 Filled = Callable[[list[float]], Across[Trajectories]]
 
 
+def test_mean_is_that_of_those_that_are_there(filled: Filled, truth: Trajectories) -> None:
+    combined = mean(filled([1.0, np.nan, 4.0, 7.0]))
+    off = combined.positions[10:20, 1] - truth.positions[10:20, 1]
+    np.testing.assert_allclose(off, np.broadcast_to([4.0, 0.0, 0.0], off.shape), atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("errors", "expected"),
     [([1.0, 900.0, 3.0], 3.0), ([1.0, np.nan, 4.0], 2.5), ([np.nan, 2.0], 2.0)],
 )
-def test_is_the_middle_of_those_that_are_there(
+def test_median_is_the_middle_of_those_that_are_there(
     filled: Filled, truth: Trajectories, errors: list[float], expected: float
 ) -> None:
     combined = median(filled(errors))
@@ -26,7 +33,7 @@ def test_is_the_middle_of_those_that_are_there(
     np.testing.assert_allclose(off, expected, atol=1e-12)
 
 
-def test_equals_numpys(truth: Trajectories) -> None:
+def test_median_equals_numpys(truth: Trajectories) -> None:
     random = np.random.default_rng(1)
     many = {}
     for index in range(6):
