@@ -260,7 +260,7 @@ def test_a_third_party_method_joins_the_comparison(place: Environment, tmp_path:
     nodegraph(place, "new", "fill", cwd=tmp_path)
     labels = ("length=5", "condition=own_noise", "recording=face_1", "fill=hold,linear")
     only = [word for label in labels for word in ("--only", label)]
-    nodegraph(place, "run", "fill.yaml", *only, cwd=tmp_path)
+    nodegraph(place, "run", "fill.yaml", *only, "--until", "table", cwd=tmp_path)
     with (tmp_path / "runs" / "fill" / "table.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["fill"] == "hold"]
     assert [row["length"] for row in rows] == ["5"]
