@@ -20,7 +20,7 @@ def take(frames: int = 2000, markers: int = 20) -> Trajectories:
 
 @pytest.mark.parametrize(("share", "length"), [(0.05, 15), (0.3, 4)])
 def test_the_share_is_hidden_in_gaps_of_the_length(share: float, length: int) -> None:
-    hidden = dropout(take(20_000), share=share, length=length, seed=3).hidden.hidden
+    hidden = dropout(take(6_000), share=share, length=length, seed=3).hidden.hidden
     assert abs(hidden.mean() - share) < 0.1 * share
     assert not hidden[0].any()
     runs = runs_of(hidden)
