@@ -17,9 +17,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.integer]
 
 compiled = partial(kernel, fastmath={"reassoc", "contract"})
-inner = partial(
-    kernel, fastmath={"reassoc", "contract"}, no_cpython_wrapper=True
-)  # for kernels only
+inner = partial(compiled, no_cpython_wrapper=True)  # for kernels only
 
 
 @compiled("states", "covariances")

@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 compiled = partial(kernel, fastmath={"reassoc", "contract"})
-inner = partial(
-    kernel, fastmath={"reassoc", "contract"}, no_cpython_wrapper=True
-)  # for kernels only
+inner = partial(compiled, no_cpython_wrapper=True)  # for kernels only
 
 _STEADY = 1e-6
 """Change of the variance of a prediction, relative to that of the sample, that is none."""

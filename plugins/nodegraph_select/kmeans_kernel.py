@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 compiled = partial(kernel, error_model="numpy")
-inlined = partial(kernel, forceinline=True)
+inner = partial(compiled, no_cpython_wrapper=True)  # for kernels only
+inlined = partial(kernel, forceinline=True, no_cpython_wrapper=True)
 
 CAP = 300
 """Rounds after which a run stops, settled or not; runs on recorded faces take about ten."""
@@ -36,7 +37,6 @@ _NEAR, _SMALL = 1e-9, 1e-13
 equally far from their mean, and rounding must not choose between them."""
 
 
-@compiled()
 def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     """Cluster rows by k-means from a random start per run.
 
@@ -66,42 +66,47 @@ def restarts(rows: Floats, draws: Floats) -> tuple[Integers, Floats, Integers]:
     (runs, k), (p, q) = draws.shape, rows.shape
     if k < 1 or k > p or q < 1:
         raise ValueError("needs rows of one number or more, and from one cluster up to one a row")
-    for draw in draws.flat:
-        if not 0.0 <= draw < 1.0:
-            raise ValueError("draws must be from 0 up to but not 1")
-    nearest = np.empty((runs, k), np.int64)
-    inertia, rounds = np.empty(runs), np.empty(runs, np.int64)
-    order, cluster = np.empty(p, np.int64), np.empty(p, np.int64)
-    columns = _aligned(_filled_up(q, _DIMENSIONS), _filled_up(p, _PLACES))
-    for place in range(p):
-        for dimension in range(q):
-            columns[dimension, place] = rows[place, dimension]
-    rows = columns.T[:p].copy()
-    squared = _aligned(_filled_up(k, 2), columns.shape[1])
+    if not np.all((draws >= 0.0) & (draws < 1.0)):
+        raise ValueError("draws must be from 0 up to but not 1")
+    nearest, rounds = np.empty((runs, k), np.int64), np.empty(runs, np.int64)
+    inertia = np.empty(runs)
+    columns, squared = _aligned(q, _DIMENSIONS, p), _aligned(k, 2, p)
+    columns[:q, :p] = rows.T
     squared[k:] = np.inf
-    means, least = np.empty((k, len(columns))), np.empty(columns.shape[1])
-    for run in range(runs):
+    _restart(columns.T[:p].copy(), columns, draws, squared, nearest, inertia, rounds)
+    return nearest, inertia, rounds
+
+
+def _aligned(height: int, unit: int, width: int) -> Floats:
+    """Return zeros, filled up, that begin where a cache line does, of 64 bytes or 8 numbers."""
+    height, width = -(-height // unit) * unit, -(-width // _PLACES) * _PLACES
+    room = np.zeros(height * width + 8)
+    first = (64 - room.ctypes.data % 64) // 8 % 8
+    return room[first : first + height * width].reshape((height, width))
+
+
+@compiled("squared", "nearest", "inertia", "rounds")
+def _restart(
+    rows: Floats,
+    columns: Floats,
+    draws: Floats,
+    squared: Floats,
+    nearest: Integers,
+    inertia: Floats,
+    rounds: Integers,
+) -> None:
+    """Write what `restarts` returns."""
+    (height, width), (p, k) = columns.shape, (len(rows), draws.shape[1])
+    order, cluster = np.empty(p, np.int64), np.empty(p, np.int64)
+    means, least = np.empty((k, height)), np.empty(width)
+    for run in range(len(draws)):
         _draw(order, draws[run])
         for index in range(k):
-            for dimension in range(len(columns)):
+            for dimension in range(height):
                 means[index, dimension] = rows[order[index], dimension]
         rounds[run] = _settle(rows, columns, means, squared, cluster, least)
         inertia[run] = least[:p].sum()
         _find_nearest(nearest[run], cluster, np.sqrt(least[:p]))
-    return nearest, inertia, rounds
-
-
-@inlined()
-def _filled_up(count: int, unit: int) -> int:
-    return -(-count // unit) * unit
-
-
-@inlined()
-def _aligned(height: int, width: int) -> Floats:
-    """Return zeros that begin where a cache line does, of 64 bytes or 8 numbers."""
-    room = np.zeros(height * width + 8)
-    first = (64 - room.ctypes.data % 64) // 8 % 8
-    return room[first : first + height * width].reshape((height, width))
 
 
 @inlined("order")
@@ -115,7 +120,7 @@ def _draw(order: Integers, draws: Floats) -> None:
         order[place], order[other] = order[other], order[place]
 
 
-@compiled("means", "squared", "cluster", "least")
+@inner("means", "squared", "cluster", "least")
 def _settle(
     rows: Floats, columns: Floats, means: Floats, squared: Floats, cluster: Integers, least: Floats
 ) -> int:
@@ -171,7 +176,7 @@ def _assign(nearest: Integers, least: Floats, squared: Floats) -> None:
             nearest[place] = cluster + 1 if closer else who
 
 
-@compiled("totals", "count")
+@inner("totals", "count")
 def _add(totals: Floats, count: Integers, rows: Floats, cluster: Integers) -> None:
     """Add up the rows of each cluster, and count them."""
     totals[:] = 0.0
@@ -183,7 +188,7 @@ def _add(totals: Floats, count: Integers, rows: Floats, cluster: Integers) -> No
         count[cluster[place]] += 1
 
 
-@compiled("means", "moved")
+@inner("means", "moved")
 def _move(means: Floats, moved: Flags, totals: Floats, count: Integers) -> None:
     """Put the means where their clusters' are, NaN where no row is left; note which moved."""
     for cluster in range(len(means)):

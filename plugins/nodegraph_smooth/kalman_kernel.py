@@ -173,7 +173,7 @@ def advance(state: Floats, values: Floats, age: NDArray[np.integer], gains: Floa
             _update(state[run, axis], values[run, axis], gain)
 
 
-@kernel("state", forceinline=True)
+@kernel("state", forceinline=True, no_cpython_wrapper=True)
 def _update(state: Floats, value: float, gain: Floats) -> None:
     """Predict the state of the next frame, and correct it by the sample."""
     last = len(state) - 1

@@ -5,6 +5,7 @@ A kernel calls only kernels of its own file: numba's cache notices an edit of no
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     Flags = NDArray[np.bool_]
     Floats = NDArray[np.float64]
     Integers = NDArray[np.intp]
+
+inner = partial(kernel, no_cpython_wrapper=True)  # for kernels only
 
 _FARTHEST = 1.7e308
 """Squared mm that are still no infinity."""
@@ -150,7 +153,7 @@ def assigned(in_turn: Floats, points: Floats, gate: float) -> Integers:
     return of_place
 
 
-@kernel("of_place", "free")
+@inner("of_place", "free")
 def _assign(places: Floats, points: Floats, gate: float, of_place: Integers, free: Flags) -> None:
     """Give free points to the places without one, and write both."""
     wanting = of_place < 0
@@ -168,7 +171,7 @@ def _assign(places: Floats, points: Floats, gate: float, of_place: Integers, fre
             free[partners[row]] = False
 
 
-@kernel("of_place", "free")
+@inner("of_place", "free")
 def _take_nearest(
     start: Integers, point: Integers, squared: Floats, of_place: Integers, free: Flags
 ) -> bool:
@@ -245,7 +248,7 @@ def assigned_by_neighbours(
     return expected, of_place
 
 
-@kernel()
+@inner()
 def cheapest(
     start: Integers, point: Integers, squared: Floats, points: int, alone: float
 ) -> Integers:
@@ -297,7 +300,7 @@ def cheapest(
     return of_row
 
 
-@kernel()
+@inner()
 def _cheapest_open(columns: Integers, cost: Floats, done: Flags) -> int:
     best = -1
     for column in columns:
@@ -353,14 +356,15 @@ def carried_by_neighbours(
     link_of = np.full(len(place), -1)
     for link in range(len(moved)):
         link_of[moved[link]] = link
-    counts = _nearest_others(place, moved, link_of, near)
+    counts, is_full = _nearest_others(place, moved, link_of, near), len(place) > 0
     for row in range(len(place)):
+        is_full &= counts[row] == len(values)
         for rank in range(counts[row]):
             link = link_of[near[row, rank]]
             for axis in range(3):
                 values[rank, row, axis] = motion[link, axis]
     result = otherwise.copy()
-    if len(counts) and counts.min() == len(values):
+    if is_full:
         _sort_all(values.reshape(len(values), -1))
     else:
         for row in range(len(place)):
@@ -374,7 +378,7 @@ def carried_by_neighbours(
     return result
 
 
-@kernel("near")
+@inner("near")
 def _nearest_others(place: Floats, moved: Integers, link_of: Integers, near: Integers) -> Integers:
     """Write the nearest places that moved to each, and return how many, (A,).
 
@@ -415,7 +419,7 @@ def _nearest_others(place: Floats, moved: Integers, link_of: Integers, near: Int
     return counts
 
 
-@kernel("which", "smallest")
+@inner("which", "smallest")
 def _smallest(values: Floats, which: Integers, smallest: Floats) -> int:
     """Put first which of some values are the smallest, the least first; return how many."""
     count, most = 0, len(smallest)
@@ -432,7 +436,7 @@ def _smallest(values: Floats, which: Integers, smallest: Floats) -> int:
     return count
 
 
-@kernel("columns")
+@inner("columns")
 def _sort_all(columns: Floats) -> None:
     """Sort each of (N, C) columns, all at once: neighbours change places in N rounds."""
     for turn in range(len(columns)):
@@ -444,7 +448,7 @@ def _sort_all(columns: Floats) -> None:
                 second[column] = below if above < below else above
 
 
-@kernel("values")
+@inner("values")
 def _sort(values: Floats) -> None:
     """Sort a few values."""
     for end in range(1, len(values)):

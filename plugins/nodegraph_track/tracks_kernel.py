@@ -91,7 +91,7 @@ def next_tracks(
     )
 
 
-@kernel()
+@kernel(no_cpython_wrapper=True)
 def _inverse(of_track: Integers, points: int) -> Integers:
     """Return the track of each point, -1 for none."""
     of_point = np.full(points, -1)

@@ -82,7 +82,7 @@ class System:
             from nodegraph_blendshapes.solve import pivoting_kernel
 
             if self._work is None:
-                self._work = pivoting_kernel.new_work(self._squares)
+                self._work = pivoting_kernel.new_work(len(columns))
             weights, solved = np.empty((1, len(columns))), np.empty(1, dtype=np.bool_)
             linears = (columns @ target)[None]
             work = self._work
@@ -113,7 +113,7 @@ class System:
                 squares = squares._replace(columns=columns)
         targets = np.ascontiguousarray(targets)
         weights, solved = np.empty((len(targets), len(columns))), np.empty_like(none)
-        linears, work = targets @ columns.T, pivoting_kernel.new_work(squares)
+        linears, work = targets @ columns.T, pivoting_kernel.new_work(len(columns))
         pivoting_kernel.bounded(squares, targets, linears, work, _ROUNDS, share, weights, solved)
         if not squares.ridge:
             solved = are_least(columns, targets, weights, self._low, self._high)

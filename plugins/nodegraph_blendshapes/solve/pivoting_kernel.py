@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     Integers = NDArray[np.integer]
 
 compiled = partial(kernel, error_model="numpy", fastmath={"reassoc", "contract"})
+inner = partial(compiled, no_cpython_wrapper=True)  # for kernels only
 
 PULL = 1e-14
 """A gradient is zero up to this share of ``|column| |target|``, what rounding leaves of it."""
@@ -78,7 +79,7 @@ class Work(NamedTuple):
     order : (K,) array of int64
         The free weights, as the factor has them.
     size : (1,) array of int64
-        How many are free.
+        How many are free; -1 before the search begins.
     factor : (K, K) array of float64
     """
 
@@ -128,8 +129,9 @@ def bounded(
         target, weights = targets[frame], solution[frame]
         length = math.sqrt(_dot(target, target, len(target)))
         weights[:] = 0.0
-        if squares.ridge > 0.0:
-            _free_all(squares, work)  # what rounding leaves must not depend on the target before
+        # with a ridge, what rounding leaves must not depend on the target before
+        if squares.ridge > 0.0 or work.size[0] < 0:
+            _free_all(squares, work)
         for approach in range(_APPROACHES if squares.ridge > 0.0 else 1):
             for k in range(len(weights)):
                 linear[k] = linears[frame, k] + squares.ridge * weights[k]
@@ -151,7 +153,7 @@ def bounded(
                 break
 
 
-@compiled("rest", "work")
+@inner("rest", "work")
 def _left(squares: Squares, target: Floats, rest: Floats, work: Work, length: float) -> float:
     """Return the largest gradient that pulls inwards, as a share, and write the gradient."""
     weights, reach, worst = work.weights, length, 0.0
@@ -169,25 +171,21 @@ def _left(squares: Squares, target: Floats, rest: Floats, work: Work, length: fl
     return worst / reach if reach > 0.0 else 0.0
 
 
-@compiled()
-def new_work(squares: Squares) -> Work:
-    """Return a search that has not begun: every weight is free."""
-    count = len(squares.lengths)
-    work = Work(
-        np.zeros(count),
-        np.zeros(count),
-        np.zeros(count),
-        np.full(count, FREE, np.int8),
-        np.zeros(count, np.bool_),
-        np.arange(count),
-        np.full(1, count, np.int64),
-        np.zeros((count, count)),
+def new_work(count: int) -> Work:
+    """Return a search for so many weights that has not begun."""
+    return Work(
+        weights=np.zeros(count),
+        ahead=np.zeros(count),
+        slope=np.zeros(count),
+        place=np.zeros(count, np.int8),
+        wrong=np.zeros(count, np.bool_),
+        order=np.zeros(count, np.int64),
+        size=np.full(1, -1),
+        factor=np.zeros((count, count)),
     )
-    _factorize(squares.gram, work, 0)
-    return work
 
 
-@compiled("work")
+@inner("work")
 def _free_all(squares: Squares, work: Work) -> None:
     work.weights[:] = 0.0
     work.place[:] = FREE
@@ -197,7 +195,7 @@ def _free_all(squares: Squares, work: Work) -> None:
     _factorize(squares.gram, work, 0)
 
 
-@compiled()
+@inner()
 def _dot(left: Floats, right: Floats, count: int) -> float:
     total = 0.0
     for k in range(count):
@@ -205,19 +203,19 @@ def _dot(left: Floats, right: Floats, count: int) -> float:
     return total
 
 
-@compiled("target")
+@inner("target")
 def _copy(target: Floats, other: Floats) -> None:
     for k in range(len(target)):
         target[k] = other[k]
 
 
-@compiled("target")
+@inner("target")
 def _add(target: Floats, other: Floats, factor: float, count: int) -> None:
     for k in range(count):
         target[k] += other[k] * factor
 
 
-@compiled("work")
+@inner("work")
 def _factorize(gram: Floats, work: Work, begin: int) -> None:
     """Write the factor's rows from `begin` on."""
     factor, order = work.factor, work.order
@@ -228,7 +226,7 @@ def _factorize(gram: Floats, work: Work, begin: int) -> None:
         row[i] = math.sqrt(max(entries[order[i]] - _dot(row, row, i), _NOTHING))
 
 
-@compiled("work")
+@inner("work")
 def _solve(work: Work) -> None:
     """Replace the right-hand side in `ahead` by the solution for the free weights."""
     factor, ahead = work.factor, work.ahead
@@ -239,7 +237,7 @@ def _solve(work: Work) -> None:
         _add(ahead, factor[i], -ahead[i], i)
 
 
-@compiled("work")
+@inner("work")
 def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most: int) -> bool:
     """Exchange weights that are on the wrong side; return whether none is left."""
     fewest, rounds = len(linear) + 1, _ROUNDS
@@ -256,7 +254,7 @@ def _exchange(squares: Squares, linear: Floats, work: Work, length: float, most:
     return False
 
 
-@compiled("work")
+@inner("work")
 def _free_ones(squares: Squares, linear: Floats, work: Work) -> None:
     """Write the free weights, whether beyond the bounds or not, and the gradient."""
     size, weights, slope = work.size[0], work.weights, work.slope
@@ -273,7 +271,7 @@ def _free_ones(squares: Squares, linear: Floats, work: Work) -> None:
         _add(slope, squares.gram[work.order[k]], work.ahead[k], len(slope))
 
 
-@compiled("work")
+@inner("work")
 def _mark(squares: Squares, work: Work, length: float) -> int:
     """Mark the weights that are on the wrong side, and return how many."""
     count = 0
@@ -287,7 +285,7 @@ def _mark(squares: Squares, work: Work, length: float) -> int:
     return count
 
 
-@compiled("work")
+@inner("work")
 def _mark_the_last_only(work: Work) -> None:
     last = 0
     for j in range(len(work.wrong)):
@@ -297,7 +295,7 @@ def _mark_the_last_only(work: Work) -> None:
     work.wrong[last] = True
 
 
-@compiled("work")
+@inner("work")
 def _swap(squares: Squares, work: Work) -> int:
     """Exchange the marked weights, and return from which row on the factor is another."""
     order, kept = work.order, 0
@@ -322,7 +320,7 @@ def _swap(squares: Squares, work: Work) -> int:
     return same
 
 
-@compiled("rest", "work")
+@inner("rest", "work")
 def _refine(squares: Squares, target: Floats, before: Floats, rest: Floats, work: Work) -> None:
     """Take from the free weights what the normal equations have cost in accuracy."""
     _copy(rest, target)

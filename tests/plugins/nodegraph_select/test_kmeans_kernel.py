@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import chisquare, ks_2samp
 
 from nodegraph_select import kmeans_kernel
+from tests.plugins.kernels import run_as_python
 
 Numbers = NDArray[np.float64]
 
@@ -136,8 +135,9 @@ def test_a_run_does_not_depend_on_the_others() -> None:
         )
 
 
-def test_every_start_is_equally_likely() -> None:
+def test_every_start_is_equally_likely(monkeypatch: pytest.MonkeyPatch) -> None:
     order, seen = np.empty(5, np.int64), np.zeros((5, 5))
+    run_as_python(monkeypatch, kmeans_kernel)
     for drawn in np.random.default_rng(1).random((20_000, 2)):
         kmeans_kernel._draw(order, drawn)
         seen[order[0], order[1]] += 1
@@ -150,9 +150,9 @@ def test_it_stops_at_the_cap_with_rows_assigned_to_its_last_means(
 ) -> None:
     rows, cluster, least = rows_of(6, dimensions=4), np.empty(40, np.int64), np.empty(40)
     means, squared = rows[[0, 1, 2]].copy(), np.full((4, 40), np.inf)
+    run_as_python(monkeypatch, kmeans_kernel)
     monkeypatch.setattr(kmeans_kernel, "CAP", 1)
-    settle: Any = kmeans_kernel._settle
-    assert settle.py_func(rows, rows.T.copy(), means, squared, cluster, least) == 1
+    assert kmeans_kernel._settle(rows, rows.T.copy(), means, squared, cluster, least) == 1
     apart = ((rows[:, None] - means) ** 2).sum(axis=2)
     assert np.array_equal(cluster, apart.argmin(axis=1))
     assert least == pytest.approx(apart.min(axis=1), abs=1e-15)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,6 +9,7 @@ from hypothesis import strategies as st
 
 from nodegraph_blendshapes.solve import bounded, pivoting_kernel
 from nodegraph_blendshapes.solve.bounded import are_least, inwards, least_squares, noise
+from tests.plugins.kernels import run_as_python
 from tests.plugins.nodegraph_blendshapes.solve.statements import (
     Matrix,
     by_scipy,
@@ -158,13 +157,9 @@ def test_what_nothing_finds_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_exchanging_one_at_a_time_ends_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Murty's rule alone, as when exchanging many at a time goes round in circles."""
+    run_as_python(monkeypatch, pivoting_kernel)
     monkeypatch.setattr(pivoting_kernel, "_ROUNDS", -1)
-    compiled: Any = pivoting_kernel._exchange
     columns, targets = problem(8, 6, 10, targets=10)
-    lengths = np.linalg.norm(columns, axis=1)
-    squares_of = pivoting_kernel.Squares(columns, columns @ columns.T, lengths, 0.0, 1.0, 0.0)
-    for target in targets:
-        work = pivoting_kernel.new_work(squares_of)
-        compiled.py_func(squares_of, columns @ target, work, float(np.linalg.norm(target)), 500)
-        expected = by_scipy(columns, target[None], 0.0, 1.0)[0]
-        np.testing.assert_allclose(work.weights, expected, rtol=0, atol=1e-10)
+    solution = least_squares(columns, targets, 0.0, 1.0)
+    expected = by_scipy(columns, targets, 0.0, 1.0)
+    np.testing.assert_allclose(solution.weights, expected, rtol=0, atol=1e-10)
