@@ -153,6 +153,15 @@ nodes:
 """
 
 
+PROGRAM = """\
+from nodegraph.cli import ending
+from nodegraph.cli.main import program
+ending._SECONDS_TO_END = 1.0
+program()
+"""
+"""The program, which waits for less long than others do for threads that nodes have left."""
+
+
 def words_for(folder: Path, *words: str) -> list[str]:
     (folder / "nodes.py").write_text(NODES)
     graph = str(folder / "bad.yaml")
@@ -170,7 +179,7 @@ def words_for(folder: Path, *words: str) -> list[str]:
 def started(out: Path, *words: str, folder: Path | None = None) -> subprocess.Popen[str]:
     """Start the program."""
     return subprocess.Popen(
-        [sys.executable, "-m", "nodegraph.cli.main", *words_for(out, *words)],
+        [sys.executable, "-c", PROGRAM, *words_for(out, *words)],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "plugins")])},
         stderr=subprocess.PIPE,
