@@ -27,9 +27,13 @@ from playwright.sync_api import (
 AXE = os.environ.get("NODEGRAPH_AXE", "")
 needs_axe = pytest.mark.skipif(not AXE, reason="NODEGRAPH_AXE names no folder of axe-core")
 
-# the machines that test have no graphics card; WebGL is drawn by the processor
-_ARGUMENTS = ("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-_SIZE: ViewportSize = {"width": 1200, "height": 900}
+# the machines that test have no graphics card; WebGL is drawn by the processor. No page is open
+# long enough for its scripts to be worth compiling for speed
+_ARGUMENTS = (
+    *("--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    "--js-flags=--no-opt",
+)
+_SIZE: ViewportSize = {"width": 1280, "height": 900}
 _PLAYBACKS_ARE_READY = """
 [...document.querySelectorAll("figure.playback")]
   .every((figure) => figure.playback || /cannot/.test(figure.textContent))

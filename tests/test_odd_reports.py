@@ -279,5 +279,5 @@ def test_any_shape_of_a_report_opens_and_hides_nothing(
         f"[...{marks}].slice(0, 20).forEach((mark) => mark.dispatchEvent(new Event('click')))"
     )
     assert tab.evaluate("document.querySelector('#download').checkVisibility()")
-    assert tab.evaluate("document.documentElement.scrollWidth") <= 1200
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 1280
     assert tab.evaluate("window.ran") is None

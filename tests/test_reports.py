@@ -361,7 +361,7 @@ def assert_drawn(playback: Any, data: Read, yaw: float) -> None:
 
 
 def test_a_gap_is_opened_from_a_dot_a_row_and_a_place(studies: Studies, tab: Page) -> None:
-    load(tab, studies.few("fill") / "report.html", width=1280)
+    load(tab, studies.few("fill") / "report.html")
     views = 0
 
     def names_its_gap(*labels: str) -> None:

@@ -77,7 +77,7 @@ def test_unlike_studies_stand_in_tabs_without_a_script_and_keep_their_ids_apart(
     ] == [1] * 3
     file = tmp_path / "tabs.html"
     file.write_text(html.partition("<script>")[0] + "</body></html>", encoding="utf-8")
-    load(tab, file, width=1280)
+    load(tab, file)
     seen = "[...document.querySelectorAll('.question')].map((one) => one.checkVisibility())"
     assert tab.evaluate("document.querySelector('h1').textContent") == "2 studies"
     assert tab.evaluate(f"{seen}") == [True, False]

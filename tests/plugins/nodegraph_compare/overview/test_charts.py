@@ -196,7 +196,7 @@ def numbers(cells: list[str]) -> list[float]:
 
 
 def test_the_charts_show_the_numbers_of_the_table(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     for recipe in RECIPES:
         means = [mean_over_kitchens(recipe, heat, list(range(12))) for heat in FACTORS]
         assert numbers(tab.evaluate(CELLS % recipe)) == pytest.approx(means, rel=6e-3)
@@ -220,7 +220,7 @@ def test_the_charts_show_the_numbers_of_the_table(tab: Page, bakery: Path) -> No
 def test_a_method_is_selected_everywhere_and_cleared_by_a_second_click(
     tab: Page, bakery: Path
 ) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     for clicks in (1, 2):
         tab.click(f"{LINE % 'rye'} + g text")
         marks = tab.evaluate(
@@ -237,7 +237,7 @@ def test_a_method_is_selected_everywhere_and_cleared_by_a_second_click(
 
 
 def test_pointing_changes_no_number(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     before = text(tab, "[data-overview]")
     x, y = middle(tab, f"{LINE % 'vegan'} + g text")
     tab.mouse.move(x, y)
@@ -248,7 +248,7 @@ def test_pointing_changes_no_number(tab: Page, bakery: Path) -> None:
 
 
 def test_a_filter_recomputes_what_is_described_and_says_so(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     lead = tab.evaluate("document.querySelector('.lead').innerHTML")
     kept = [1, 7]
     for statistic in ("mean", "median"):
@@ -270,7 +270,7 @@ def test_a_filter_recomputes_what_is_described_and_says_so(tab: Page, bakery: Pa
 
 
 def test_suspects_are_left_out(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     tab.click(".control-bar .toggle")
     kept = [at for at in range(12) if at not in SUSPECTS]
     means = [mean_over_kitchens("nut", heat, kept) for heat in FACTORS]
@@ -281,7 +281,7 @@ def test_suspects_are_left_out(tab: Page, bakery: Path) -> None:
 
 
 def test_ranks_and_other_metrics(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     choose(tab, "Statistic", "rank")
     ranks = [np.mean([mean_rank(kitchen, heat, "rye") for kitchen in range(8)]) for heat in FACTORS]
     assert numbers(tab.evaluate(CELLS % "rye")) == pytest.approx(ranks, rel=6e-3)
@@ -298,7 +298,7 @@ def test_ranks_and_other_metrics(tab: Page, bakery: Path) -> None:
 
 
 def test_marks_and_heads_are_used_by_keys(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     tab.evaluate("document.querySelector('.line-chart g[tabindex=\"0\"]').focus()")
     first = tab.evaluate("document.activeElement.dataset.method")
     tab.keyboard.press("ArrowDown")
@@ -320,7 +320,7 @@ def test_marks_and_heads_are_used_by_keys(tab: Page, bakery: Path) -> None:
 
 
 def test_a_dot_opens_its_block(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     tab.evaluate("document.querySelector('.dots canvas').focus()")
     tab.keyboard.press("ArrowLeft")
     live = "document.querySelector('[aria-live=polite]').textContent"
@@ -352,7 +352,7 @@ def test_a_dot_opens_its_block(tab: Page, bakery: Path) -> None:
 
 
 def test_a_number_of_the_table_and_a_place_open_the_worst_block(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
 
     def is_worst(recipe: str, heat: int, cakes: list[int]) -> None:
         waste, kitchen, cake = max(
@@ -382,7 +382,7 @@ def test_a_number_of_the_table_and_a_place_open_the_worst_block(tab: Page, baker
 
 
 def test_focus_that_moves_on_when_a_block_closes_stays(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     tab.click(".heat tr[data-method=vegan] td button >> nth=0")
     stays = tab.evaluate("""async () => {
       const dialog = document.querySelector("dialog[open]");
@@ -398,7 +398,7 @@ def test_focus_that_moves_on_when_a_block_closes_stays(tab: Page, bakery: Path) 
 
 
 def test_a_suggested_block_is_shown_by_the_plugin(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     tab.click(".suggestion.suspect")
     assert "the scale slipped" in text(tab, "dialog .suspect")
     assert re.fullmatch(r"cake \d+ heat 220", text(tab, "dialog .stage"))
@@ -439,7 +439,7 @@ def test_other_blocks_come_from_a_server_or_say_how_they_are_seen(
 def test_a_suggestion_follows_the_method_that_it_names_if_that_has_no_role(
     tab: Page, bakery: Path
 ) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     suggestion = tab.locator(".suggestion.suspect").first
     named = suggestion.inner_text().rpartition("\u00b7 ")[2].split()[0]
     for statistic, follows in (("mean", False), ("median", True)):  # medians have no best
@@ -464,7 +464,7 @@ def test_of_a_block_that_averages_over_an_axis_its_members_are_shown(
     tab: Page, tmp_path: Path
 ) -> None:
     over_heats = table_of(scores(), metric="waste", compare="recipe", blocks=("cake", "shelf"))
-    load(tab, saved(tmp_path, in_run(over_heats.overview), server=SERVER), width=1280)
+    load(tab, saved(tmp_path, in_run(over_heats.overview), server=SERVER))
     tab.click(".suggestion >> nth=0")
     assert "Mean over heat" in text(tab, "dialog .members")
     stage = "dialog .stage"
@@ -486,7 +486,7 @@ def test_a_phone_shows_all_without_scrolling_sideways(tab: Page, bakery: Path) -
 
 
 def test_a_print_has_no_controls(tab: Page, bakery: Path) -> None:
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     tab.emulate_media(media="print")
     shown = "document.querySelector(%r).checkVisibility()"
     assert not tab.evaluate(shown % ".control-bar")
@@ -497,7 +497,7 @@ def test_a_print_has_no_controls(tab: Page, bakery: Path) -> None:
 @needs_axe
 def test_axe_finds_nothing(tab: Page, bakery: Path) -> None:
     tab.emulate_media(reduced_motion="reduce")
-    load(tab, bakery, width=1280)
+    load(tab, bakery)
     for state in ("[data-overview]", "dialog"):
         if state == "dialog":
             tab.click(".suggestion")
@@ -652,7 +652,7 @@ def charts_of(folder: Path, *data: Mapping[str, object], html: str = "") -> Path
 
 
 def test_odd_data_are_drawn_without_complaint(tab: Page, tmp_path: Path) -> None:
-    load(tab, charts_of(tmp_path, *ODD.values()), width=1280)
+    load(tab, charts_of(tmp_path, *ODD.values()))
     places = {kind: f"[data-overview=odd-{at}]" for at, kind in enumerate(ODD)}
     for width in (1280, 390):
         resize(tab, width, 900)
@@ -679,7 +679,7 @@ def test_methods_tied_with_the_best_are_ringed(tab: Page, tmp_path: Path, groups
     data = data_of([*some(groups, 30, 4)], **within)
     for group in data["groups"]:
         group["tied"] = [*group["best"], next(at for at in range(4) if at not in group["best"])]
-    load(tab, charts_of(tmp_path, data), width=1280)
+    load(tab, charts_of(tmp_path, data))
     rings = [COUNT % f"{place} .tied" for place in (".heat", ".line-chart", ".cost-chart")]
     assert [tab.evaluate(count) for count in rings] == [2 * groups, 2 * groups, 2]
     choose(tab, "Statistic", "median")  # of which no test was made
@@ -696,7 +696,7 @@ new MutationObserver((changes) => drawn.push(...changes
 
 
 def test_of_thousands_of_blocks_a_change_draws_each_chart_once(tab: Page, tmp_path: Path) -> None:
-    load(tab, charts_of(tmp_path, data_of([*some(5, 1000, 12)])), width=1280)
+    load(tab, charts_of(tmp_path, data_of([*some(5, 1000, 12)])))
     name = tab.get_attribute(".dots canvas", "aria-label") or ""
     assert name.startswith("1000 cakes as dots")
     assert tab.evaluate(COUNT % "[data-overview] *") < 1500
@@ -715,11 +715,11 @@ def test_a_few_values_far_from_all_others_stand_at_the_edge_and_are_counted(
 ) -> None:
     errors = some(200, 5)
     errors[7, 3], errors[9, 2] = 1e5, 1e-9
-    load(tab, charts_of(tmp_path, data_of([some(200, 5), errors])), width=1280)
+    load(tab, charts_of(tmp_path, data_of([some(200, 5), errors])))
     caption = text(tab, ".dots-chart figcaption")
     assert re.search(r"\. 1 dot below \S+ g stands at the left edge\. ", caption)
     assert re.search(r"\. 1 dot above \S+ g stands at the right edge\. ", caption)
-    load(tab, charts_of(tmp_path, data_of([some(200, 5)] * 2)), width=1280)
+    load(tab, charts_of(tmp_path, data_of([some(200, 5)] * 2)))
     assert "edge" not in text(tab, ".dots-chart figcaption")
 
 
@@ -747,7 +747,7 @@ def test_the_reference_is_the_baseline_until_a_reader_chooses_another(
     tab: Page, tmp_path: Path
 ) -> None:
     baseline = "method_1_of_a_family"
-    load(tab, charts_of(tmp_path, {**ODD["all equal"], "baseline": baseline}), width=1280)
+    load(tab, charts_of(tmp_path, {**ODD["all equal"], "baseline": baseline}))
     reference = ".heat tr.reference"
     assert tab.get_attribute(reference, "data-method") == baseline
     assert tab.evaluate("location.hash") == ""
@@ -763,7 +763,7 @@ def test_the_reference_is_the_baseline_until_a_reader_chooses_another(
 
 def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: Path) -> None:
     path = charts_of(tmp_path, ODD["higher is better"], ODD["all equal"])
-    load(tab, path, width=1280)
+    load(tab, path)
     checked = (
         "[...document.querySelectorAll('.segments [aria-checked=true]')]"
         ".map((button) => button.textContent)"
@@ -782,7 +782,7 @@ def test_comparisons_on_one_page_share_methods_and_no_more(tab: Page, tmp_path: 
 
 def test_the_tabs_of_the_verdicts_choose_the_group(tab: Page, tmp_path: Path) -> None:
     tabs = "".join(f'<input type="radio" name="odd-0-heat" id="tab-{at}">' for at in (0, 1))
-    load(tab, charts_of(tmp_path, ODD["all equal"], html=tabs), width=1280)
+    load(tab, charts_of(tmp_path, ODD["all equal"], html=tabs))
     chosen = "[...document.querySelectorAll('[name=odd-0-heat]')].map((each) => each.checked)"
     assert tab.evaluate(chosen) == [False, True]
     tab.click("#tab-0")
