@@ -902,12 +902,14 @@ def _strip(of: Sequence[Row], rows: Rows) -> str:
 
 
 def axis_html(rows: Rows) -> str:
-    """Return the axis of the dots of rows: the ends of its line, or multiples of a number."""
+    """Return the axis of the dots of rows: its ends, or ticks where it is logarithmic."""
     line, texts = rows.line, []
     ends, one = [line.low, line.high], line.one or 1.0
     if line.one:
         multiples = Line(line.low / one, line.high / one, log=True).ticks()
         ends = [one * each for each in multiples]
+    elif line.log:
+        ends = line.ticks()
     elif not line.log and line.low < 0.0 < line.high:
         # no number stands too near to that at 0
         ends = [0.0, *(end for end in ends if abs(line.share(end) - line.share(0.0)) > _EDGE)]
@@ -916,8 +918,10 @@ def axis_html(rows: Rows) -> str:
         anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
         with_unit = tick == line.high and len(unit_text(rows.unit)) <= _SHORT_UNIT
         text = tick_text(tick, rows.unit, with_unit=with_unit)
+        if line.log:
+            anchor = "middle"
         if line.one:
-            anchor, text = "middle", f"{tick_text(tick / one, '')}\N{MULTIPLICATION SIGN}"
+            text = f"{tick_text(tick / one, '')}\N{MULTIPLICATION SIGN}"
         texts.append(
             f'<text class="{anchor}" x="{_place(line, tick)}" y="15">{escape(text)}</text>'
             f'<line x1="{_place(line, tick)}" x2="{_place(line, tick)}" y1="0" y2="4"/>'
