@@ -58,7 +58,8 @@ def smooth(
         W[0] in the first frame; P is written there.
     """
     frames, size = states.shape
-    known, line, square = total, np.empty(size), np.empty((size, size))
+    known, line = total, np.empty(size)
+    square, change = np.empty((size, size)), np.empty((size, size))
     for t in range(1, frames):
         before, block = covariances[t - 1], covariances[t]
         np.dot(before, states[t - 1], line)
@@ -77,7 +78,7 @@ def smooth(
             line[i] = states[t, i] + states[t + 1, i]
         np.dot(back, line, states[t])
         np.dot(covariances[t + 1], back, square)
-        change = np.dot(back, square)
+        np.dot(back, square, change)
         for i in range(size):
             for k in range(size):
                 back[i, k] += change[i, k]
@@ -104,7 +105,8 @@ def smooth_linear(transition: Floats, states: Floats, covariances: Floats, steps
         Zeros; the sum of ``J[t] P[t+1]``, the covariances of x[t] and x[t+1], is written there.
     """
     frames, size = states.shape
-    back, line, square = np.empty_like(covariances), np.empty(size), np.empty((size, size))
+    back, line = np.empty_like(covariances), np.empty(size)
+    square, change = np.empty((size, size)), np.empty((size, size))
     for t in range(frames):
         block = covariances[t]
         if t > 0:
@@ -122,7 +124,7 @@ def smooth_linear(transition: Floats, states: Floats, covariances: Floats, steps
         if t < frames - 1:
             np.dot(back[t], states[t + 1], line)
             np.dot(back[t], covariances[t + 1], square)
-            change = np.dot(square, back[t].T)
+            np.dot(square, back[t].T, change)
             for i in range(size):
                 states[t, i] += line[i]
                 for k in range(size):
