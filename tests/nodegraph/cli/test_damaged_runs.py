@@ -24,6 +24,8 @@ from tests.texts import edit
 Place = tuple[str | int, ...]
 OTHERS: tuple[object, ...] = (None, 7, "odd", [7])
 OTHERS_ON_TOP: tuple[object, ...] = ([], {}, {"odd": 7})
+ALIKE: tuple[Place, ...] = (("code",), ("units",), ("versions",))
+"""Mappings whose members are alike, as those of lists are."""
 READERS = (
     ("archive", "ran", "--out", "new.zip"),
     ("export", "ran", "fill", "--at", "fill=hold,length=1", "--out", "new.raw", "--store", "kept"),
@@ -45,15 +47,14 @@ def ran(command: Command) -> Path:
 
 
 def places(data: object, at: Place = ()) -> Iterator[Place]:
-    """Yield every place in plain data, of lists only the first and the last member."""
+    """Yield every place in plain data, of members that are alike only the first and the last."""
     if at:
         yield at
-    if isinstance(data, dict):
-        for key, part in data.items():
+    if isinstance(data, dict | list):
+        parts = [*(data.items() if isinstance(data, dict) else enumerate(data))]
+        are_alike = isinstance(data, list) or at in ALIKE
+        for key, part in parts[:: max(len(parts) - 1, 1)] if are_alike else parts:
             yield from places(part, (*at, key))
-    elif isinstance(data, list):
-        for index in sorted({0, len(data) - 1} if data else ()):
-            yield from places(data[index], (*at, index))
 
 
 def changed(data: object, at: Place) -> Iterator[Any]:
