@@ -473,10 +473,12 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
         after = [f"over all is {HERE}, {claim} {HERE} behind" for claim in claims]
         far = [_apart(verdicts, of_all, place) for place in rest]
     else:
-        counts = [verdicts.behind_in(place) or "none" for place in verdicts.least_behind]
-        first = f"clearly behind in {counts[0]} of the {len(groups)} groups below"
+        of, counts = f"of {len(groups)}", [verdicts.behind_in(p) for p in verdicts.least_behind]
+        first = f"clearly behind in the fewest groups ({counts[0]} {of})"
+        if not counts[0]:
+            first = f"clearly behind in none {of} groups"
         rest = [place for place in verdicts.least_behind if place != take][:1]
-        after = [f"is {HERE}, clearly behind in {count}, at most {HERE}" for count in counts[1:2]]
+        after = [f"is {HERE} ({count or 'none'} {of}, at most {HERE})" for count in counts[1:2]]
         far = [_apart(verdicts, verdicts.worst_of(place), place) for place in rest]
     others = [
         say(f"next {text}", name, size)

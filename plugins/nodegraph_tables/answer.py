@@ -815,7 +815,12 @@ def cards_html(cards: Sequence[Card]) -> str:
     """Return cards side by side; nothing where there are none."""
     columns = len(cards) if len(cards) <= ONE_ROW else math.ceil(len(cards) / 2)
     inside = "".join(map(_card, cards))
-    return f'<div class="lead-cards" style="--columns: {columns}">{inside}</div>' if cards else ""
+    # the lines of all cards are as long and begin at the same place
+    shown = [(card.rows, row) for card in cards if card.rows for row in card.rows.rows]
+    names = max((len(row.name) for _, row in shown), default=0)
+    numbers = max((len(rows.number(row)) for rows, row in shown), default=0)
+    style = f"--columns: {columns}; --names: {names}ch; --numbers: {numbers}ch"
+    return f'<div class="lead-cards" style="{style}">{inside}</div>' if cards else ""
 
 
 @cache
@@ -887,11 +892,11 @@ def _strip(of: Sequence[Row], rows: Rows) -> str:
     line = rows.line
     from_0 = not line.log and line.low <= 0.0
     parts = [_upright(line, line.one)] if from_0 or line.one else []
-    for row in of:
+    for row in reversed(of):  # the first lies upon the others
         x, low, high = (_place(line, each) for each in (row.value, row.low, row.high))
         if len(of) == 1 and row.low < row.high:
             parts.append(f'<line class="reach" x1="{low}" x2="{high}" y1="8" y2="8"/>')
-        radius = 4 if row.kind == "rest" else 5
+        radius = 4 if row.kind == "rest" or len(of) > 1 else 5
         name = escape(f"{row.name} {rows.number(row)}")
         of_method = _of_method(row.name, row.does) if len(of) > 1 else ""
         parts.append(

@@ -306,8 +306,8 @@ LAST = {"plain": 3.0, "rich": 1.004, "burnt": 1.0}
 @pytest.mark.parametrize(
     ("wastes", "where"),
     [
-        ((FIRST, LAST), "in none of the 2 groups below, at"),
-        ((FIRST, LAST, FIRST | {"rich": 1.5}), "in 1 of the 3 groups below, at"),
+        ((FIRST, LAST), "in none of 2 groups, at"),
+        ((FIRST, LAST, FIRST | {"rich": 1.5}), "in the fewest groups (1 of 3), at"),
         ((FIRST | {"rich": 1.5}, LAST | {"rich": 1.5}), ""),
     ],
 )
