@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 from urllib.parse import urlsplit
@@ -65,9 +64,9 @@ def complaints() -> list[str]:
     return []
 
 
-@contextmanager
-def watched(page: Page, complaints: list[str]) -> Iterator[None]:
-    """Gather what a page says and where it wants to go; at the end there must be nothing."""
+@pytest.fixture
+def tab(_only_tab: Page, complaints: list[str]) -> Iterator[Page]:
+    """An empty page, which must not complain nor leave this machine, and keeps nothing."""
 
     def watch(request: Request) -> None:
         address = urlsplit(request.url)
@@ -81,35 +80,26 @@ def watched(page: Page, complaints: list[str]) -> Iterator[None]:
     def fail(error: Error) -> None:
         complaints.append(str(error))
 
+    page = _only_tab
     page.on("request", watch)
     page.on("console", listen)
     page.on("pageerror", fail)
-    yield
+    yield page
+    page.evaluate("try { localStorage.clear(); sessionStorage.clear(); } catch { /* has none */ }")
     page.remove_listener("request", watch)
     page.remove_listener("console", listen)
     page.remove_listener("pageerror", fail)
+    for other in page.context.pages:
+        if other is not page:
+            other.close()
+    page.goto("about:blank")  # first: a page would be drawn again for each of the following
+    page.context.clear_permissions()
+    page.context.clear_cookies()
+    page.unroute_all()
+    page.emulate_media(media="null", color_scheme="null", reduced_motion="null")
+    page.mouse.move(0, 0)
+    resize(page, **_SIZE)
     assert complaints == []
-
-
-@pytest.fixture
-def tab(_only_tab: Page, complaints: list[str]) -> Iterator[Page]:
-    """An empty page, which must not complain nor leave this machine, and keeps nothing."""
-    page = _only_tab
-    with watched(page, complaints):
-        yield page
-        page.evaluate(
-            "try { localStorage.clear(); sessionStorage.clear(); } catch { /* has none */ }"
-        )
-        for other in page.context.pages:
-            if other is not page:
-                other.close()
-        page.goto("about:blank")  # first: a page would be drawn again for each of the following
-        page.context.clear_permissions()
-        page.context.clear_cookies()
-        page.unroute_all()
-        page.emulate_media(media="null", color_scheme="null", reduced_motion="null")
-        page.mouse.move(0, 0)
-        resize(page, **_SIZE)
 
 
 def load(

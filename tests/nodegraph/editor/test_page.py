@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import BrowserContext, Page
+from playwright.sync_api import Page
 
 import nodegraph as ng
 from nodegraph.editor import file
-from tests.browser import needs_axe, resize, until, violations, watched
+from tests.browser import needs_axe, resize, until, violations
 from tests.nodegraph.editor.conftest import GRAPH
 
 EDITOR = ".cm-content"
@@ -28,34 +27,13 @@ def state(text: str) -> str:
     return f"document.getElementById('state').textContent.startsWith({text!r})"
 
 
-_QUICKLY = """
-const wait = window.setTimeout;
-window.setTimeout = (run, milliseconds, ...rest) => wait(run, milliseconds / 5, ...rest);
-"""
-
-
-@pytest.fixture(scope="module")
-def profile(chromium: BrowserContext) -> Iterator[BrowserContext]:
-    """A profile of its own, whose pages do not wait as long as for a hand."""
-    assert chromium.browser is not None
-    with chromium.browser.new_context(viewport={"width": 1600, "height": 900}) as profile:
-        profile.add_init_script(_QUICKLY)
-        profile.new_page()
-        yield profile
-
-
 @pytest.fixture
-def page(address: str, profile: BrowserContext, complaints: list[str]) -> Iterator[Page]:
-    """The page of the file, which is left before the server ends."""
-    page, *_ = profile.pages
-    with watched(page, complaints):
-        page.goto(address)
-        page.wait_for_selector("#picture [data-box=error]")
-        yield page
-        for other in profile.pages[1:]:
-            other.close()
-        page.goto("about:blank")
-        resize(page, 1600, 900)
+def page(address: str, tab: Page) -> Page:
+    """The page of the file, which the tab, the later fixture, leaves before the server ends."""
+    resize(tab, 1600, 900)
+    tab.goto(address)
+    tab.wait_for_selector("#picture [data-box=error]")
+    return tab
 
 
 _END_OF_TEXT = """
@@ -82,7 +60,7 @@ def put_cursor(page: Page, before: str) -> None:
 def test_what_is_typed_is_drawn_undone_and_saved(page: Page, path: Path) -> None:
     assert page.evaluate(TEXT) == GRAPH
     put_cursor(page, "[5, 15")
-    page.keyboard.insert_text(", 45")  # one edit, however slow the machine is
+    page.keyboard.type(", 45")
     until(page, state("not saved"))
     until(page, "document.querySelector('#picture').textContent.includes('length: 5, 15, 45')")
     page.keyboard.press("Control+z")
@@ -124,7 +102,7 @@ def test_cards_that_an_edit_does_not_change_stay_and_move(page: Page) -> None:
     before = page.evaluate(place)
     page.evaluate(f"{has_box('capture')}.stays = {has_box('error')}.stays = true")
     put_cursor(page, "fill.muscle")
-    page.keyboard.insert_text(", fill.neighbour_kalman")
+    page.keyboard.type(", fill.neighbour_kalman")
     until(page, f"/neighbour_kalman/.test({has_box('fill')}.textContent)")
     until(page, "!document.querySelector('#problems li')")
     assert page.evaluate(f"{has_box('capture')}.stays && {has_box('error')}.stays")
@@ -328,10 +306,11 @@ def test_another_program_changes_the_file(page: Page, path: Path) -> None:
 
 def test_two_pages_of_one_file_show_the_same(page: Page) -> None:
     other = page.context.new_page()
+    resize(other, 1600, 900)
     other.goto(page.url)
     until(other, has_box("error"))
     put_cursor(page, "Two")
-    page.keyboard.insert_text(" good")
+    page.keyboard.type(" good")
     until(other, "document.querySelector('.cm-content').textContent.includes('Two good')")
     assert other.evaluate(TEXT) == page.evaluate(TEXT)
     other.click("#undo")
@@ -349,6 +328,7 @@ window.fetch = (address, ...rest) =>
 @pytest.mark.parametrize("choice", ["theirs", "mine"])
 def test_two_pages_edit_one_line(page: Page, choice: str) -> None:
     other = page.context.new_page()
+    resize(other, 1600, 900)
     other.goto(page.url)
     until(other, has_box("error"))
     other.evaluate(_DEAF)  # it does not hear of what the first page does
