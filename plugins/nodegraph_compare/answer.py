@@ -67,7 +67,7 @@ _LINES = "Described, without a verdict: lines are 95 % intervals, and the dot hi
 _CLEAR = (
     "the best is clear",
     "others may be as good as the best",
-    "none is clearly behind",
+    "no difference is clear",
     "there is no verdict",
 )
 _MOST_NAMES = 3
@@ -75,6 +75,7 @@ _MOST_CLAUSES = 6
 _MOST_TIED = 2
 _MOST_LABELS = 5
 _ALIKE = "not clearly different"
+_MANY_TIMES = 2.0
 
 
 def answer_of(verdicts: Verdicts) -> Answer:
@@ -463,29 +464,36 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
     """Return why a method is the one to take whichever the group is, and which is next."""
     groups, of_all = verdicts.groups, verdicts.overall
     end = EXTREME[verdicts.metric.better]
-    worst = say(f"at most {HERE} behind in any", _apart(verdicts, verdicts.worst_of(take), take))
+    worst = say(f"at most {HERE} in any", _far(verdicts, verdicts.worst_of(take), take))
     if all(take in group.best for group in groups):
         worst = (f"{end} in each",)
     if of_all is not None and take == verdicts.best_over_all:
         first = f"{end} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
         claims = ["clearly" if place in of_all.behind else f"{MAY_BE}," for place in rest]
-        after = [f"over all is {HERE}, {claim} {HERE} behind" for claim in claims]
-        far = [_apart(verdicts, of_all, place) for place in rest]
+        after = [f"over all is {HERE}, {claim} {HERE}" for claim in claims]
+        far = [_far(verdicts, of_all, place) for place in rest]
     else:
         of, counts = f"of {len(groups)}", [verdicts.behind_in(p) for p in verdicts.least_behind]
-        first = f"clearly behind in the fewest groups ({counts[0]} {of})"
-        if not counts[0]:
-            first = f"clearly behind in none {of} groups"
+        first = f"clearly behind in {counts[0] or 'none'} {of} groups"
+        first += ", no method in fewer" * bool(counts[0])
         rest = [place for place in verdicts.least_behind if place != take][:1]
         after = [f"is {HERE} ({count or 'none'} {of}, at most {HERE})" for count in counts[1:2]]
-        far = [_apart(verdicts, verdicts.worst_of(place), place) for place in rest]
+        far = [_far(verdicts, verdicts.worst_of(place), place) for place in rest]
     others = [
         say(f"next {text}", name, size)
         for text, name, size in zip(after, method_words(verdicts, rest), far, strict=True)
     ]
     reason = joined("; ", [joined(", ", [first, worst]), *others])
     return say(f"{HERE} is {HERE}.", *best_words(verdicts, [take]), reason)
+
+
+def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return how far a method is from the best of a group: ``12 % behind``."""
+    times = group.distance(place)
+    if verdicts.ratio and times >= _MANY_TIMES and verdicts.metric.better != "higher":
+        return (Word(f"{times:.1f} times", "number"), " as much")
+    return (_apart(verdicts, group, place), " behind")
 
 
 def _apart(verdicts: Verdicts, group: Verdict, place: int) -> Word:

@@ -61,7 +61,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.verdict import Verdict, Verdicts
     from nodegraph_tables.answer import Kind
 
-NONE_BEHIND = "none clearly behind"
+NO_DIFFERENCE = "no clear difference"
 """Said of methods of which the verdict tells none apart."""
 
 _MOST_NAMES = 3
@@ -150,7 +150,7 @@ def card_of(verdicts: Verdicts, group: Verdict, line: Line) -> Card:
     if group.told:
         return _told(verdicts, group, rows)
     if group.stands:
-        return Card((), (NONE_BEHIND,), rows=rows)
+        return Card((), (NO_DIFFERENCE,), rows=rows)
     every = [each for each in verdicts.groups if each.known]
     reasons = reasons_of(verdicts, (each for each in every if not each.stands))
     # a reason that all cards share stands once, in the answer above them

@@ -47,6 +47,9 @@ MOST_ROWS = 9
 _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
 
+_NARROW = 100.0
+"""Width of the line of a row where four cards stand side by side, in pixels."""
+
 _TICKS = 5
 _PARTS = 10
 """Of a line whose ends are round."""
@@ -241,8 +244,8 @@ class Line(Value):
             marks.append(mark)
         return f'<line x1="4" x2="{_WIDE - 4:g}" y1="{y:g}" y2="{y:g}"/>{"".join(reversed(marks))}'
 
-    def ticks(self) -> list[float]:
-        """Return at most a handful of round values on the line, far enough from each other."""
+    def ticks(self, width: float = _WIDE - 20.0) -> list[float]:
+        """Return at most a handful of round values on a line so wide, far enough apart."""
         if not self.high > self.low:
             return [self.low]
         for steps in ((1, 2, 5), (1, 3), (1,)):
@@ -255,7 +258,7 @@ class Line(Value):
         kept: list[float] = []
         for value in values:
             room = _LETTER * len(tick_text(value, "")) + 6
-            if not kept or self.at(value) - self.at(kept[-1]) >= room:
+            if not kept or width * (self.share(value) - self.share(kept[-1])) >= room:
                 kept.append(value)
         return kept
 
@@ -911,10 +914,10 @@ def axis_html(rows: Rows) -> str:
     line, texts = rows.line, []
     ends, one = [line.low, line.high], line.one or 1.0
     if line.one:
-        multiples = Line(line.low / one, line.high / one, log=True).ticks()
+        multiples = Line(line.low / one, line.high / one, log=True).ticks(_NARROW)
         ends = [one * each for each in multiples]
     elif line.log:
-        ends = line.ticks()
+        ends = line.ticks(_NARROW)
     elif not line.log and line.low < 0.0 < line.high:
         # no number stands too near to that at 0
         ends = [0.0, *(end for end in ends if abs(line.share(end) - line.share(0.0)) > _EDGE)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from markupsafe import Markup, escape
 
-from nodegraph_compare.cards import NONE_BEHIND, card_of, kinds_of, lines_of, without_unit
+from nodegraph_compare.cards import NO_DIFFERENCE, card_of, kinds_of, lines_of, without_unit
 from nodegraph_compare.words import (
     behind_text,
     beside_best,
@@ -188,7 +188,7 @@ def _cell(verdicts: Verdicts, group: Verdict, line: Line) -> _Cell:
     if verdicts.metric.better == "none":
         span = span_text([np.nanmin(group.mean), np.nanmax(group.mean)], verdicts.metric.unit)
         first = ("", (span,), ())
-    elif card.headline == (NONE_BEHIND,):
+    elif card.headline == (NO_DIFFERENCE,):
         mean = span_text([group.mean[group.best[0]]], verdicts.metric.unit)
         first = ("open", listing(method_words(verdicts, group.best)), (mean,))
     elif group.marked("best"):
@@ -293,6 +293,6 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
     yield "tied", "may be the best"
     if any(group.behind for group in groups):
         yield "rest", "clearly behind"
-    yield "open", NONE_BEHIND
+    yield "open", NO_DIFFERENCE
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"

@@ -307,7 +307,7 @@ LAST = {"plain": 3.0, "rich": 1.004, "burnt": 1.0}
     ("wastes", "where"),
     [
         ((FIRST, LAST), "in none of 2 groups, at"),
-        ((FIRST, LAST, FIRST | {"rich": 1.5}), "in the fewest groups (1 of 3), at"),
+        ((FIRST, LAST, FIRST | {"rich": 1.5}), "in 1 of 3 groups, no method in fewer, at"),
         ((FIRST | {"rich": 1.5}, LAST | {"rich": 1.5}), ""),
     ],
 )
