@@ -41,6 +41,10 @@ WIDER = """
 """
 
 # tables in print of which rows are left out, without a word or with a wrong number
+AXES_OF_CARDS = """
+[...document.querySelectorAll(".lead-cards")].slice(0, 1).flatMap((cards) =>
+  [...cards.querySelectorAll("tr[aria-hidden] svg")].map((svg) => svg.clientWidth))
+"""
 LEFT_OUT = """
 [...document.querySelectorAll("figure.table")].filter((figure) => {
   if (!figure.checkVisibility()) return false;
@@ -158,6 +162,9 @@ def assert_it_says_what_its_files_hold(run: Path, page: Page) -> None:
     title = page.evaluate("document.querySelector('h1').textContent")
     assert title in (run / "graph.yaml").read_text()
     assert page.evaluate("document.querySelectorAll('main .result').length") > 0
+    terms = page.locator(".answer .lead-words dd").all_text_contents()
+    captions = page.locator(".caption").all_text_contents()
+    assert not [term for term in terms if any(term in caption for caption in captions)]
     assert_tables_hold_what_their_files_hold(run, page)
     assert_figures_are_those_of_the_files_beside_the_page(run, page)
 
@@ -166,6 +173,8 @@ def assert_it_fits_paper_and_screens(page: Page) -> None:
     answer = page.locator(".answer").first.bounding_box()
     assert answer is not None
     assert answer["y"] + answer["height"] <= DESKTOP[1]
+    widths = page.evaluate(AXES_OF_CARDS)
+    assert max(widths, default=0.0) - min(widths, default=0.0) <= 2.0
     page.emulate_media(media="print")
     resize(page, PAPER)
     page.evaluate("dispatchEvent(new Event('beforeprint'))")

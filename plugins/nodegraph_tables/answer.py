@@ -822,7 +822,7 @@ def cards_html(cards: Sequence[Card]) -> str:
     shown = [(card.rows, row) for card in cards if card.rows for row in card.rows.rows]
     names = max((len(row.name) for _, row in shown), default=0)
     numbers = max((len(rows.number(row)) for rows, row in shown), default=0)
-    style = f"--columns: {columns}; --names: {names}ch; --numbers: {numbers}ch"
+    style = f"--columns: {columns}; --names: {names}; --numbers: {numbers}"
     return f'<div class="lead-cards" style="{style}">{inside}</div>' if cards else ""
 
 
