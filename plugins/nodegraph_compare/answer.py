@@ -448,7 +448,7 @@ def _told_apart(verdicts: Verdicts) -> str:
     counts = Counter(map(_how_clear, verdicts.groups))
     parts, of = [text for text in _CLEAR if text in counts], f" of {len(verdicts.groups)} groups"
     if len(verdicts.groups) > 1 == len(parts):
-        parts = [f"{parts[0]} in each group"]
+        parts = [f"{parts[0]} in {'each' if parts[0] in _CLEAR[:2] else 'any'} group"]
     elif len(verdicts.groups) > 1:
         parts = [f"{text} in {counts[text]}{of * (not at)}" for at, text in enumerate(parts)]
     return f"{', '.join(parts).capitalize()}."
@@ -489,10 +489,10 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
 
 
 def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return how far a method is from the best of a group: ``12 % behind``."""
+    """Return how far a method is from the best: ``12 % behind``, or ``2.5 times the best``."""
     times = group.distance(place)
     if verdicts.ratio and times >= _MANY_TIMES and verdicts.metric.better != "higher":
-        return (Word(f"{times:.1f} times", "number"), " as much")
+        return (Word(f"{times:.1f} times", "number"), " the best")
     return (_apart(verdicts, group, place), " behind")
 
 

@@ -90,6 +90,7 @@ def savgol(
 
 
 def _fitted(recording: Trajectories, reach: int, degree: int) -> NDArray[np.float64]:
+    # a call of its own, so that the warning of `long_enough` names the line that called the node
     runs = Runs.of(recording)
     long_enough(runs, 2 * reach + 1)
     positions = np.ascontiguousarray(recording.positions)

@@ -47,7 +47,7 @@ MOST_ROWS = 9
 _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
 
-_NARROW = 100.0
+_NARROW = 120.0
 """Width of the line of a row where four cards stand side by side, in pixels."""
 
 _TICKS = 5
@@ -62,6 +62,9 @@ _PLAIN = 1e3
 """Number from which on three digits would be a power of ten."""
 
 _SHORT_UNIT = 3
+
+_LONGEST = 24
+"""Letters of a name up to which the lines of all cards make room for it."""
 
 _EDGE = 0.3
 """Share of a line at either end where numbers do not stand around their place."""
@@ -257,8 +260,9 @@ class Line(Value):
             values = [self.low, self.high]
         kept: list[float] = []
         for value in values:
-            room = _LETTER * len(tick_text(value, "")) + 6
-            if not kept or width * (self.share(value) - self.share(kept[-1])) >= room:
+            letters = len(tick_text(value, "")) + len(tick_text(kept[-1], "") if kept else "")
+            far = width * (self.share(value) - self.share(kept[-1])) if kept else math.inf
+            if far >= _LETTER * letters / 2 + 5:
                 kept.append(value)
         return kept
 
@@ -820,7 +824,7 @@ def cards_html(cards: Sequence[Card]) -> str:
     inside = "".join(map(_card, cards))
     # the lines of all cards are as long and begin at the same place
     shown = [(card.rows, row) for card in cards if card.rows for row in card.rows.rows]
-    names = max((len(row.name) for _, row in shown), default=0)
+    names = min(max((len(row.name) for _, row in shown), default=0), _LONGEST)
     numbers = max((len(rows.number(row)) for rows, row in shown), default=0)
     style = f"--columns: {columns}; --names: {names}; --numbers: {numbers}"
     return f'<div class="lead-cards" style="{style}">{inside}</div>' if cards else ""
@@ -864,7 +868,7 @@ def _headline(text: Text) -> Markup:
 def _rows_html(rows: Rows, *, judged: bool) -> str:
     body = "".join(
         f"<tr{_of_method(row.name, row.does)}{_classes(row)}>"
-        f'<th scope="row">{escape(row.name)}</th>'
+        f'<th scope="row"{_titled(row.name)}>{escape(row.name)}</th>'
         f"<td>{_strip([row], rows)}</td><td>{escape(rows.number(row))}</td></tr>"
         + (f'<tr{_classes(row)}><td colspan="3">{html_of(row.note)}</td></tr>' if row.note else "")
         for row in rows.rows
@@ -878,6 +882,11 @@ def _rows_html(rows: Rows, *, judged: bool) -> str:
     axis = f'<tr aria-hidden="true"><td></td><td>{axis_html(rows)}</td><td></td></tr>'
     names = "lead-rows lead-judged" if judged else "lead-rows"
     return f'<table class="{names}"><tbody>{body}{axis}</tbody></table>'
+
+
+def _titled(name: str) -> str:
+    """Return the attribute that shows a name which its column cuts short, to hover."""
+    return f' title="{escape(name)}"' if len(name) > _LONGEST else ""
 
 
 def _classes(row: Row) -> str:
@@ -918,16 +927,15 @@ def axis_html(rows: Rows) -> str:
         ends = [one * each for each in multiples]
     elif line.log:
         ends = line.ticks(_NARROW)
-    elif not line.log and line.low < 0.0 < line.high:
+    elif line.low < 0.0 < line.high:
         # no number stands too near to that at 0
         ends = [0.0, *(end for end in ends if abs(line.share(end) - line.share(0.0)) > _EDGE)]
     for tick in ends:
         share = line.share(tick)
         anchor = "" if share < _EDGE else "end" if share > 1.0 - _EDGE else "middle"
-        with_unit = tick == line.high and len(unit_text(rows.unit)) <= _SHORT_UNIT
+        anchor = "middle" if line.log else anchor
+        with_unit = tick == ends[-1] and len(unit_text(rows.unit)) <= _SHORT_UNIT
         text = tick_text(tick, rows.unit, with_unit=with_unit)
-        if line.log:
-            anchor = "middle"
         if line.one:
             text = f"{tick_text(tick / one, '')}\N{MULTIPLICATION SIGN}"
         texts.append(

@@ -91,6 +91,8 @@ class System:
             )
             if solved[0]:
                 return np.asarray(weights[0])
+            if self._squares.ridge:  # `solve` would search again in the same way
+                return np.full(len(columns), np.nan)
         return np.asarray(self.solve(target[None]).weights[0])
 
     def solve(self, targets: Matrix) -> BoundedSolution:

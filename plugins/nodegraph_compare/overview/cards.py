@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Answer, Kind, Line, Text
+    from nodegraph_tables.answer import Answer, Card, Kind, Line, Text
 
     _Part = tuple[Kind | Literal[""], Text, Text]
     _Cell = tuple[_Part | Rows, ...]
@@ -176,32 +176,37 @@ def _filled(verdicts: Verdicts, group: Verdict | None, cell: _Cell) -> str:
 
 
 def _cell(verdicts: Verdicts, group: Verdict, line: Line) -> _Cell:
-    """Return the card of a group in short: its headline, the dots of all methods, one more."""
+    """Return the card of a group in short: its best, the dots of all, who is told beside it."""
     if not group.known:
         return ()
-    verdicts = without_unit(verdicts)
-    card, kinds = card_of(verdicts, group, line), kinds_of(verdicts, group)
-    is_of_all = group is verdicts.overall
+    bare = without_unit(verdicts)
+    card, kinds = card_of(bare, group, line), kinds_of(bare, group)
     are_few = len(verdicts.groups) * len(verdicts.methods) <= _MOST_DOTS
-    dots = (card.rows,) if card.rows and are_few and not is_of_all else ()
-    first: _Part = (card.kind if group.marks else "", card.headline, card.value)
-    if verdicts.metric.better == "none":
-        span = span_text([np.nanmin(group.mean), np.nanmax(group.mean)], verdicts.metric.unit)
-        first = ("", (span,), ())
-    elif card.headline == (NO_DIFFERENCE,):
-        mean = span_text([group.mean[group.best[0]]], verdicts.metric.unit)
-        first = ("open", listing(method_words(verdicts, group.best)), (mean,))
-    elif group.marked("best"):
-        take = "take " * (is_of_all and verdicts.for_all in group.best)
-        first = ("best", (take, *listing(best_words(verdicts, group.best))), card.value)
-    beside = beside_best(verdicts, group)
+    dots = (card.rows,) if card.rows and are_few and group is not verdicts.overall else ()
+    first, beside = _first(bare, group, card), beside_best(bare, group)
     if len(beside) > 1:
         return (first, *dots, ("tied", (f"{len(beside)} others",), ()))
     others: list[_Part] = [
-        (kinds.get(place, "rest"), (name,), behind_text(verdicts, group, place))
-        for place, name in zip(beside, method_words(verdicts, beside), strict=True)
+        (kinds.get(place, "rest"), (name,), behind_text(bare, group, place))
+        for place, name in zip(beside, method_words(bare, beside), strict=True)
     ]
     return (first, *dots, *others)
+
+
+def _first(verdicts: Verdicts, group: Verdict, card: Card) -> _Part:
+    """Return the best of a group, with its mean; or what a card says in its place."""
+    unit = verdicts.metric.unit
+    if verdicts.metric.better == "none":
+        return ("", (span_text([np.nanmin(group.mean), np.nanmax(group.mean)], unit),), ())
+    if verdicts.is_sequence or len(group.known) == 1:
+        return ("", card.headline, card.value)
+    mean = span_text([group.mean[group.best[0]]], unit)
+    if not group.told:
+        why = "" if group.stands else "; no verdict"
+        return ("open", listing(method_words(verdicts, group.best)), (f"{mean}{why}",))
+    take = "take " * (group is verdicts.overall and verdicts.for_all in group.best)
+    names = (best_words if group.marked("best") else method_words)(verdicts, group.best)
+    return (card.kind if group.marks else "", (take, *listing(names)), (mean,))
 
 
 def _kinds_in(cell: _Cell) -> Iterator[Kind]:
@@ -291,8 +296,10 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
         return
     yield "best", "clearly best"
     yield "tied", "may be the best"
-    if any(group.behind for group in groups):
+    if any(group.behind for group in verdicts.every):
         yield "rest", "clearly behind"
-    yield "open", NO_DIFFERENCE
+    stands = {group.stands for group in verdicts.every if not group.told}
+    said = [NO_DIFFERENCE] * (True in stands) + ["no verdict"] * (False in stands)
+    yield "open", " or ".join(said)
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"

@@ -28,7 +28,7 @@ from nodegraph_compare.question import (
 from nodegraph_compare.recordings import recordings_of
 from nodegraph_compare.suspects import suspects
 from nodegraph_compare.table.judge import by_rules, over_groups, variations, verdict_of
-from nodegraph_compare.table.layout import blocks_text, implied, means_table
+from nodegraph_compare.table.means import blocks_text, implied, means_table
 from nodegraph_compare.table.notes import notes
 from nodegraph_compare.table.summary import by_ratio, summarise
 from nodegraph_compare.unused_axes import unused_axes
@@ -157,7 +157,7 @@ def table(
         averaged over groups, methods are compared as within a group. A claim that rests on any one
         of G groups multiplies its p by G.
         With `rows` or `columns` a reader sees means with their intervals alone, laid out so;
-        methods are in the order of the graph, and no row is over all groups.
+        methods are in the order of the graph where each group has all; no row is over all groups.
         Its answer has a line per group: which mean is best, over what, and which methods are not
         certain to be worse. Its notes list what that rests on: what was left out or filled in,
         where few large errors decide, and what it is without blocks whose truth is suspect: those
@@ -257,7 +257,7 @@ def table(
     info = info_of(means)
     cells: list[str] = []
     if any(layout):
-        cells = [f"{_cell_text(verdicts, question)} {blocks_text(verdicts.groups)}"]
+        cells = [f"{_cell_text(means, question)} {blocks_text(verdicts.groups)}"]
     elif not {"refused", "left missing"}.isdisjoint(means):
         cells = [_SHARES]
     averaged = [
@@ -306,8 +306,7 @@ def _places(
     )
 
 
-def _cell_text(verdicts: Verdicts, question: Question) -> str:
+def _cell_text(means: Table, question: Question) -> str:
     best = "" if question.better == "none" else "; the best of a group is marked"
     apart = "; \N{DAGGER} clearly apart from the best, or from the baseline"
-    some = any(group.judged for group in verdicts.groups)
-    return f"A cell holds the mean and its interval [low, high]{best}{apart if some else ''}."
+    return f"A cell holds the mean and its interval [low, high]{best}{apart * ('p' in means)}."

@@ -409,7 +409,7 @@ def test_blocks_worth_a_look_are_packed_from_what_is_at_hand(study: Compared) ->
 
 def test_few_units_have_no_method_for_all() -> None:
     text = text_of(rendered(compared(kitchens(RECIPES, 4), within=("heat",)).overview).lead)
-    assert text.count("no verdict") == 2
+    assert text.count("no verdict") == 2 + 1  # on the cards, and in the key
     assert "One method for all" not in text
 
 
@@ -505,6 +505,43 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     every = kitchens(recipes, 2, heats=tuple(range(100, 112)))
     lead = rendered(compared(every, within=("heat",)).overview).lead
     assert 'class="lead-strip"' not in lead
+
+
+def ovens(kitchens: int, spread: float) -> Across[pd.DataFrame]:
+    """Return the waste of two recipes, of which one wastes a little more, in twelve groups."""
+    random = np.random.default_rng(5)
+    entries: Any = tuple(
+        (
+            {"kitchen": kitchen, "oven": oven, "heat": heat, "recipe": recipe},
+            cakes(waste * np.exp(spread * random.standard_normal(4))),
+        )
+        for kitchen in range(kitchens)
+        for oven in ("gas", "coal", "wood")
+        for heat in (180, 200, 220, 240)
+        for recipe, waste in {"plain": 1.0, "rich": 1.15}.items()
+    )
+    return Across(("kitchen", "oven", "heat", "recipe"), entries, sources=("kitchen",))
+
+
+def test_a_grid_in_which_only_all_groups_together_tell_methods_apart() -> None:
+    overview = compared(ovens(7, 0.4), within=("oven", "heat")).overview
+    verdicts = overview.verdicts
+    assert not any(group.behind for group in verdicts.groups)
+    assert verdicts.overall is not None
+    assert verdicts.overall.behind
+    lead = rendered(overview).lead
+    text = text_of(lead)
+    assert "clearly best may be the best clearly behind no clear difference" not in text
+    assert "clearly best clearly behind no clear difference" in text
+    assert len(re.findall(r"no clear difference (?:plain|rich) [\d.]+ ", text)) == 12
+    assert re.search(r"clearly best take plain [\d.]+ clearly behind rich \+[\d.]+ ", text)
+
+
+def test_a_grid_without_verdicts_says_so_beside_the_means() -> None:
+    lead = rendered(compared(ovens(3, 0.4), within=("oven", "heat")).overview).lead
+    text = text_of(lead)
+    assert len(re.findall(r"no verdict (?:plain|rich) [\d.]+; no verdict", text)) >= 12
+    assert "no clear difference" not in text
 
 
 def test_a_hundred_thousand_blocks_are_packed_within_the_budget() -> None:
