@@ -47,7 +47,7 @@ MOST_ROWS = 9
 _WIDE = 240.0
 """Width of the picture on a card, in pixels."""
 
-_NARROW = 120.0
+_NARROW = 105.0
 """Width of the line of a row where four cards stand side by side, in pixels."""
 
 _TICKS = 5
@@ -262,7 +262,7 @@ class Line(Value):
         for value in values:
             letters = len(tick_text(value, "")) + len(tick_text(kept[-1], "") if kept else "")
             far = width * (self.share(value) - self.share(kept[-1])) if kept else math.inf
-            if far >= _LETTER * letters / 2 + 5:
+            if far >= _LETTER * letters / 2 + 4:
                 kept.append(value)
         return kept
 
