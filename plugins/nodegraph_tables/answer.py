@@ -262,7 +262,7 @@ class Line(Value):
         for value in values:
             letters = len(tick_text(value, "")) + len(tick_text(kept[-1], "") if kept else "")
             far = width * (self.share(value) - self.share(kept[-1])) if kept else math.inf
-            if far >= _LETTER * letters / 2 + 4:
+            if far >= _LETTER * letters / 2 + 6:
                 kept.append(value)
         return kept
 
