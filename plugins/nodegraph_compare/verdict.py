@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
@@ -330,7 +331,7 @@ class Verdict(Value):
             return []
         return [place for place in _places(self.to_best.apart) if place not in self.best]
 
-    @property
+    @cached_property
     def behind(self) -> list[int]:
         """The methods that are clearly worse than the best by every rule, if there is a verdict.
 
