@@ -50,7 +50,14 @@ from nodegraph_tables.answer import (
     plain,
     say,
 )
-from nodegraph_tables.numbers import apart_text, is_seen, percent_apart, ranged, span_text
+from nodegraph_tables.numbers import (
+    MANY_TIMES,
+    apart_text,
+    change_percent,
+    is_seen,
+    ranged,
+    span_text,
+)
 from nodegraph_tables.style import SHARE, unit_text
 
 if TYPE_CHECKING:
@@ -75,7 +82,6 @@ _MOST_CLAUSES = 6
 _MOST_TIED = 2
 _MOST_LABELS = 5
 _ALIKE = "not clearly different"
-_MANY_TIMES = 2.0
 
 
 def answer_of(verdicts: Verdicts) -> Answer:
@@ -87,7 +93,7 @@ def answer_of(verdicts: Verdicts) -> Answer:
     )
     if is_described(named):
         answer = described(named)
-        lines = (_LINES,) if any(each.low for each in findings) else ()
+        lines = (_LINES, *_without_0(findings)) if any(each.low for each in findings) else ()
         scope = scope_words(named)
         return replace(answer, scope=scope, findings=findings, certainty=lines)
     cards = cards_of(named) if len(named.groups) <= MOST_CARDS else ()
@@ -433,14 +439,35 @@ def _certainty(verdicts: Verdicts) -> Text:
 
 
 def _clear_steps(verdicts: Verdicts, groups: Sequence[Verdict]) -> str:
-    """Return how many of the changes between steps are clear and more than rounding hides."""
-    clear = [
-        verb != UNCLEAR
-        and is_seen(float(group.mean[step]), float(group.mean[before]), verdicts.metric.unit)
-        for group in groups
-        for step, (before, verb) in changes(group).items()
+    """Return how many of the changes between steps are clear, and what the others are."""
+    unit = verdicts.metric.unit
+    every = [(group, *change) for group in groups for change in changes(group).items()]
+    seen = [
+        verb
+        for group, step, (before, verb) in every
+        if is_seen(float(group.mean[step]), float(group.mean[before]), unit)
     ]
-    return f"{sum(clear)} of {len(clear)} changes are clear and larger than rounding."
+    hardly, unclear = len(every) - len(seen), seen.count(UNCLEAR)
+    parts = [f"{len(seen) - unclear} of {len(every)} changes are clear"]
+    parts += [f"in {hardly} the mean hardly changes"] * bool(hardly)
+    parts += [f"{unclear} {'are' if unclear > 1 else 'is'} not clear"] * bool(unclear)
+    return f"{'; '.join(parts)}."
+
+
+def _without_0(findings: Sequence[Finding]) -> Text:
+    """Return how many differences to a reference have an interval without 0, of those shown."""
+    every = [
+        ends
+        for each in findings
+        for name, ends in each.apart.items()
+        if each.reference not in ("", name)
+    ]
+    if not every:
+        return ()
+    reference = next(each.reference for each in findings if each.reference)
+    without = sum(low > 0.0 or high < 0.0 for low, high in every)
+    many = "all" if without == len(every) else f"{without or 'none'} of"
+    return (f" The intervals of {many} {len(every)} differences to {reference} are without 0.",)
 
 
 def _told_apart(verdicts: Verdicts) -> str:
@@ -450,8 +477,11 @@ def _told_apart(verdicts: Verdicts) -> str:
     if len(verdicts.groups) > 1 == len(parts):
         parts = [f"{parts[0]} in {'each' if parts[0] in _CLEAR[:2] else 'any'} group"]
     elif len(verdicts.groups) > 1:
-        parts = [f"{text} in {counts[text]}{of * (not at)}" for at, text in enumerate(parts)]
-    return f"{', '.join(parts).capitalize()}."
+        first, *rest = parts
+        where = ["the other" if len(rest) == counts[text] == 1 else counts[text] for text in rest]
+        parts = [f"{first} in {counts[first]}{of}"]
+        parts += [f"in {place} {text}" for place, text in zip(where, rest, strict=True)]
+    return f"{'; '.join(parts).capitalize()}."
 
 
 def _how_clear(group: Verdict) -> str:
@@ -470,9 +500,8 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
     if of_all is not None and take == verdicts.best_over_all:
         first = f"{end} over all {len(groups)} groups together"
         rest = [place for place in of_all.ranked if place in {*of_all.known} - {take}][:1]
-        claims = ["clearly" if place in of_all.behind else f"{MAY_BE}," for place in rest]
-        after = [f"over all is {HERE}, {claim} {HERE}" for claim in claims]
-        far = [_far(verdicts, of_all, place) for place in rest]
+        after = [f"over all is {HERE}, {HERE}" for _ in rest]
+        far = [_how_far(verdicts, of_all, place) for place in rest]
     else:
         of, counts = f"of {len(groups)}", [verdicts.behind_in(p) for p in verdicts.least_behind]
         first = f"clearly behind in {counts[0] or 'none'} {of} groups"
@@ -491,16 +520,24 @@ def _taken(verdicts: Verdicts, take: int) -> Text:
 def _far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     """Return how far a method is from the best: ``12 % behind``, or ``2.5 times the best``."""
     times = group.distance(place)
-    if verdicts.ratio and times >= _MANY_TIMES and verdicts.metric.better != "higher":
+    if verdicts.ratio and times >= MANY_TIMES and verdicts.metric.better != "higher":
         return (Word(f"{times:.1f} times", "number"), " the best")
     return (_apart(verdicts, group, place), " behind")
+
+
+def _how_far(verdicts: Verdicts, group: Verdict, place: int) -> Text:
+    """Return how far a method is from the best, and whether that is clear."""
+    far = _far(verdicts, group, place)
+    if place not in group.behind:
+        return (f"{MAY_BE}, ", *far)
+    return ("clearly " if far[-1] == " behind" else "clearly behind, ", *far)
 
 
 def _apart(verdicts: Verdicts, group: Verdict, place: int) -> Word:
     """Return how far the means of a method and of the best are apart, in percent of ratios."""
     unit, means = verdicts.metric.unit, (float(group.mean[place]), float(group.mean[group.best[0]]))
     is_ratio = verdicts.ratio and unit != SHARE
-    return Word(percent_apart(*means, unit) if is_ratio else apart_text(means, unit), "number")
+    return Word(change_percent(*means) if is_ratio else apart_text(means, unit), "number")
 
 
 def _varied(verdicts: Verdicts, variation: Variation) -> Text:

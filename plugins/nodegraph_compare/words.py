@@ -15,8 +15,9 @@ from nodegraph_tables.answer import HERE, MAY_BE, Word, joined, listing, plain, 
 from nodegraph_tables.numbers import (
     MINUS,
     SPACE,
+    above_text,
+    change_percent,
     difference_text,
-    percent_apart,
     shares_text,
     span_text,
     to_digits_of,
@@ -412,7 +413,7 @@ def behind_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     best, mean = float(group.mean[group.best[0]]), float(group.mean[place])
     text = _above(verdicts, group, place, group.best[0])
     is_share = best > 0 and verdicts.ratio and not text.startswith("under")
-    share = f" ({percent_apart(mean, best, verdicts.metric.unit)})" if is_share else ""
+    share = f" ({above_text(mean, best)})" if is_share else ""
     return (Word(f"{text}{share}", "number"),)
 
 
@@ -440,7 +441,7 @@ def change_text(verdicts: Verdicts, group: Verdict, before: int, step: int) -> s
     """Return the distance between the means of two steps: ``36 %``, or ``0.12 mm``."""
     first, second = float(group.mean[before]), float(group.mean[step])
     if verdicts.ratio and first > 0:
-        return percent_apart(second, first, verdicts.metric.unit)
+        return change_percent(second, first)
     return span_text([abs(second - first)], verdicts.metric.unit)
 
 

@@ -258,13 +258,16 @@ class Line(Value):
         values = values[:: math.ceil(len(values) / _TICKS) or 1]
         if len(values) < 2:
             values = [self.low, self.high]
-        kept: list[float] = []
-        for value in values:
-            letters = len(tick_text(value, "")) + len(tick_text(kept[-1], "") if kept else "")
-            far = width * (self.share(value) - self.share(kept[-1])) if kept else math.inf
-            if far >= _LETTER * letters / 2 + 6:
-                kept.append(value)
-        return kept
+        place = 1
+        while place < len(values):
+            before, value = values[place - 1 : place + 1]
+            letters = len(tick_text(before, "")) + len(tick_text(value, ""))
+            if width * (self.share(value) - self.share(before)) >= _LETTER * letters / 2 + 6:
+                place += 1
+                continue
+            values.pop(max(place - 1, 1))  # the first stays, and the last beside others
+            place = max(place - 1, 1)
+        return values
 
     def _rounds(self, steps: Sequence[int]) -> list[float]:
         low = self.least or self.low

@@ -15,6 +15,9 @@ SPACE = "\N{NO-BREAK SPACE}"
 SMALLEST, LARGEST = 1e-3, 1e6
 """Smaller and larger numbers are shown with a power of ten."""
 
+MANY_TIMES = 2.0
+"""From here on a number is so many times another, and not so many percent above it."""
+
 _WHOLE = 0.95
 """Percent from which on shares are shown in whole ones."""
 
@@ -48,14 +51,14 @@ def span_text(values: Sequence[float], unit: str = "") -> str:
 
 
 def difference_text(pairs: Sequence[tuple[float, float]], unit: str = "") -> str:
-    """Return by how much numbers are above others, to agree with both as these are shown.
+    """Return by how much numbers are above others, in the digits of the larger ones.
 
     Examples
     --------
     >>> difference_text([(0.333, 0.3114)]), difference_text([(12.34, 9.876)])
-    ('0.022', '2.4')
-    >>> difference_text([(30, 12)])
-    '18'
+    ('0.022', '2.5')
+    >>> difference_text([(30, 12)]), difference_text([(0.1004, 0.0998)])
+    ('18', 'under 0.001')
     """
     texts = dict.fromkeys(_difference(*_scaled(pair, unit), unit) for pair in pairs)
     return f"{' to '.join(texts)}{SPACE}{unit_text(unit)}".rstrip(SPACE)
@@ -66,20 +69,26 @@ def apart_text(values: Sequence[float], unit: str = "") -> str:
     return difference_text([(max(values), min(values))], unit)
 
 
-def percent_apart(value: float, to: float, unit: str = "") -> str:
-    r"""Return how far a number is from one above 0 in percent, to agree with both as shown.
-
-    Where they look the same, it is that of the numbers themselves.
+def change_percent(value: float, to: float) -> str:
+    r"""Return how far a number is from one above 0, as a share of that.
 
     Examples
     --------
-    >>> percent_apart(0.1306, 0.1204), percent_apart(0.1953, 0.1952)
-    ('9\xa0%', '0.1\xa0%')
+    >>> change_percent(0.1306, 0.1204), change_percent(0.5, 2.0)
+    ('8\xa0%', '75\xa0%')
     """
-    near, near_to = _as_shown(value, unit), _as_shown(to, unit)
-    if near == near_to or not near_to:
-        near, near_to = value, to
-    return percent(abs(near / near_to - 1.0))
+    return percent(abs(value / to - 1.0))
+
+
+def above_text(value: float, to: float) -> str:
+    r"""Return how far a number is above one above 0: in percent, or how many times it is that.
+
+    Examples
+    --------
+    >>> above_text(0.1306, 0.1204), above_text(24.0, 8.85)
+    ('8\xa0%', '2.7 times')
+    """
+    return f"{value / to:,.1f} times" if value >= MANY_TIMES * to else change_percent(value, to)
 
 
 def is_seen(value: float, to: float, unit: str = "") -> bool:
@@ -185,13 +194,6 @@ def _scaled(pair: tuple[float, float], unit: str) -> tuple[float, float]:
     return value, to
 
 
-def _as_shown(value: float, unit: str) -> float:
-    """Return a number in its unit without the digits that a reader does not see."""
-    (shown, _) = _scaled((value, 0), unit)
-    decimals = _common_decimals(shown, 0, unit)
-    return shown if decimals is None else round(shown, decimals)
-
-
 def _common_decimals(value: float, to: float, unit: str) -> int | None:
     """Return the decimals with which two numbers are shown; None for counts and powers of ten."""
     largest = max(abs(value), abs(to))
@@ -203,13 +205,13 @@ def _common_decimals(value: float, to: float, unit: str) -> int | None:
 
 
 def _difference(value: float, to: float, unit: str) -> str:
-    if isinstance(value, int) and isinstance(to, int):
-        return f"{value - to:,}".replace("-", MINUS)
-    decimals = _common_decimals(value, to, unit)
+    difference, decimals = value - to, _common_decimals(value, to, unit)
+    if isinstance(difference, int):
+        return f"{difference:,}".replace("-", MINUS)
     if value == to or decimals is None:
-        return _digits(value - to)
-    difference = round(value, decimals) - round(to, decimals)
-    text = f"{abs(difference):,.{decimals}f}"
-    if not float(text.replace(",", "")):
-        return f"under {10.0**-decimals:.{decimals}f}"
-    return f"{MINUS * (difference < 0.0)}{text}"
+        return _digits(difference)
+    least = 10.0**-decimals
+    # numbers that look the same are not said to be apart
+    if abs(difference) < least / 2 or round(value, decimals) == round(to, decimals):
+        return f"under {least:g}"
+    return f"{difference:,.{decimals}f}".replace("-", MINUS)

@@ -398,14 +398,23 @@ def _scope(curves: Curves) -> Text:
         parts.append("thick: the one that needs most")
     if "knee" in curves.marked.kinds.values():
         parts.append("knee: where a curve turns, so that more help less")
-    several = f"{len(drawn)} curves" if len(drawn) > 1 else "One curve"
-    kind = " of synthetic recordings" if recordings.synthetic else ""
     data = ", ".join(filter(None, [recordings.names, recordings.sizes]))
     people = "; untested on people" * recordings.synthetic
-    held = f"{several}{kind}{f' ({data})' if data else ''}: others may differ{people}."
+    several = f"{_several(curves)}{f' ({data})' if data else ''}"
+    held = f"{several}: others may differ{people}."
     if kinds := dict.fromkeys(_KINDS[kind] for kind in curves.marked.kinds.values()):
         parts.append(f"circle: {' or '.join(kinds)}")
     return joined(" ", [Word(held), f"Curves: {'; '.join(parts)}."])
+
+
+def _several(curves: Curves) -> str:
+    """Return of what there are curves, and how many: ``8 synthetic recordings``."""
+    count, recordings = len(curves.drawn), curves.recordings
+    kind = "synthetic " * recordings.synthetic
+    if count == len(recordings.files) > 1:
+        return f"{count} {kind}recordings, a curve each"
+    curve = f"{count} curves" if count > 1 else "One curve"
+    return f"{curve} of {kind}recordings" if kind else curve
 
 
 def _reached(points: Points, floor: float) -> float | None:

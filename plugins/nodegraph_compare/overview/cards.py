@@ -107,7 +107,7 @@ def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
     if len(axes) < 2 or len(tops) > _MOST_COLUMNS:
         return _list(verdicts, texts)
     cells = {
-        (tuple(group.labels[axis] for axis in axes[:-1]), group.labels[last]): (group, text)
+        (tuple(group.labels[axis] for axis in axes[:-1]), group.labels[last]): text
         for group, text in zip(verdicts.groups, texts, strict=False)
     }
     sides = list(dict.fromkeys(side for side, _ in cells))
@@ -127,7 +127,7 @@ def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
         )
         + "".join(
             f'<td data-head="{escape(f"{verdicts.within[last]} {top}")}"'
-            f"{_filled(verdicts, *cells.get((side, top), (None, ())))}"
+            f"{_filled(verdicts, cells.get((side, top), ()))}"
             for top in tops
         )
         for side in sides
@@ -137,7 +137,7 @@ def _grid(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
             f'<th scope="row" data-head="all" colspan="{len(names)}">'
             f"{len(verdicts.groups)} groups together</th>"
             f'<td data-head="best" colspan="{len(tops)}"'
-            f"{_filled(verdicts, verdicts.overall, texts[-1])}"
+            f"{_filled(verdicts, texts[-1])}"
         )
     return _table(heads, rows)
 
@@ -146,8 +146,7 @@ def _list(verdicts: Verdicts, texts: Sequence[_Cell]) -> str:
     name = ", ".join(verdicts.within[axis] for axis in varying(verdicts))
     heads = f'<th scope="col">{escape(name)}</th><th scope="col">best{_axis(texts)}</th>'
     rows = [
-        f'<th scope="row">{escape(group_title(verdicts, group))}</th>'
-        f"<td{_filled(verdicts, group, text)}"
+        f'<th scope="row">{escape(group_title(verdicts, group))}</th><td{_filled(verdicts, text)}'
         for group, text in zip(verdicts.groups, texts, strict=False)
     ]
     return _table(heads, rows)
@@ -158,10 +157,9 @@ def _axis(cells: Sequence[_Cell]) -> str:
     return next((axis_html(part) for cell in cells for part in cell if isinstance(part, Rows)), "")
 
 
-def _filled(verdicts: Verdicts, group: Verdict | None, cell: _Cell) -> str:
-    """Return the rest of a cell; it is tinted where its first method is the one to take."""
-    leaders = () if group is None else group.best
-    tint = ' class="for-all"' if verdicts.for_all in leaders else ""
+def _filled(verdicts: Verdicts, cell: _Cell) -> str:
+    """Return the rest of a cell; the method to take is tinted."""
+    take = "" if verdicts.for_all is None else str(verdicts.methods[verdicts.for_all])
     names = dict(_dots(verdicts))
     parts = []
     for part in cell:
@@ -171,8 +169,10 @@ def _filled(verdicts: Verdicts, group: Verdict | None, cell: _Cell) -> str:
         kind, name, number = part
         dot = _dot(kind, names[kind]) if kind else ""
         value = Markup(" <small>{}</small>").format(html_of(number)) if number else ""
-        parts.append(f"<div>{dot} {html_of(name)}{value}</div>")
-    return f"{tint}>{''.join(parts) or _NONE}</td>"
+        is_taken = take and any(isinstance(word, Word) and word.label == take for word in name)
+        tint = ' class="for-all"' * bool(is_taken)
+        parts.append(f"<div{tint}>{dot} {html_of(name)}{value}</div>")
+    return f">{''.join(parts) or _NONE}</td>"
 
 
 def _cell(verdicts: Verdicts, group: Verdict, line: Line) -> _Cell:

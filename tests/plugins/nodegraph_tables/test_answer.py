@@ -106,14 +106,15 @@ def test_a_line_makes_nothing_look_far_apart() -> None:
     [
         ((0.333, 0.3114), "mm", "0.022 mm"),
         ((0.1004, 0.0996), "mm", "under 0.001 mm"),
-        ((12.34, 9.876), "", "2.4"),
+        ((0.1006, 0.1001), "mm", "0.001 mm"),
+        ((12.34, 9.876), "", "2.5"),
         ((0.99, 1.16), "", "\N{MINUS SIGN}0.17"),
         ((213, 30), "", "183"),
         ((0.612, 0.56), "share", "5 %"),
         ((2e-4, 1e-4), "", "1.0e\N{MINUS SIGN}4"),
     ],
 )
-def test_a_difference_agrees_with_the_means_that_are_shown(
+def test_a_difference_has_the_digits_of_the_means_that_are_shown(
     means: tuple[float, float], unit: str, by: str
 ) -> None:
     assert difference_text([means], unit).replace("\N{NO-BREAK SPACE}", " ") == by

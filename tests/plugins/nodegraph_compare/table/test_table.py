@@ -131,7 +131,7 @@ def test_the_answer_names_the_best_and_the_scope() -> None:
     assert scope.startswith("8 trials: holds for further trials. Mean rmse (mm) of a typical trial")
     assert re.match(
         r"length 5: near and twin, [\d.]+\smm, 95 %: [\d.]+ to [\d.]+; clearly best; next, "
-        r"far \+[\d.]+ \(133\s%\)\.$",
+        r"far \+[\d.]+ \(2\.3 times\)\.$",
         card,
     )
     assert certainty == (
@@ -365,7 +365,7 @@ def test_groups_with_one_answer_share_a_sentence() -> None:
     bests = sorted(frame[frame["fill"] == "near"]["mean"][:2])
     assert words(frame)[0] == (
         f"near and twin are best throughout ({span_text(bests, 'mm')} by length); the other is "
-        "clearly behind, by 126\N{NO-BREAK SPACE}% or more."
+        "clearly behind, by 125\N{NO-BREAK SPACE}% or more."
     )
 
 
@@ -428,7 +428,7 @@ def test_a_method_without_any_number_is_not_said_to_be_behind() -> None:
     with pytest.warns(UserWarning, match="without any number, not compared: none"):
         result = table(Across.of(scores, axis="fill"))
     sentence = words(result.table)[0]
-    end = "the other is clearly behind, by 804 %. Not compared, without any number: none."
+    end = "the other is clearly behind, by 800 %. Not compared, without any number: none."
     assert sentence.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
     shown = html_of(result.overview.answer.sentence)
     assert shown.endswith('without any number: <span data-method="none">none</span>.')
