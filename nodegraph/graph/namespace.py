@@ -103,7 +103,7 @@ class Namespace:
             message = f"{variable} is a port ({self._ports[name].type.__name__}), not a value"
             self._reject(variable, message, f"write in: ${name}")
         elif name not in self.inputs:
-            known = (f"${known}" for known in (*self._spec.inputs, *self._spec.axes))
+            known = [f"${known}" for known in (*self._spec.inputs, *self._spec.axes)]
             hint = partial(nearest, f"${name}", known)
             self._reject(variable, f"no input or axis {quoted(name)}", hint)
         elif variable.field and not isinstance(self.inputs[name], dict):

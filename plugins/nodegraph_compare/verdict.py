@@ -522,7 +522,11 @@ class Verdicts(Value):
         if self.best_over_all is not None or self.is_sequence or len(groups) < 2 or not told:
             return self.best_over_all
         first = next(iter(self.least_behind), None)
-        return None if first is None or 2 * self.behind_in(first) >= len(groups) else first
+        if first is None or 2 * self.behind_in(first) >= len(groups):
+            return None
+        # methods of equal errors everywhere leave nothing to choose
+        equal = set.intersection(*({*group.best} for group in groups))
+        return None if first in equal and len(equal) > 1 else first
 
     @property
     def least_behind(self) -> list[int]:

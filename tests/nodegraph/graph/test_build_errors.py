@@ -89,6 +89,13 @@ from tests.nodegraph.conftest import ProblemsOf
             "there is none",
         ),
         (
+            "axes: {size: [1, 2]}\n"
+            "nodes: {a: {use: read.number, with: {start: @@$sise}}, "
+            "b: {use: read.number, with: {start: $size}}}",
+            "no input or axis 'sise'",
+            "did you mean '$size'? there is: $size",
+        ),
+        (
             "inputs: {xx: 1, y: @@2}\nnodes: {a: {use: read.number, with: {start: @@$x}}, "
             "b: {use: read.number, with: {start: $xx}}}",
             "nothing uses the input 'y'",

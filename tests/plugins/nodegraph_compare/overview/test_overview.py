@@ -413,6 +413,19 @@ def test_few_units_have_no_method_for_all() -> None:
     assert "One method for all" not in text
 
 
+def test_of_equal_methods_none_is_the_one_to_take() -> None:
+    scores = kitchens({"plain": 1.0})
+    twice = [
+        ({**labels, "recipe": recipe}, table)
+        for labels, table in scores.entries
+        for recipe in ("plain", "same")
+    ]
+    axes = ("kitchen", "heat", "recipe")
+    overview = compared(gathered(axes, twice), within=("heat",)).overview
+    assert overview.verdicts.for_all is None
+    assert "tinted" not in text_of(rendered(overview).lead)
+
+
 def test_numbers_are_named_with_what_they_are_numbers_of() -> None:
     recipes: Any = {2: 1.0, 3: 9.0}
     scores = replace(kitchens(recipes, heats=(1, 5)), units={"heat": "minutes"})
