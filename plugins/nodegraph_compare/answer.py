@@ -465,9 +465,10 @@ def _without_0(findings: Sequence[Finding]) -> Text:
     if not every:
         return ()
     reference = next(each.reference for each in findings if each.reference)
-    without = sum(low > 0.0 or high < 0.0 for low, high in every)
-    many = "all" if without == len(every) else f"{without or 'none'} of"
-    return (f" The intervals of {many} {len(every)} differences to {reference} are without 0.",)
+    above, below = sum(low > 0.0 for low, _ in every), sum(high < 0.0 for _, high in every)
+    sides = [f"above 0 in {above}"] * bool(above) + [f"below 0 in {below}"] * bool(below)
+    text = " and ".join(sides) or "on both sides of 0"
+    return (f" The interval of the difference to {reference} is {text} of {len(every)}.",)
 
 
 def _told_apart(verdicts: Verdicts) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import TYPE_CHECKING, Literal
 
@@ -21,6 +22,7 @@ from nodegraph_compare.words import (
 from nodegraph_tables.answer import (
     HERE,
     MOST_CARDS,
+    ONE_ROW,
     Rows,
     Word,
     axis_html,
@@ -50,8 +52,8 @@ _MOST_ROWS = 60
 _MOST_DOTS = 1000
 """In all cells of a grid together."""
 _NONE = "\N{EN DASH}"
-_DOT = 0.04
-"""Width of a dot, as a share of its line."""
+_DOT, _CARD = 0.026, 0.2
+"""Width of a dot as a share of a page's only line, and by how much each card shortens it."""
 _SOURCE = re.compile(r" \([^()]*\)\.$")
 
 
@@ -264,7 +266,8 @@ def _about_dots(verdicts: Verdicts, lines: Sequence[Line]) -> Iterator[str]:
     """Yield what stands beside dots, and what the lines are on which they lie."""
     line = lines[0]
     if len(verdicts.groups) <= MOST_CARDS and (known := _widths(verdicts, lines)):
-        short = max(known) < _DOT
+        columns = len(lines) if len(lines) <= ONE_ROW else math.ceil(len(lines) / 2)
+        short = max(known) < _DOT / (1.0 - _CARD * columns)
         yield "the dot covers the 95 % interval" if short else "line: 95 % interval"
     if verdicts.is_sequence:
         yield "%: change to the one before"
