@@ -57,5 +57,6 @@ class Fitting:
 
     def distances(self, poses: Transforms) -> NDArray[np.float64]:
         """Return how far, (T, L) mm, each landmark is from its place; infinite where missing."""
-        apart = np.sqrt(((self.placed(poses) - self.shape) ** 2).sum(axis=2))
-        return np.where(self.there, apart, np.inf)
+        x, y, z = np.moveaxis(self.placed(poses) - self.shape, 2, 0)
+        # numpy takes seven times as long for sums along so short an axis
+        return np.where(self.there, np.sqrt(x * x + y * y + z * z), np.inf)
