@@ -19,7 +19,8 @@ returns its outcome; it is called in as many threads as there are calls at a tim
 that shares no memory with this one, `CallCodec` encodes a call as a request, `respond` returns the
 response there, and `CallCodec` decodes that to an `Outcome`, which ``schedule.keep`` stores.
 Requests and responses are lists of buffers. A call that cannot be sent is made by
-``schedule.perform``. `in_time` keeps to the time limit of a call.
+``schedule.perform``. `in_time` keeps to the time limit of a call. Where a library's threads draw
+from Python's `random` beside the calls, `unwatch_random` has no node blamed for that.
 """
 
 from nodegraph.execute.call import Call, perform
@@ -27,6 +28,7 @@ from nodegraph.execute.executor import Calls, Executor, HowToRun
 from nodegraph.execute.messages import CallCodec, Frame, respond
 from nodegraph.execute.outcome import Outcome
 from nodegraph.execute.processes import kill, start
+from nodegraph.execute.shared_state import unwatch_random
 from nodegraph.execute.threads import in_time, side_by_side
 from nodegraph.state import State
 
@@ -45,4 +47,5 @@ __all__ = [
     "respond",
     "side_by_side",
     "start",
+    "unwatch_random",
 ]

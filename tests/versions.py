@@ -72,10 +72,11 @@ def main(beginning: str = "") -> int:
     """Check the cases whose name begins like this; return the exit status."""
     if shutil.which("uv") is None:
         sys.exit("it needs uv: pip install uv")
+    cases = [case for case in CASES if case.name.startswith(beginning)]
+    if not cases:
+        sys.exit(f"no case begins with {beginning!r}; there is: {', '.join(c.name for c in CASES)}")
     status = 0
-    for case in CASES:
-        if not case.name.startswith(beginning):
-            continue
+    for case in cases:
         start = time.monotonic()
         with tempfile.TemporaryDirectory(prefix="nodegraph-versions-") as folder:
             failure = case.check(Path(folder))

@@ -43,7 +43,8 @@ class FileMemo:
             If the file cannot be read.
         """
         status = os.stat(path)
-        mark = [status.st_size, status.st_mtime_ns, status.st_ino]
+        # a program can put back the time of an edit, but not that of a change of the status
+        mark = [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino]
         match self.remembered.get(path):
             case [known, data] if known == mark:
                 return data

@@ -68,6 +68,12 @@ def cache(arguments: Namespace) -> int:
         print(f"removed {_amount(removed)} from {upkeep.folder}")
     elif removed is not None:
         print(f"removed {_amount(removed)}; {_amount(amount)} left in {upkeep.folder}")
+        if (young := upkeep.unneeded()).blobs:
+            print(
+                f"{number_of(young.blobs, 'file')} ({size_text(young.size)}) of no result: arrays "
+                "younger than an hour stay, as a run may be about to need them; "
+                "`nodegraph cache clear` removes all"
+            )
     else:
         _list(listed, amount.entries if listed else 0)
         print(f"{_amount(amount)} in {upkeep.folder}")

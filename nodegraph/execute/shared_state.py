@@ -43,6 +43,14 @@ class SharedState:
     restore: Callable[[Any], object]
 
 
+_unwatched: set[str] = set()
+
+
+def unwatch_random() -> None:
+    """Leave the state of `random` alone from now on, because other threads draw from it."""
+    _unwatched.add("random")
+
+
 class StateBefore:
     """The shared state as it was when none of the calls was being made that are being made now.
 
@@ -106,8 +114,7 @@ def _marks() -> tuple[object, ...]:
         engine,
         object() if numpys is None else numpys.raw,
         own.raw,
-        pythons.raw,
-        _PYTHON.gauss_next,
+        *(() if _unwatched else (pythons.raw, _PYTHON.gauss_next)),
         errors.get(),
         printing.get(),
         environment_changes(),
@@ -159,7 +166,8 @@ _ENOUGH = 64
 
 def _random_states() -> tuple[object, bytes]:
     """Return numpy's engine and the states of the generators."""
-    states = random.getstate(), np.random.get_state(legacy=False)  # noqa: NPY002
+    own = None if _unwatched else random.getstate()
+    states = own, np.random.get_state(legacy=False)  # noqa: NPY002
     return _numpy().get_bit_generator(), pickle.dumps(states)
 
 
@@ -186,7 +194,8 @@ def _numpy() -> Any:
 def _set_random_states(original: tuple[object, bytes]) -> None:
     engine, states = original
     own, numpy = pickle.loads(states)
-    random.setstate(own)
+    if own is not None:
+        random.setstate(own)
     _numpy().set_bit_generator(engine)
     np.random.set_state(numpy)  # noqa: NPY002
 

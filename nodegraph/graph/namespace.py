@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 
-from nodegraph.errors import Hint, Place, Problems, nearest, quoted
+from nodegraph.errors import Hint, Place, Problems, listed, nearest, quoted
 from nodegraph.graph.axes import chosen_axis, restricted_axis
 from nodegraph.graph.model import Axis, Choices
 from nodegraph.graphfile.axes import FILE
@@ -86,9 +86,8 @@ class Namespace:
                 is_used = name in self.used or f"${name}" in methods
                 if not is_used and name.isidentifier():
                     message = f"nothing uses the {kind} {quoted(name)}"
-                    usage = (
-                        f"in: ${name}" if name in self._ports else f"${name} as a setting's value"
-                    )
+                    text = listed([f"${name}"])
+                    usage = f"in: {text}" if name in self._ports else f"{text} as a setting's value"
                     self._problems.add(part.place, message, f"write {usage}")
 
     def axis_of(self, variable: Variable) -> str | None:

@@ -81,7 +81,7 @@ class WireChecker:
         """Note an error once, by the first of the methods that share the reference."""
         if (place, message) not in self._noted:
             self._noted.add((place, message))
-            self._problems.add(place, f"{where}: {message}", hint)
+            self._problems.add(place, f"{listed([where])}: {message}", hint)
 
     def _instead_of(self, name: str, port: str) -> str:
         """Return what to write: nodes that use an installed node of the name, or the nearest."""

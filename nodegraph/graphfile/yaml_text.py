@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import yaml
 
-from nodegraph.errors import GraphError, Place, Problem, Problems, quoted
+from nodegraph.errors import GraphError, Place, Problem, Problems, listed, quoted
 
 _MOST_DEPTH = 100
 _TOO_DEEP = f"nested more than {_MOST_DEPTH} deep"
@@ -269,7 +269,9 @@ class _Parser:
     def _alias(self, event: yaml.AliasEvent) -> None:
         place = self._place(event)
         if (target := self._anchors.get(event.anchor or "")) is None:
-            self._fail(place, f"alias *{event.anchor} stands before, or inside, its anchor")
+            self._fail(
+                place, f"alias *{listed([event.anchor])} stands before, or inside, its anchor"
+            )
         item, size, height = target
         self._refuse_depth(place, len(self._open) + height)
         self._add(Located(item.value, place, item.keys), size, height)

@@ -82,10 +82,12 @@ def why_unchanged(folder: str, error: OSError) -> str:
     reason = error.strerror or str(error)
     if error.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
         return f"{folder}: {reason}"
-    try:
-        owner = f"; it belongs to {Path(folder).owner()}"
-    except (KeyError, OSError, NotImplementedError):  # a user without a name, a system without
-        owner = ""
+    owner = ""
+    with suppress(OSError, NotImplementedError):  # a system without owners
+        try:
+            owner = f"; it belongs to {Path(folder).owner()}"
+        except KeyError:  # a user without a name
+            owner = f"; it belongs to user {os.stat(folder).st_uid}"
     return f"{folder}: {reason}{owner}; name another folder with --store or NODEGRAPH_STORE"
 
 

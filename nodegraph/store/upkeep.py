@@ -91,6 +91,12 @@ class Upkeep:
         entries = [status.st_size for _, status in self._files(_ENTRY, ENTRIES)]
         return _amount(entries, list(self._blob_sizes().values()))
 
+    def unneeded(self) -> Amount:
+        """Return the arrays that no entry needs: of a run at work, or of one that was ended."""
+        needed = {name for kept in self.entries() for name in kept.entry.blobs()}
+        sizes = [size for name, size in self._blob_sizes().items() if name not in needed]
+        return _amount([], sizes)
+
     def other_formats(self) -> list[str]:
         """Return names of folders of other versions of this program, which are left alone."""
         return other_formats(self.folder)
@@ -210,8 +216,12 @@ class Upkeep:
 
     def _files(self, form: re.Pattern[str], *inner: str) -> Iterator[tuple[str, os.stat_result]]:
         """Yield name and status of the files of a folder whose names have a form."""
-        with suppress(*_NO_FOLDER), files.Folder(self._root, *inner) as folder:
-            yield from folder.files(form)
+        try:
+            with suppress(*_NO_FOLDER), files.Folder(self._root, *inner) as folder:
+                yield from folder.files(form)
+        except PermissionError as error:
+            why = files.why_unchanged(str(self.folder), error)
+            raise NodegraphError(f"results cannot be read: {why}") from error
 
     def _read(self, name: str) -> Entry | None:
         try:

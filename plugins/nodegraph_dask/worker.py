@@ -19,7 +19,7 @@ import numpy as np
 from distributed import Security, Worker, get_worker
 from numpy.typing import NDArray
 
-from nodegraph.executors import Frame, respond
+from nodegraph.executors import Frame, respond, unwatch_random
 
 CERTIFICATES = "certificates.json"
 """File in the folder of a worker, with what it needs to connect to the scheduler."""
@@ -30,6 +30,7 @@ Sent = tuple[object, ...]
 
 def work(timeout: float | None, *frames: object) -> Sent:
     """Return the response to a request; both are given as frames."""
+    unwatch_random()  # its own threads draw from it
     text, head, *buffers = respond([as_frame(frame) for frame in frames], timeout)
     return get_worker().address, text, head, *map(as_array, buffers)
 

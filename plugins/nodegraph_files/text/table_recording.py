@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import quoted
+from nodegraph import listed, quoted
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.rates import rate_from
@@ -128,8 +128,8 @@ def warn_count(what: str, stated: str, there: int) -> None:
     """Warn of a number in a file's header that is not what the file holds."""
     if stated not in (str(there), f"{there}.0"):
         warnings.warn(
-            f"the header says {stated or 'no number of'} {what}, the file holds {there}; what it "
-            "holds counts",
+            f"the header says {listed([stated or 'no number of'])} {what}, the file holds {there}; "
+            "what it holds counts",
             stacklevel=4,
         )
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
@@ -134,6 +135,29 @@ def test_a_wrong_word_removes_nothing(
     assert out == ""
     assert reason in err
     assert command("cache", "--store", str(folder), nodes=False)[1].startswith("3 results")
+
+
+def test_arrays_of_no_result_are_told(command: Command, folder: Path) -> None:
+    (folder / "format-2" / "entries" / f"{'bb' * 32}.json").unlink()
+    (blob,) = (folder / "format-2" / "blobs").iterdir()
+    os.utime(blob)
+    _, out, _ = command("cache", "prune", "--keep", "100KB", "--store", str(folder), nodes=False)
+    removed, why = out.splitlines()
+    assert removed.startswith("removed 0 results (0 B, arrays in 0 files); 2 results (4.0 MB")
+    assert why.startswith("1 file (4.0 MB) of no result: arrays younger than an hour stay")
+
+
+def test_a_store_of_another_user_is_named(
+    command: Command, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*words: object, **options: object) -> int:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(os, "open", refuse)
+    status, _, err = command("cache", "list", "--store", str(folder), nodes=False)
+    assert status == 2
+    assert f"results cannot be read: {folder}: Permission denied; it belongs to" in err
+    assert "name another folder with --store" in err
 
 
 def test_all_goes(command: Command, folder: Path) -> None:

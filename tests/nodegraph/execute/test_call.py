@@ -15,8 +15,10 @@ import numpy as np
 import pytest
 
 from nodegraph import Refusal, Value, node
+from nodegraph.execute import shared_state
 from nodegraph.execute.call import Call, collecting_warnings, perform
 from nodegraph.execute.outcome import Outcome, writes_to_locked_value
+from nodegraph.execute.shared_state import unwatch_random
 from nodegraph.execute.threads import in_time
 from nodegraph.node.decorator import node_of
 from nodegraph.node.values import locked
@@ -383,6 +385,24 @@ def test_every_change_of_global_random_states_is_seen_and_put_back(
     ] * 2
     assert now == (own, numpy)
     assert perform(foreign(plain)).warnings == ()
+
+
+def test_what_threads_of_a_library_draw_is_no_call_s_doing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(shared_state, "_unwatched", set())
+    unwatch_random()
+
+    def waits() -> float:
+        beside = threading.Thread(target=random.random)
+        beside.start()
+        beside.join()
+        return 1.0
+
+    own = random.getstate()
+    outcomes = [perform(foreign(waits)) for _ in range(2)]
+    assert [each.warnings for each in outcomes] == [()] * 2
+    assert random.getstate() != own
 
 
 @pytest.mark.parametrize(
