@@ -68,8 +68,9 @@ class RemainingTime:
                 unknown += first + (count - 1) * typical
         if unknown > known:
             return None
-        ended = sum(map(sum, self._took.values()))
-        return (known + unknown) * elapsed / ended if ended else 0.0
+        ended, left = sum(map(sum, self._took.values())), sum(self._left.values())
+        # the last does not run as many at a time as the others did
+        return (known + unknown) * max(elapsed / ended, 1.0 / left) if ended and left else 0.0
 
     def typical(self) -> dict[str, float]:
         """Return the seconds of a step by its method."""

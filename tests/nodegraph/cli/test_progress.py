@@ -67,7 +67,7 @@ def test_plain_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[st
     assert lines[-4:] == [
         "failed: fill(k=98): no frame",
         "refused: fill(k=99): no frame",
-        "0:20  100 of 100 steps: 98 computed, 1 refused, 1 failed, 0:12 to go",
+        "0:20  100 of 100 steps: 98 computed, 1 refused, 1 failed",
         "finished after 3.0 s: 98 computed, 1 refused, 1 failed",
     ]
     assert len(lines) == 14

@@ -40,6 +40,13 @@ def test_after_a_tenth_it_is_right_within_a_tenth(steps: tuple[Step, ...], at_on
     assert remaining.estimate(elapsed) == pytest.approx(truth, rel=0.1)
 
 
+def test_the_last_step_runs_alone(steps: tuple[Step, ...]) -> None:
+    remaining = RemainingTime(steps, {})
+    for step in steps[:-1]:
+        remaining.add(step, took(step))
+    assert remaining.estimate(sum(map(took, steps[:-1])) / 2) == pytest.approx(took(steps[-1]))
+
+
 def test_a_method_that_has_not_run_takes_what_it_took_before(steps: tuple[Step, ...]) -> None:
     cheap = [step for step in steps if step.node != "c"]
     for earlier, seconds in [
