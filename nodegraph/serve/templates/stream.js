@@ -86,7 +86,7 @@ nodegraph.define("stream", ["page", "lines", ...__MODULES__], ({ element, number
       const head = ["", ...Object.keys(units)].map((key) => element("th", { scope: "col", class: key ? "number" : null }, key ? with_unit(key) : name));
       this.element = element("section", { class: "running" },
         element("h2", {}, `${name}, so far: `, this.select), this.chart,
-        element("div", { class: "wide" }, element("table", {}, element("thead", {}, element("tr", {}, ...head)), this.body)));
+        element("div", { class: "wide", tabindex: "0", role: "group", "aria-label": name }, element("table", {}, element("thead", {}, element("tr", {}, ...head)), this.body)));
       new ResizeObserver(() => this.draw()).observe(this.chart);
     }
 
