@@ -237,6 +237,7 @@ def test_a_graph_is_run_from_the_page(tab: Page, address: str) -> None:
     assert "those of the earlier text" in tab.inner_text("#run-reached")
     with tab.context.expect_page() as opened:
         tab.click("#run-nodes a")
+    opened.value.wait_for_load_state()
     until(opened.value, "document.body.textContent.includes('too large')")
     assert opened.value.evaluate("document.querySelector('h1').textContent") == "strict"
     tab.goto("about:blank")  # before the server ends
