@@ -94,6 +94,8 @@ def nodegraph_sources():
 '''
 FILLS = ["muscle", "guenter", "lin_ouhyoung", "linear"]
 PICTURES = "[...document.querySelectorAll('.playback')].map((figure) => figure.playback.state)"
+DRAWN = f"""({PICTURES}).every(({{ panels }}) =>
+    panels.every(({{ dots }}) => dots.some(Number.isFinite)))"""
 COUNTS = """Object.fromEntries([...document.querySelectorAll("[data-count]")]
   .map((row) => [row.dataset.count, Number(row.querySelector("td").textContent)]))"""
 LINES = """[...document.querySelectorAll("svg.lines .line")]
@@ -230,6 +232,7 @@ def test_axe_finds_nothing_and_all_can_be_done_by_keys(tab: Page, tmp_path: Path
         visit(tab, stream.address)
         stream.feed("0-99")
         until(tab, f"({COUNTS}).received === 100 && document.querySelectorAll('.stage').length > 1")
+        until(tab, DRAWN)
         still = tab.evaluate(PICTURES)
         stream.feed("100-199")
         until(tab, f"({COUNTS}).received === 200")
