@@ -151,7 +151,7 @@ def pairs(arguments: Namespace, option: str) -> dict[str, str]:
 
 def values_of(arguments: Namespace, option: str) -> dict[str, object]:
     """Return the values of an option ``--set`` or ``--with`` by their names."""
-    from nodegraph.execute.option_text import read_value
+    from nodegraph.graph.option_text import read_value
 
     texts = pairs(arguments, option)
     return {name: read_value(f"--{option} {name}", text) for name, text in texts.items()}

@@ -13,10 +13,10 @@ from nodegraph.cli.output import say
 from nodegraph.errors import GraphError, NodegraphError
 from nodegraph.execute.events import Event, EventKind, Listener
 from nodegraph.execute.executor import HowToRun
-from nodegraph.execute.option_text import read_axis, read_labels
 from nodegraph.execute.resume import open_store
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Choices, Graph, build
+from nodegraph.graph.option_text import read_axis, read_labels
 from nodegraph.graphfile import GraphSpec, read_graph_file
 from nodegraph.plugin.registry import Registry
 from nodegraph.store import Store

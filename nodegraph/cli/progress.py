@@ -206,9 +206,8 @@ class _Quiet(_Lines):
 def counts_text(detail: Mapping[str, Any]) -> str:
     """Return the counts of a ``progress`` event: ``120 computed, 33 left, 0:12 to go``."""
     parts = [f"{detail[name]:,} {word}" for name, word in _COUNTS.items() if detail.get(name)]
-    if detail.get("left"):  # the report is still to be written when none is
-        parts += [f"{detail['left']:,} left"]
-        parts += [f"{_clock(detail['to_go'])} to go"] if detail.get("to_go") is not None else []
+    parts += [f"{detail['left']:,} left"] if detail.get("left") else []
+    parts += [f"{_clock(detail['to_go'])} to go"] if detail.get("to_go") else []
     return ", ".join(parts) or "nothing to do"
 
 

@@ -110,9 +110,9 @@ def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -
     """Print the verdict and the reasons for it; return the exit status."""
     from nodegraph.cli.answers import VerifyAnswer, print_json
     from nodegraph.lock.conclusions import conclusion_changes, reported_by
+    from nodegraph.lock.grade import BySketch, changes_everywhere, outcome_of
     from nodegraph.lock.portable import FileNames, portable
     from nodegraph.lock.results import Results
-    from nodegraph.lock.verdict import BySketch, changes_everywhere, verdict
     from nodegraph.runs.compare import compare
     from nodegraph.runs.recorded_value import StoredValues
 
@@ -121,7 +121,7 @@ def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -
     now = portable(run, FileNames(run.plan.graph), results)
     agreements = compare(lock.record, now, BySketch(lock, results))
     changed = list(conclusion_changes(lock.conclusions, reported))
-    outcome = verdict(agreements, bool(lock.conclusions), changed)
+    outcome = outcome_of(agreements, bool(lock.conclusions), changed)
     everywhere = list(changes_everywhere(lock.record, now))
     stores = StoredValues(store), StoredValues(run.cache.store if run.cache else store)
     found = origins(agreements, run.plan.graph.registry, stores)

@@ -14,7 +14,7 @@ from nodegraph.edit.document import Document, Path, value_at
 from nodegraph.edit.uses import mapping, nodes_of, shown_at
 from nodegraph.editor.links import Links
 from nodegraph.errors import GraphError, NodegraphError, nearest
-from nodegraph.execute.option_text import read_axis, read_value
+from nodegraph.graph.option_text import read_axis, read_value
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.nodes import label_of
 from nodegraph.plugin.registry import Registry

@@ -17,11 +17,11 @@ from typing import IO, Any
 
 from nodegraph.errors import NodegraphError, Problems, listed
 from nodegraph.execute.events import plain
-from nodegraph.execute.option_text import labels_text
 from nodegraph.execute.preflight import check_files_and_settings
 from nodegraph.execute.processes import kill
 from nodegraph.execute.resume import StoredSteps, open_store
 from nodegraph.graph import Graph
+from nodegraph.graph.option_text import labels_text
 from nodegraph.plan import plan
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.from_run import first_answer

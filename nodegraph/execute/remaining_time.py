@@ -12,6 +12,8 @@ _STARTING = 2
 """Calls of a method that may also import and compile what it needs, or wait for that."""
 _FEWEST = 5
 """Calls after which the time of a method is known."""
+_SHORTEST = 5
+"""Seconds that steps which wait for each other, and the report after the last, may add."""
 
 
 class RemainingTime:
@@ -38,6 +40,9 @@ class RemainingTime:
 
     def estimate(self, elapsed: float) -> float | None:
         """Return the seconds to go; None while methods of unknown times may take most of them.
+
+        None, too, for the last five, which steps that wait for each other and the report may
+        double.
 
         A method that was called five times takes the mean of its calls but the first two, wherever
         it stands in the graph, any other what it took in earlier runs. Where that is unknown, it
@@ -70,7 +75,8 @@ class RemainingTime:
             return None
         ended, left = sum(map(sum, self._took.values())), sum(self._left.values())
         # the last does not run as many at a time as the others did
-        return (known + unknown) * max(elapsed / ended, 1.0 / left) if ended and left else 0.0
+        to_go = (known + unknown) * max(elapsed / ended, 1.0 / left) if ended and left else 0.0
+        return to_go if to_go >= _SHORTEST else None
 
     def typical(self) -> dict[str, float]:
         """Return the seconds of a step by its method."""

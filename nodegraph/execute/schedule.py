@@ -9,8 +9,8 @@ from typing import Protocol
 
 from nodegraph.execute.call import Call, perform
 from nodegraph.execute.outcome import Outcome, failure, skipped
-from nodegraph.execute.pool import Pool
 from nodegraph.execute.resume import StoredSteps
+from nodegraph.execute.value_pool import ValuePool
 from nodegraph.gc_pause import gc_paused
 from nodegraph.plan import Plan, Step
 from nodegraph.store import Packer
@@ -76,7 +76,7 @@ class Schedule:
         self.packer = packer or Packer()
         self.outcomes = dict(known or {})
         self._cache = cache
-        self._pool = Pool(self.packer, cache, frozenset(keep))
+        self._pool = ValuePool(self.packer, cache, frozenset(keep))
         self._observer = observer
         self._timeout = timeout
         # a heap of steps with their keys: calls are handed out in the order of the plan,

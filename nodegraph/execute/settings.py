@@ -12,9 +12,9 @@ from pydantic import Field, Strict
 
 from nodegraph.execute.events import plain
 from nodegraph.execute.executor import HowToRun
-from nodegraph.execute.option_text import labels_text, value_text
 from nodegraph.filenames import portable_name
 from nodegraph.graph import Graph
+from nodegraph.graph.option_text import labels_text, value_text
 from nodegraph.plan import Step
 from nodegraph.store import Store, store_folder
 

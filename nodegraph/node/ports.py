@@ -1,4 +1,4 @@
-"""Annotations in a node's signature, ports, and gathered values."""
+"""Annotations in a node's signature, ports, which types fit each other, and gathered values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verdicts on methods as data, which `nodegraph_compare.words` puts into words.
+"""Verdicts on methods as data, of which `nodegraph_compare.answer` makes sentences and cards.
 
 Places of methods are those of `Verdicts.methods`. Arrays have a number for each of these K methods;
 NaN stands for a method without any number.

@@ -30,7 +30,7 @@ def events(states: Iterable[str], *, left: int | None = None, every: int = 1) ->
         counts[_COUNTED.get(state, state)] += 1
         if (number + 1) % every == 0:
             rest = len(states) - number - 1 if left is None else left
-            detail = {**counts, "left": rest, "to_go": 12.2}
+            detail = {**counts, "left": rest, "to_go": 12.2 if rest else None}
             run.append(Event("progress", number / 5, detail=detail))
     run.append(Event("finished", 3.0, detail={"done": counts["run"], **counts, "unneeded": 0}))
     return run

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodegraph.errors import NodegraphError
-from nodegraph.execute.option_text import read_axis, read_value
 from nodegraph.execute.settings import RunSettings
+from nodegraph.graph.option_text import read_axis, read_value
 
 SCALARS = st.one_of(
     st.none(),

@@ -116,13 +116,13 @@ class VerifyOutcome:
 
     @property
     def text(self) -> str:
-        """The verdict in a few words."""
+        """The grade in a few words."""
         if self.conclusions_changed and self.grade is not Grade.DIVERGED:
             return f"{self.grade}, but conclusions changed"
         return self.grade
 
 
-def verdict(agreements: Agreements, conclusions: bool, changed: Sequence[str]) -> VerifyOutcome:
+def outcome_of(agreements: Agreements, conclusions: bool, changed: Sequence[str]) -> VerifyOutcome:
     """Return the outcome of a comparison.
 
     Results beyond the tolerance may have the same conclusions only if the study itself did not

@@ -1,4 +1,4 @@
-"""Results of a run judged by those in a lock, and the verdict."""
+"""Results of a run judged by those in a lock, and the grade."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from nodegraph.execute.results import Run
+from nodegraph.lock.grade import BySketch, changes_everywhere, outcome_of
 from nodegraph.lock.portable import FileNames, portable
 from nodegraph.lock.results import Results
-from nodegraph.lock.verdict import BySketch, changes_everywhere, verdict
 from nodegraph.runs.compare import Agreement, Agreements, Judged, Pair, StepChange, compare
 from nodegraph.runs.record import Cell, Record, RecordedStep
 from nodegraph.state import State
@@ -142,10 +142,10 @@ DRIFTED = pair_with(StepChange(around=("numpy was 1, now 2",)))
         (Agreements(only_was=[Cell("fill", {})]), True, [], "diverged"),
     ],
 )
-def test_the_verdict(
+def test_the_grade(
     result: Agreements, conclusions: bool, changed: list[str], expected: str
 ) -> None:
     result.counts[Agreement.OTHER] = len(result.origins)
-    outcome = verdict(result, conclusions, changed)
+    outcome = outcome_of(result, conclusions, changed)
     assert outcome.text == expected
     assert outcome.holds == (expected in ("identical", "within tolerance", "same conclusions"))

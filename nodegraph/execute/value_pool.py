@@ -14,7 +14,7 @@ from nodegraph.state import State
 from nodegraph.store import Packer
 
 
-class Pool:
+class ValuePool:
     """The values of a plan's steps that are in memory.
 
     Parameters
