@@ -20,6 +20,7 @@ from nodegraph.errors import GraphError, Place, Problem, Problems, listed, quote
 _MOST_DEPTH = 100
 _TOO_DEEP = f"nested more than {_MOST_DEPTH} deep"
 _MOST_VALUES = 1_000_000
+_LONGEST_KEY = 1024  # of YAML
 _MOST_DIGITS = 3000  # Python shows no number of more than 4300
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _INTEGER = re.compile(r"[-+]?[0-9]+")
@@ -131,23 +132,31 @@ def _reason(error: yaml.MarkedYAMLError, text: str, place: Place) -> tuple[Place
         return before, f"{_BEGUN[error.context]}{end if error.context in _OPENED else ''}"
     problem = error.problem or ""
     if problem.startswith("mapping values are not allowed"):
-        if ": " in line[: place.column - 1]:
-            return place, "a second ': ' in a value; quote a text that contains one: \"a: b\""
-        above = "".join(lines[place.line - 2 : place.line - 1])
-        if match := _NO_SPACE.match(above):
-            before = place._replace(line=place.line - 1, column=match.end())
-            return before, f"no space after the colon; write '{match[1]}: ...'"
-        if ":" not in above and _begins_value(lines[: place.line - 1], line):
-            before = place._replace(line=place.line - 1, column=_indent(above) + 1)
-            return before, _no_colon(above)
-        if _indent(line) == _indent(above):
-            return place, "': ' in a text that continues from the line above"
-        return place, _misaligned(line, f"the one above by {_indent(above)}")
+        return _no_mapping(lines, place)
     if problem == "did not find expected key" and (start := error.context_mark):
         return place, _misaligned(
             line, f"the mapping from line {start.line + 1} on by {start.column}"
         )
     return place, ", ".join(part for part in (error.context, error.problem) if part)
+
+
+def _no_mapping(lines: Sequence[str], place: Place) -> tuple[Place, str]:
+    """Return why a colon is where no value of a mapping can begin, and where that shows."""
+    line = lines[place.line - 1]
+    if ": " in line[: place.column - 1]:
+        return place, "a second ': ' in a value; quote a text that contains one: \"a: b\""
+    if place.column - 1 - _indent(line) > _LONGEST_KEY:
+        return place, f"a key of more than {_LONGEST_KEY:,} characters"
+    above = "".join(lines[place.line - 2 : place.line - 1])
+    if match := _NO_SPACE.match(above):
+        before = place._replace(line=place.line - 1, column=match.end())
+        return before, f"no space after the colon; write '{match[1]}: ...'"
+    if ":" not in above and _begins_value(lines[: place.line - 1], line):
+        before = place._replace(line=place.line - 1, column=_indent(above) + 1)
+        return before, _no_colon(above)
+    if _indent(line) == _indent(above):
+        return place, "': ' in a text that continues from the line above"
+    return place, _misaligned(line, f"the one above by {_indent(above)}")
 
 
 def _begins_value(before: Sequence[str], line: str) -> bool:

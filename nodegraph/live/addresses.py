@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
-from nodegraph.errors import NodegraphError, listed, message_of
+from nodegraph.errors import NodegraphError, listed, message_of, quoted
 from nodegraph.formatting import labels_of, name_at
 from nodegraph.live.counts import Counts
 from nodegraph.live.plan import LivePlan
@@ -51,10 +51,11 @@ def _create_end(address: str, kind: str) -> Any:
     known = current_registry().hooks.of(kind)
     if not colon:
         file = "replay" if kind == "sources" else "file"
-        raise NodegraphError(f"{address!r}: write SCHEME:..., for a file {file}:{address}")
+        instead = quoted(f"{file}:{address}")
+        raise NodegraphError(f"{quoted(address)}: write SCHEME:..., for a file {instead}")
     if scheme not in known:
         raise NodegraphError(
-            f"{address!r}: no {kind[:-1]} {scheme!r}; there is "
+            f"{quoted(address)}: no {kind[:-1]} {quoted(scheme)}; there is "
             f"{listed(f'{name}:' for name in sorted(known))}"
         )
     return known[scheme](rest.removeprefix("//"))

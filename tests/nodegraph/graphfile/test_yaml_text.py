@@ -125,6 +125,7 @@ def test_a_duplicate_key_is_reported_with_the_first() -> None:
         ("a:\n  b:\n \tc: 2", "t.yaml:3:2: this is not YAML: a tab; indent with spaces"),
         ("a: |\n\tb", "t.yaml:2:1: this is not YAML: a tab; indent with spaces"),
         ("a: b: c", "t.yaml:1:5: this is not YAML"),
+        (f"a:\n  {'b' * 1100}: c", "t.yaml:2:1103: this is not YAML: a key of more than 1,024"),
         ("a: 'open", "t.yaml:1:4: this is not YAML: this quote is not closed, up to line 1"),
         ("a: \x00", "t.yaml:1:4: this is not YAML"),
         ("ab: 1\ncd: \x07", "t.yaml:2:5: this is not YAML"),

@@ -626,7 +626,7 @@ def test_what_cannot_be_a_stream_is_answered_with_what_can(folder: Path, tmp_pat
         with pytest.raises(NodegraphError, match=r"gaps\.cut, .* on a stream: gaps\.dropout"):
             session_of(ng.load(file), (source, "replay:take.npz"), [("noise", "file:a.npz")])
     graph = graph_with(folder, only={"avg": "narrow"})
-    with pytest.raises(NodegraphError, match=r"for a file replay:take\.npz"):
+    with pytest.raises(NodegraphError, match=r"for a file 'replay:take\.npz'"):
         session_of(graph, ("take", "take.npz"), [("held", "file:held.npz")])
 
 
