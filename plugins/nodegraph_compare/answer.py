@@ -466,9 +466,9 @@ def _without_0(findings: Sequence[Finding]) -> Text:
         return ()
     reference = next(each.reference for each in findings if each.reference)
     above, below = sum(low > 0.0 for low, _ in every), sum(high < 0.0 for _, high in every)
-    sides = [f"above 0 in {above}"] * bool(above) + [f"below 0 in {below}"] * bool(below)
-    text = " and ".join(sides) or "on both sides of 0"
-    return (f" The interval of the difference to {reference} is {text} of {len(every)}.",)
+    sides = [f"{above} above 0"] * bool(above) + [f"{below} below 0"] * bool(below)
+    text = " and ".join(sides) or "none without 0"
+    return (f" Of {len(every)} intervals of the difference to {reference}: {text}.",)
 
 
 def _told_apart(verdicts: Verdicts) -> str:
