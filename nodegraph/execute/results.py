@@ -97,7 +97,7 @@ class Run:
     def __getitem__(self, name: str) -> Values:
         """Return the values of a node, or of one output: ``run["gaps.truth"]``."""
         graph, node, port = self.plan.graph, name, ""
-        left_out = {entry.node: entry.reason for entry in reversed(graph.left_out)}
+        left_out = graph.reasons_left_out()
         if name not in self.plan.cells and name not in left_out and "." in name:
             # names of nodes inside used graphs contain points, too
             node, _, port = name.rpartition(".")

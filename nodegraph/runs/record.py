@@ -20,7 +20,7 @@ from nodegraph.execute.results import Run
 from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.settings import Bool, Float, Int, Label, RunSettings, settings_of
 from nodegraph.formatting import name_at
-from nodegraph.graph import Graph, GraphNode
+from nodegraph.graph import Graph, GraphNode, LeftOut
 from nodegraph.plan import Output, Plan, Step, StepInput, skip_reason
 from nodegraph.state import State
 
@@ -80,14 +80,6 @@ class RecordedCode:
 
     units: list[str] = field(default_factory=list)
     distributions: list[str] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class EmptyNode:
-    """A node without a combination, and why."""
-
-    node: str
-    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,7 +268,7 @@ class Record:
     code: dict[str, RecordedCode]
     units: dict[str, str]
     known: list[str]
-    left_out: list[EmptyNode]
+    left_out: list[LeftOut]
     counts: dict[str, Int]
     seconds: Float
     skipped: list[Skipped]
@@ -342,7 +334,7 @@ def record(run: Run) -> Record:
             for name, digest in code.units.items()
         },
         known=[str(reference) for reference in graph.spec.known],
-        left_out=[EmptyNode(node, reason) for node, reason in graph.reasons_left_out().items()],
+        left_out=list(graph.left_out),
         counts=run.counts(),
         seconds=round(run.seconds, 6),
         skipped=[
