@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from nodegraph import Unit, node
-from nodegraph_blendshapes.model import ModelAndNeutral, with_neutral
+from nodegraph_blendshapes.model import with_neutral
 from nodegraph_blendshapes.rest_pose import pose_at_rest, whole_frame
 from nodegraph_mocap import BlendshapeModel, Trajectories
+from nodegraph_mocap.face_model import ModelAndNeutral
 from nodegraph_mocap.shape_names import matched
 
 Frame = Annotated[int, Field(ge=0)]

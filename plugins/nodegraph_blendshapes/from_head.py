@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from nodegraph import Refusal, node
-from nodegraph_blendshapes.model import ModelAndNeutral, with_markers, with_neutral
+from nodegraph_blendshapes.model import with_markers, with_neutral
 from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
+from nodegraph_mocap.face_model import ModelAndNeutral
 
 
 @node("blendshapes.from_head", cite=("curio2006", "lewis2014"))

@@ -1,42 +1,30 @@
-"""The outputs of nodes that build a model: the model, and the face at rest as a recording."""
+"""A model as nodes that build one give it: with its neutral, and warnings of its shapes."""
 
 from __future__ import annotations
 
 import warnings
 from dataclasses import replace
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import listed
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories
+from nodegraph_mocap.face_model import ModelAndNeutral
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_RATE = 1.0
-"""A single frame has no rate, but a recording needs one."""
-
 APART = 1e-6
 """Millimetres: far above rounding, far below what any camera sees."""
-
-
-class ModelAndNeutral(NamedTuple):
-    """Outputs of a node that builds a model."""
-
-    model: BlendshapeModel
-    neutral: Trajectories
 
 
 def with_neutral(model: BlendshapeModel, marker_set: MarkerSet | None) -> ModelAndNeutral:
     """Return a model and its neutral; warn of shapes whose weights cannot be determined."""
     _warn_unseen(model)
     _warn_alike(model)
-    neutral = Trajectories(
-        positions=model.neutral[None], markers=model.markers, rate=_RATE, marker_set=marker_set
-    )
-    return ModelAndNeutral(model, neutral)
+    return ModelAndNeutral.of(model, marker_set)
 
 
 def with_markers(recording: Trajectories, marker_set: MarkerSet | None) -> Trajectories:

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from nodegraph_files.selection import read_selection_yaml
 from nodegraph_files.text.text_file import other_format
 from nodegraph_files.units import AUTO, FACE_OR_BODY, MILLIMETRES, UnitSetting, extent_of
 from nodegraph_mocap.animation import Animation
-from nodegraph_mocap.face_model import BlendshapeModel, Weights
+from nodegraph_mocap.face_model import BlendshapeModel, ModelAndNeutral, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.marks import Marks
@@ -33,8 +33,6 @@ _MARKER_VERTICES = ("marker_vertices.csv",)
 _SLOW, _FAST = 1.0, 1e5  # Hz, of recordings that are usual
 _FARTHEST = 1e9  # mm
 _START = 1024  # bytes
-_MODEL_RATE = 1.0
-"""A single frame has no rate, but a recording needs one."""
 
 
 @node("read.recording", synthetic=is_sample)
@@ -268,15 +266,8 @@ def read_animation(
     )
 
 
-class Model(NamedTuple):
-    """The outputs of `read.model`."""
-
-    model: BlendshapeModel
-    neutral: Trajectories
-
-
 @node("read.model", synthetic=is_sample)
-def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model:
+def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> ModelAndNeutral:
     """Read a blendshape model: NPZ with ``neutral``, ``shapes``, ``shape_names``, ``markers``.
 
     Parameters
@@ -301,10 +292,9 @@ def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model
     """
     known = formats(BlendshapeModel)
     file = find_file(path, file_names("model", known))
-    model: BlendshapeModel = _value_of(file, known)
-    neutral = Trajectories(positions=model.neutral[None], markers=model.markers, rate=_MODEL_RATE)
+    model, neutral = ModelAndNeutral.of(_value_of(file, known))
     its_set = marker_set_for(Path(path), file, marker_set)
-    return Model(model, with_marker_set(neutral, its_set, file))
+    return ModelAndNeutral(model, with_marker_set(neutral, its_set, file))
 
 
 @node("read.marker_set", synthetic=is_sample)

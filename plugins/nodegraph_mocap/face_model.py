@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from nodegraph import Value
 from nodegraph_mocap.checks import distinct, finite, numbers, possible_rate, set_fields
+from nodegraph_mocap.marker_set import MarkerSet
+from nodegraph_mocap.recording import Trajectories
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ORTHONORMAL = 1e-3
 """Largest deviation of R R^T from the identity; rotations stored as float32 stay far below it."""
+
+_RATE = 1.0
+"""A single frame has no rate, but a recording needs one."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,6 +116,21 @@ class BlendshapeModel(Value):
             names=names,
             markers=markers,
         )
+
+
+class ModelAndNeutral(NamedTuple):
+    """Outputs of a node that gives a model: the model, and its face at rest as a recording."""
+
+    model: BlendshapeModel
+    neutral: Trajectories
+
+    @staticmethod
+    def of(model: BlendshapeModel, marker_set: MarkerSet | None = None) -> ModelAndNeutral:
+        """Return a model with its neutral, a recording of one frame."""
+        neutral = Trajectories(
+            positions=model.neutral[None], markers=model.markers, rate=_RATE, marker_set=marker_set
+        )
+        return ModelAndNeutral(model, neutral)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -22,7 +22,6 @@ from nodegraph_align.trimmed import trimmed
 from nodegraph_blendshapes.animate_mesh import mesh
 from nodegraph_blendshapes.from_head import from_head
 from nodegraph_blendshapes.from_pca import from_pca
-from nodegraph_blendshapes.model import ModelAndNeutral
 from nodegraph_blendshapes.pose import pose
 from nodegraph_blendshapes.solve.weights import solve_weights
 from nodegraph_combine.mean import mean
@@ -40,6 +39,7 @@ from nodegraph_mocap import (
     Trajectories,
     Weights,
 )
+from nodegraph_mocap.face_model import ModelAndNeutral
 from nodegraph_select.variance import variance
 from nodegraph_smooth.bspline import bspline
 from nodegraph_synthesize.impulses import Spiky
