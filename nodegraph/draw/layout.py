@@ -32,6 +32,7 @@ Cell = tuple[str, Hashable]
 End = tuple[Cell, Hashable]
 """A cell, and one of its ports."""
 Wire = tuple[End, End]
+_Heights = tuple[tuple[Hashable, float], ...]
 
 LABEL_SIZE = 13.0
 LEAST_WIDTH = 500.0
@@ -60,8 +61,7 @@ _CHOICES = 3
 _SWEEPS = 16
 
 
-@dataclass(frozen=True, slots=True)
-class Size:
+class Size(NamedTuple):
     """Size of a cell, and how far from its top the wires of each port end or begin.
 
     Before and after it is room for arrows between bands.
@@ -69,13 +69,13 @@ class Size:
 
     width: float
     height: float
-    inputs: Mapping[Hashable, float]
-    outputs: Mapping[Hashable, float]
+    inputs: _Heights
+    outputs: _Heights
     before: float = 0.0
     after: float = 0.0
 
 
-_BEND = Size(0.0, 12.0, {"": 6.0}, {"": 6.0})
+_BEND = Size(0.0, 12.0, (("", 6.0),), (("", 6.0),))
 
 
 @dataclass(slots=True)
@@ -250,7 +250,8 @@ class _Piece(NamedTuple):
 
 def _piece(sizes: Mapping[Cell, Size], begin: End, end: End) -> _Piece:
     (left, port), (right, right_port) = begin, end
-    return _Piece(left, sizes[left].outputs[port], right, sizes[right].inputs[right_port])
+    begins, ends = dict(sizes[left].outputs), dict(sizes[right].inputs)
+    return _Piece(left, begins[port], right, ends[right_port])
 
 
 def _pieces(ways: Iterable[Sequence[End]], sizes: Mapping[Cell, Size]) -> list[_Piece]:
@@ -422,7 +423,7 @@ def layout(
     led: frozenset[_Link] = frozenset()
     shapes = _shapes(picture, frames, cut, states=states)
     for _ in range(_CHOICES):
-        first = _outlines(shapes, led)
+        first = _sizes(shapes, led)
         (bands, passing), before = _bands(first, links), cut
         led = _led(picture, links_of, frames, bands)
         cut = {
@@ -433,7 +434,7 @@ def layout(
         shapes = _shapes(picture, frames, cut, states=states)
         if cut == before:
             break
-    placed = _placed(first, _outlines(shapes, led), links, led)
+    placed = _placed(first, _sizes(shapes, led), links, led)
     for box in picture.boxes:
         if box.is_list:
             wide, top = max(placed.width, LEAST_WIDTH), placed.height + _BETWEEN_CELLS
@@ -445,19 +446,21 @@ def layout(
     return shapes, placed, [[*filter(None, islice(each_line, len(own)))] for own in links_of]
 
 
-def _outlines(shapes: Iterable[Shape], led: Collection[_Link]) -> tuple[_Outline, ...]:
+def _sizes(shapes: Iterable[Shape], led: Collection[_Link]) -> _Sizes:
     before = {link.target for link in led}
     after = {link.source for link in led}
     return tuple(
         [
-            _Outline(
+            (
                 each.box.name,
-                each.width,
-                each.height,
-                tuple(each.inputs.items()),
-                tuple(each.outputs.items()),
-                (_BEFORE + 2.0 * _LANE) * (each.box.name in before),
-                (_AFTER + _LANE) * (each.box.name in after),
+                Size(
+                    each.width,
+                    each.height,
+                    tuple(each.inputs.items()),
+                    tuple(each.outputs.items()),
+                    (_BEFORE + 2.0 * _LANE) * (each.box.name in before),
+                    (_AFTER + _LANE) * (each.box.name in after),
+                ),
             )
             for each in shapes
         ]
@@ -496,37 +499,23 @@ def _links_of(picture: Picture) -> list[list[_Link]]:
 _Bands = dict[Cell, int]
 """The band of each cell outside all frames."""
 
-_Heights = tuple[tuple[str, float], ...]
-
-
-class _Outline(NamedTuple):
-    """A box, with the heights of its inputs and outputs, and the room before and after it."""
-
-    name: str
-    width: float
-    height: float
-    inputs: _Heights
-    outputs: _Heights
-    before: float
-    after: float
-
+_Sizes = tuple[tuple[str, Size], ...]
+"""The size of each box."""
 
 _KEPT = 8
 """Layouts that are kept: a graph is drawn after each of its edits, most of which move nothing."""
 
 
 @lru_cache(_KEPT)
-def _bands(
-    outlines: tuple[_Outline, ...], links: tuple[_Link, ...]
-) -> tuple[_Bands, frozenset[_Link]]:
+def _bands(sizes: _Sizes, links: tuple[_Link, ...]) -> tuple[_Bands, frozenset[_Link]]:
     """Return the band of each cell, and the links in a band that pass boxes to a side input.
 
     There are as few bands as fit, of like widths, cut where few arrows go on. Parts of the graph
     that share only what they begin or end with stand one below the other.
     """
-    frames = _drawable_frames(tuple([each.name for each in outlines]), links)
+    frames = _drawable_frames(tuple([name for name, _ in sizes]), links)
     ways = {link: _way(link, frames) for link in links}
-    area = _framed(outlines, frames, ways.values())[()]
+    area = _framed(sizes, frames, ways.values())[()]
     wired = {cell for wire in area.wires for cell, _ in wire}
     linked = Area({cell: area.sizes[cell] for cell in area.sizes if cell in wired}, area.wires)
     bands = _bands_of(linked, linked.sizes)
@@ -577,23 +566,20 @@ class Placed(NamedTuple):
 
 @lru_cache(_KEPT)
 def _placed(
-    first: tuple[_Outline, ...],
-    outlines: tuple[_Outline, ...],
-    links: tuple[_Link, ...],
-    led: frozenset[_Link],
+    first: _Sizes, sizes: _Sizes, links: tuple[_Link, ...], led: frozenset[_Link]
 ) -> Placed:
-    """Place boxes in the bands that first outlines give, and arrows, some led to the next band.
+    """Place boxes in the bands that first sizes give, and arrows, some led to the next band.
 
     What passes boxes is not drawn.
     """
-    frames = _drawable_frames(tuple([each.name for each in outlines]), links)
+    frames = _drawable_frames(tuple([name for name, _ in sizes]), links)
     bands, passing = _bands(first, links)
     ways = {
         link: _way(link, frames)
         for link in links
         if link not in passing and not _steps(link, frames, bands)
     }
-    areas = _framed(outlines, frames, ways.values())
+    areas = _framed(sizes, frames, ways.values())
     outputs_led = dict.fromkeys((bands["box", link.target], *link[:2]) for link in led)
     count = Counter(band for band, *_ in outputs_led)
     gaps = _stack_bands(areas[()], bands, count)
@@ -609,9 +595,9 @@ def _placed(
         name: _moved(areas[frame].corners["box", name], origins[frame])
         for name, frame in frames.items()
     }
-    inputs = {each.name: dict(each.inputs) for each in outlines}
-    outputs = {each.name: dict(each.outputs) for each in outlines}
-    widths = {each.name: each.width for each in outlines}
+    inputs = {name: dict(size.inputs) for name, size in sizes}
+    outputs = {name: dict(size.outputs) for name, size in sizes}
+    widths = {name: size.width for name, size in sizes}
 
     # how far to the right an output's line goes down, and from how far up
     rooms = {
@@ -656,19 +642,15 @@ def _placed(
 
 
 def _framed(
-    outlines: Iterable[_Outline],
-    frames: Mapping[str, Frame],
-    ways: Iterable[Sequence[tuple[Frame, Wire]]],
+    sizes: _Sizes, frames: Mapping[str, Frame], ways: Iterable[Sequence[tuple[Frame, Wire]]]
 ) -> dict[Frame, Area]:
     """Return the areas of all frames, outer ones first; those inside a frame are arranged."""
     around = {frame[:depth] for frame in frames.values() for depth in range(1, len(frame) + 1)}
     areas = {
         frame: Area() for frame in [(), *sorted(around, key=lambda frame: (len(frame), frame))]
     }
-    for name, wide, high, inputs, outputs, *room in outlines:
-        areas[frames[name]].sizes["box", name] = Size(
-            wide, high, dict(inputs), dict(outputs), *room
-        )
+    for name, size in sizes:
+        areas[frames[name]].sizes["box", name] = size
     for frame, wire in (part for way in ways for part in way):
         areas[frame].wires[wire] = []
         pins = {cell: _BEND for cell, _ in wire if cell[0] in ("entry", "exit")}
@@ -731,7 +713,7 @@ def _steps(link: _Link, frames: Mapping[str, Frame], bands: _Bands) -> int:
 def _is_side(end: End, sizes: Mapping[Cell, Size]) -> bool:
     """Return whether a wire ends not at the first input of a box, but at another or at a row."""
     cell, port = end
-    return isinstance(port, str) and port not in (*sizes[cell].inputs,)[:1]
+    return isinstance(port, str) and port not in [first for first, _ in sizes[cell].inputs[:1]]
 
 
 def _led(
@@ -874,7 +856,8 @@ def _size_of_frame(frame: Frame, area: Area) -> Size:
             crossed[kind][line] = top + _HEAD + _BEND.height / 2
     label = width(shortened(frame[-1]), LABEL_SIZE, bold=True)
     wide = max(area.width, label) + 2 * PADDING
-    return Size(wide, area.height + _HEAD + PADDING, crossed["entry"], crossed["exit"])
+    entry, leave = (tuple(heights.items()) for heights in crossed.values())
+    return Size(wide, area.height + _HEAD + PADDING, entry, leave)
 
 
 def _moved(point: Point, by: Point) -> Point:
