@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
+from nodegraph.node.description import ShownSetting
+
 Label = str | int | float | bool
 Labels = Mapping[str, Label]
 
@@ -183,27 +185,6 @@ class ListedNode:
     plugin: str
     distribution: str
     summary: str
-
-
-@dataclass(frozen=True)
-class ShownSetting:
-    """A setting of a node.
-
-    Attributes
-    ----------
-    name, unit, kind, meaning : str
-        The kind is type, bounds and choices.
-    default : any
-        None also where one is required.
-    required : bool
-    """
-
-    name: str
-    kind: str
-    unit: str
-    default: object
-    required: bool
-    meaning: str
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,7 @@ def _print_file(arguments: Namespace, registry: Registry) -> None:
 
 
 def _print_json(word: str, registry: Registry, *, is_node: bool) -> None:
-    from nodegraph.cli.answers import ListedNode, ShowAnswer, ShownPort, ShownSetting, print_json
+    from nodegraph.cli.answers import ListedNode, ShowAnswer, ShownPort, print_json
     from nodegraph.node.description import describe_declaration, describe_settings, summary_of
     from nodegraph.plugin.bibliography import references
 
@@ -109,19 +109,8 @@ def _print_json(word: str, registry: Registry, *, is_node: bool) -> None:
         ]
         for ports in (node.inputs, node.outputs)
     )
-    settings = [
-        ShownSetting(
-            text.name,
-            text.kind,
-            text.unit,
-            None if node.settings[text.name].required else node.settings[text.name].default,
-            node.settings[text.name].required,
-            text.meaning,
-        )
-        for text in describe_settings(node)
-    ]
     cites = list(references(registry.hooks.of("bibtex"), node.cite).values())
-    declared = describe_declaration(node)
+    settings, declared = describe_settings(node), describe_declaration(node)
     print_json(ShowAnswer(listed, inputs, outputs, settings, declared, node.doc, cites))
 
 
@@ -167,7 +156,7 @@ def _description(name: str, registry: Registry) -> str:
     settings = describe_settings(node)
     if settings:
         head = ("setting", "default", "unit", "is", "meaning")
-        rows = [(row.name, row.default, row.unit, row.kind, row.meaning) for row in settings]
+        rows = [(row.name, row.default_text, row.unit, row.kind, row.meaning) for row in settings]
         parts.append(columns([head, *rows]))
     if declared := describe_declaration(node):
         parts.append("\n".join(declared))

@@ -27,35 +27,40 @@ _CODE = re.compile(r"(?<!`)`{1,2}([^`]+)`{1,2}(?!`)")
 
 
 @dataclass(frozen=True)
-class SettingText:
-    """One setting as text.
+class ShownSetting:  # ``nodegraph show --json`` prints its fields
+    """A setting of a node.
 
     Attributes
     ----------
-    name : str
-    kind : str
-        Type, bounds and choices.
-    unit : str
-    default : str
-        ``required`` if there is none.
-    meaning : str
+    name, unit, kind, meaning : str
+        The kind is type, bounds and choices.
+    default : any
+        None also where one is required.
+    required : bool
     """
 
     name: str
     kind: str
     unit: str
-    default: str
+    default: object
+    required: bool
     meaning: str
 
+    @property
+    def default_text(self) -> str:
+        """The default as a graph file has it, or ``required``."""
+        return "required" if self.required else value_text(self.default)
 
-def describe_settings(node: Node) -> tuple[SettingText, ...]:
-    """Return a node's settings as text, in the order of the signature."""
+
+def describe_settings(node: Node) -> tuple[ShownSetting, ...]:
+    """Return a node's settings, in the order of the signature."""
     return tuple(
-        SettingText(
+        ShownSetting(
             setting.name,
             setting_kind(node, setting.name),
             setting.unit,
-            "required" if setting.required else value_text(setting.default),
+            None if setting.required else setting.default,
+            setting.required,
             _with_deprecation(setting.deprecated, _meaning(node, setting.name)),
         )
         for setting in node.settings.values()

@@ -10,7 +10,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 from nodegraph.execute.results import Run
 from nodegraph.graph import GraphNode, Method
 from nodegraph.node.description import (
-    SettingText,
+    ShownSetting,
     describe_declaration,
     describe_settings,
     value_text,
@@ -126,14 +126,14 @@ def _row(used: _MethodRun, texts: Mapping[str, str]) -> MethodRow:
     )
 
 
-def _setting(used: _MethodRun, setting: SettingText) -> SettingRow:
+def _setting(used: _MethodRun, setting: ShownSetting) -> SettingRow:
     values = _values(used, setting.name)
     value, in_print = _joined(values), _joined(map(_without_folders, values))
     return SettingRow(
         setting.name,
         value,
         setting.unit,
-        value == setting.default,
+        value == setting.default_text,
         setting.meaning,
         in_print if in_print != value else "",
     )

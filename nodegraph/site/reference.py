@@ -101,7 +101,7 @@ def _node(entry: Registered, cited: Mapping[str, str]) -> str:
     ports = [("in", f"`{port}`", _plain(meaning.get(port.name, ""))) for port in node.inputs]
     ports += [("out", f"`{port}`", "") for port in node.outputs]
     rows = [
-        (row.name, row.default, row.unit, row.kind, _plain(row.meaning))
+        (row.name, row.default_text, row.unit, row.kind, _plain(row.meaning))
         for row in describe_settings(node)
     ]
     parts = [

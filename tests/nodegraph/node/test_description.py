@@ -9,7 +9,7 @@ from pydantic import Field
 from nodegraph import InputFile, Unit, node
 from nodegraph.node.decorator import Node, node_of
 from nodegraph.node.description import (
-    SettingText,
+    ShownSetting,
     describe_settings,
     meanings,
     setting_kind,
@@ -75,13 +75,14 @@ def test_a_setting_says_type_bounds_and_choices(name: str, kind: str) -> None:
 def test_settings_come_with_unit_default_and_meaning() -> None:
     texts = {setting.name: setting for setting in describe_settings(described())}
     assert list(texts)[:3] == ["length", "size", "way"]
-    assert texts["length"] == SettingText(
-        "length", "whole number >= 1 and <= 9", "frames", "5", "How long, in all."
+    assert texts["length"] == ShownSetting(
+        "length", "whole number >= 1 and <= 9", "frames", 5, False, "How long, in all."
     )
-    assert (texts["size"].default, texts["size"].meaning) == ("required", "Both of them.")
+    assert texts["length"].default_text == "5"
+    assert (texts["size"].default_text, texts["size"].meaning) == ("required", "Both of them.")
     assert texts["way"].meaning == "Both of them."
     assert texts["undocumented"].meaning == ""
-    assert (texts["order"].default, texts["order"].unit) == ("null", "frames")
+    assert (texts["order"].default_text, texts["order"].unit) == ("null", "frames")
     assert meanings(described())["recording"] == "What is measured."
 
 

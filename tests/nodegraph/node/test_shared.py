@@ -220,7 +220,7 @@ def test_a_value_of_the_dataclass_gives_the_defaults() -> None:
     assert named(1.0) == "dot 1.0"
     assert named(1.0, name="dash") == "dash 1.0"
     (text,) = describe_settings(described(named))
-    assert (text.default, text.meaning) == ("dot", "Any name.")
+    assert (text.default_text, text.meaning) == ("dot", "Any name.")
 
 
 def test_what_does_not_fit_the_dataclass_is_named() -> None:
