@@ -13,7 +13,7 @@ from nodegraph import Value
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_FRAMES, _MARKERS = 32, 16
+_FRAMES, _MARKERS, _DECIMALS = 32, 16, 3
 _FEWEST = 6
 """Markers below which many faces are alike."""
 
@@ -28,7 +28,8 @@ class Poses(Value):
         All of the recording's, in alphabetical order.
     positions : bytes
         float32, (32 frames at most, 16 markers at most, 3), mm: spread evenly over the frames and
-        over `markers`. NaN where missing; empty where what is scored has none, as weights.
+        over `markers`. NaN where missing; empty where what is scored has none, as weights. They are
+        whole micrometres, so that the rounding of another processor does not show.
     frames : int
         Number of frames of the recording.
     rate : float
@@ -62,7 +63,8 @@ def poses_of(markers: tuple[str, ...], positions: NDArray[np.float64], rate: flo
     """
     order = np.argsort(np.array(markers, dtype=object), kind="stable")
     kept = order[_spread(len(markers), _MARKERS)]
-    few = positions[_spread(len(positions), _FRAMES)[:, None], kept]
+    few = positions[_spread(len(positions), _FRAMES)[:, None], kept].round(_DECIMALS)
+    few += 0.0  # -0 is 0
     return Poses(tuple(sorted(markers)), few.astype(np.float32).tobytes(), len(positions), rate)
 
 

@@ -42,6 +42,16 @@ def _take(seed: int, take: int, seconds: float = 1.5) -> Trajectories:
     return made.truth
 
 
+def test_poses_are_the_same_after_the_rounding_of_another_processor() -> None:
+    take = _take(1, 0)
+    here = take.positions.copy()
+    there = here * (1.0 + 1e-14)
+    here[:, 0], there[:, 0] = 1e-13, -1e-13
+    poses = poses_of(take.markers, here, 60.0)
+    assert poses == poses_of(take.markers, there, 60.0)
+    assert poses != poses_of(take.markers, here + 0.01, 60.0)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with two takes of each of four actors, and quarters of a take."""
