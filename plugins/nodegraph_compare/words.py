@@ -349,7 +349,7 @@ def nearest_first(group: Verdict, places: Iterable[int]) -> list[int]:
 
 
 def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
-    """Return how far a method is from the best, and in how many units, or that it may be 0."""
+    """Return how far a method is from the best, in how many units, and the p of that."""
     paired = group.to_best
     assert paired is not None
     of, losses, wins = group.scope.units, int(paired.losses[place]), int(paired.wins[place])
@@ -358,13 +358,9 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     units = units_name(group.scope).removeprefix("synthetic ")
     far = Word(_above(verdicts, group, place, group.best[0]), "number")
     start = say(f"{HERE}, {HERE} of {of} {units}", far, listing(claims))
-    if losses < of:
-        return start
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
-    if paired.difference_low[place] <= 0.0 <= paired.difference_high[place]:
-        return within_text(verdicts, group, place, paired)
-    return (*start, f", which may be chance among {len(group.known)} methods")
+    return say(f"{HERE}, p {HERE}", start, Word(f"{paired.p[place]:.2g}", "number"))
 
 
 def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:
