@@ -27,8 +27,9 @@ from nodegraph.report.study import NoteSubject, Study
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.overview.value import Overview
 from nodegraph_tables import Answer, info_of
-from nodegraph_tables.answer import Finding, plain
+from nodegraph_tables.answer import Finding
 from nodegraph_tables.style import BEST
+from nodegraph_tables.text import plain
 from tests import odd_studies
 from tests.browser import load
 from tests.odd_studies import odd_study

@@ -35,21 +35,7 @@ from nodegraph_compare.words import (
     varying,
     with_units,
 )
-from nodegraph_tables.answer import (
-    HERE,
-    MAY_BE,
-    MOST_CARDS,
-    ONE_ROW,
-    Answer,
-    Finding,
-    Text,
-    Word,
-    few,
-    joined,
-    listing,
-    plain,
-    say,
-)
+from nodegraph_tables.answer import MAY_BE, MOST_CARDS, ONE_ROW, Answer, Finding
 from nodegraph_tables.numbers import (
     MANY_TIMES,
     apart_text,
@@ -59,6 +45,7 @@ from nodegraph_tables.numbers import (
     span_text,
 )
 from nodegraph_tables.style import SHARE, unit_text
+from nodegraph_tables.text import HERE, Text, Word, few, joined, listing, plain, say
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -28,23 +28,9 @@ from nodegraph_compare.words import (
     units_text,
     within_text,
 )
-from nodegraph_tables.answer import (
-    HERE,
-    MAY_BE,
-    MOST_CARDS,
-    MOST_ROWS,
-    ONE_ROW,
-    Card,
-    Line,
-    Row,
-    Rows,
-    Text,
-    Word,
-    few,
-    listing,
-    say,
-)
-from nodegraph_tables.answer import line_of as line_through
+from nodegraph_tables.answer import MAY_BE, MOST_CARDS, MOST_ROWS, ONE_ROW, Card, Row, Rows
+from nodegraph_tables.line import Line
+from nodegraph_tables.line import line_of as line_through
 from nodegraph_tables.numbers import (
     MINUS,
     apart_text,
@@ -54,6 +40,7 @@ from nodegraph_tables.numbers import (
     without_rounding,
 )
 from nodegraph_tables.style import bare_unit
+from nodegraph_tables.text import HERE, Text, Word, few, listing, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -7,16 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_compare.cards import cards_of
-from nodegraph_tables.answer import (
-    HERE,
-    MOST_CARDS,
-    Answer,
-    Word,
-    listing,
-    say,
-)
+from nodegraph_tables.answer import MOST_CARDS, Answer
 from nodegraph_tables.numbers import ends_text, number_text, without_rounding
 from nodegraph_tables.style import unit_text
+from nodegraph_tables.text import HERE, Word, listing, say
 
 if TYPE_CHECKING:
     from nodegraph_compare.verdict import Verdict, Verdicts

@@ -11,7 +11,7 @@ from nodegraph_compare.inference import FEWEST, FEWEST_SETTLED, LEVEL
 from nodegraph_compare.question import EXTREME
 from nodegraph_compare.units import MOST_RECORDINGS
 from nodegraph_compare.verdict import COMMON
-from nodegraph_tables.answer import HERE, MAY_BE, Word, joined, listing, plain, say
+from nodegraph_tables.answer import MAY_BE
 from nodegraph_tables.numbers import (
     MINUS,
     SPACE,
@@ -23,6 +23,7 @@ from nodegraph_tables.numbers import (
     to_digits_of,
 )
 from nodegraph_tables.style import bare_unit, unit_text
+from nodegraph_tables.text import HERE, Word, joined, listing, plain, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from nodegraph_compare.question import Question
     from nodegraph_compare.units import Shortage
     from nodegraph_compare.verdict import Metric, Paired, Rule, Scope, Verdict, Verdicts
-    from nodegraph_tables.answer import Text
+    from nodegraph_tables.text import Text
 
 UNCLEAR = "with no clear change"
 

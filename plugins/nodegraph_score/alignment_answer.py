@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_tables.answer import HERE, Answer, Card, Text, Word, say, svg
+from nodegraph_tables.answer import Answer, Card
+from nodegraph_tables.lead import svg
+from nodegraph_tables.text import HERE, Text, Word, say
 
 if TYPE_CHECKING:
     from nodegraph_mocap import Table, Trajectories

@@ -9,20 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nodegraph import listed
-from nodegraph_tables.answer import (
-    HERE,
-    Answer,
-    Card,
-    Line,
-    Text,
-    Word,
-    dot,
-    line_of,
-    listing,
-    say,
-    svg,
-)
+from nodegraph_tables.answer import Answer, Card
+from nodegraph_tables.lead import dot, svg
+from nodegraph_tables.line import Line, line_of
 from nodegraph_tables.numbers import number_text
+from nodegraph_tables.text import HERE, Text, Word, listing, say
 
 if TYPE_CHECKING:
     from nodegraph import Across

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from nodegraph import Kind, hookimpl, late
-from nodegraph_tables.answer import Answer, Card, Finding, Text, Word
+from nodegraph_tables.answer import Answer, Card, Finding
 from nodegraph_tables.comparisons import (
     compare_drawings,
     compare_tables,
@@ -16,6 +16,7 @@ from nodegraph_tables.figures import StoredFigure, figure_files, render_figure, 
 from nodegraph_tables.info import BetterEnd, TableInfo, Take, info_of, with_info
 from nodegraph_tables.poses import Poses, difference, poses_of
 from nodegraph_tables.style import figure_text
+from nodegraph_tables.text import Text, Word
 from nodegraph_tables.types import Figure, Table, lend_table
 
 if TYPE_CHECKING:

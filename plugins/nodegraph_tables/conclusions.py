@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nodegraph_tables.answer import plain
 from nodegraph_tables.cells import ALL
 from nodegraph_tables.info import info_of
+from nodegraph_tables.text import plain
 from nodegraph_tables.types import Table
 
 if TYPE_CHECKING:

@@ -8,11 +8,12 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from nodegraph import Rendered
-from nodegraph_tables.answer import answer_html, in_authors_words, lead_style
+from nodegraph_tables.authors_answer import in_authors_words
 from nodegraph_tables.cells import CellText, Column
 from nodegraph_tables.crosstab import grid_of, seen_columns
 from nodegraph_tables.info import TableInfo, info_of, with_info
 from nodegraph_tables.latex import latex_of, without_constants
+from nodegraph_tables.lead import answer_html, lead_style
 from nodegraph_tables.style import SHARE
 from nodegraph_tables.types import Table
 

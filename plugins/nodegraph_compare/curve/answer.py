@@ -11,24 +11,12 @@ import numpy as np
 
 from nodegraph_compare.curve.marks import within_from
 from nodegraph_compare.curve.notes import most_text
-from nodegraph_tables.answer import (
-    HERE,
-    MOST_CARDS,
-    ONE_ROW,
-    Answer,
-    Card,
-    Finding,
-    Line,
-    Text,
-    Word,
-    dot,
-    joined,
-    say,
-    svg,
-    tick_text,
-)
+from nodegraph_tables.answer import MOST_CARDS, ONE_ROW, Answer, Card, Finding
+from nodegraph_tables.lead import dot, svg
+from nodegraph_tables.line import Line, tick_text
 from nodegraph_tables.numbers import number_text, span_text
 from nodegraph_tables.style import unit_text
+from nodegraph_tables.text import HERE, Text, Word, joined, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -19,30 +19,19 @@ from nodegraph_compare.words import (
     plain_names,
     varying,
 )
-from nodegraph_tables.answer import (
-    HERE,
-    MOST_CARDS,
-    ONE_ROW,
-    Rows,
-    Word,
-    axis_html,
-    cards_html,
-    dots_html,
-    html_of,
-    joined,
-    lead_of_parts,
-    listing,
-    say,
-    with_descriptions,
-)
+from nodegraph_tables.answer import MOST_CARDS, ONE_ROW, Rows, with_descriptions
+from nodegraph_tables.lead import axis_html, cards_html, dots_html, lead_of_parts
 from nodegraph_tables.numbers import span_text
+from nodegraph_tables.text import HERE, Word, html_of, joined, listing, say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence, Set
 
     from nodegraph import Label
     from nodegraph_compare.verdict import Verdict, Verdicts
-    from nodegraph_tables.answer import Answer, Card, Kind, Line, Text
+    from nodegraph_tables.answer import Answer, Card, Kind
+    from nodegraph_tables.line import Line
+    from nodegraph_tables.text import Text
 
     _Part = tuple[Kind | Literal[""], Text, Text]
     _Cell = tuple[_Part | Rows, ...]

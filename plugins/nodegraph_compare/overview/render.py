@@ -15,7 +15,9 @@ from nodegraph_compare.overview.cost import typical_seconds
 from nodegraph_compare.overview.details import details_of
 from nodegraph_compare.overview.pack import excerpt_of, packed
 from nodegraph_compare.words import varying, with_units
-from nodegraph_tables.answer import in_authors_words, lead_style, listing, plain
+from nodegraph_tables.authors_answer import in_authors_words
+from nodegraph_tables.lead import lead_style
+from nodegraph_tables.text import listing, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -11,20 +11,10 @@ from nodegraph_compare.left_out import filled_group, group_text, narrowed_group,
 from nodegraph_compare.ranks.signed_rank import TEST_NAMES
 from nodegraph_compare.verdict import scope_of
 from nodegraph_compare.words import caution_text, scope_text
-from nodegraph_tables.answer import (
-    HERE,
-    Answer,
-    Card,
-    Line,
-    Row,
-    Rows,
-    Text,
-    Word,
-    joined,
-    listing,
-    say,
-)
+from nodegraph_tables.answer import Answer, Card, Row, Rows
+from nodegraph_tables.line import Line
 from nodegraph_tables.numbers import chance_text
+from nodegraph_tables.text import HERE, Text, Word, joined, listing, say
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

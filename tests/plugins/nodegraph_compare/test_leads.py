@@ -16,7 +16,8 @@ from nodegraph_compare.curve.node import curve
 from nodegraph_compare.ranks.node import ranks
 from nodegraph_compare.table.node import table
 from nodegraph_tables import Answer, info_of
-from nodegraph_tables.answer import answer_html, plain
+from nodegraph_tables.lead import answer_html
+from nodegraph_tables.text import plain
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 

@@ -10,7 +10,8 @@ from nodegraph_mocap import Trajectories
 from nodegraph_score.alignment_answer import answer_of
 from nodegraph_score.steps import steps
 from nodegraph_tables import Answer, info_of
-from nodegraph_tables.answer import answer_html, plain
+from nodegraph_tables.lead import answer_html
+from nodegraph_tables.text import plain
 from tests.plugins.recordings import quietly
 
 

@@ -13,22 +13,14 @@ import pytest
 from nodegraph import NodegraphError, Placeholder
 from nodegraph.graphfile import read_graph_text
 from nodegraph_tables import Answer, Card, Finding, TableInfo, Word, info_of, with_info
-from nodegraph_tables.answer import (
-    HERE,
-    Line,
-    Row,
-    Rows,
-    answer_html,
-    cards_html,
-    html_of,
-    in_authors_words,
-    line_of,
-    plain,
-    say,
-)
+from nodegraph_tables.answer import Row, Rows
+from nodegraph_tables.authors_answer import in_authors_words
+from nodegraph_tables.lead import answer_html, cards_html
+from nodegraph_tables.line import Line, line_of
 from nodegraph_tables.numbers import difference_text
 from nodegraph_tables.rendering import render_table
 from nodegraph_tables.stored_table import put_together, take_apart
+from nodegraph_tables.text import HERE, html_of, plain, say
 
 MARKUP = '<b onclick="x">&'
 TEXT = say(f"Mean {HERE} is best.", Word(MARKUP))

@@ -10,13 +10,13 @@ import pandas as pd
 from pandas import DataFrame
 
 from nodegraph_tables import Answer, Finding, Word
-from nodegraph_tables.answer import HERE, say
 from nodegraph_tables.conclusions import (
     conclude_table,
     table_data,
     table_numbers,
 )
 from nodegraph_tables.info import TableInfo, with_info
+from nodegraph_tables.text import HERE, say
 
 
 def compared(info: TableInfo = TableInfo()) -> DataFrame:  # noqa: B008

@@ -20,7 +20,7 @@ from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, info_of, with_info
-from nodegraph_tables.answer import html_of
+from nodegraph_tables.text import html_of
 
 pytestmark = pytest.mark.usefixtures("without_pictures")
 

@@ -20,9 +20,9 @@ from nodegraph_compare.table.node import Compared
 from nodegraph_compare.table.node import table as table_of
 from nodegraph_mocap import Table
 from nodegraph_tables import BetterEnd, TableInfo, Take, Word, info_of, with_info
-from nodegraph_tables.answer import html_of, plain
 from nodegraph_tables.numbers import span_text
 from nodegraph_tables.rendering import render_table
+from nodegraph_tables.text import html_of, plain
 
 NAN = np.nan
 
