@@ -122,7 +122,7 @@ def test_the_faces_are_those_with_the_fewest_markers_that_are_enough(built_in: P
         assert all(float(each["rmse"]) > 0.05 for each in fewer)
         assert f"{row['actor']}, k {row['k']}" in html
         assert f"{row['markers']} of 60 markers" in html
-    assert "Enough: with so many or more, weights of expressions (0 to 1) err by at most" in html
+    assert "weights of expressions (0 to 1) are solved that err by at most" in html
 
 
 def test_rivals_and_errors_at_markers_left_out_are_in_the_report(built_in: Path) -> None:
