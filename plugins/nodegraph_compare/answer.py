@@ -698,7 +698,7 @@ def scope_words(verdicts: Verdicts) -> Text:
     end = "" if metric.better == "none" else f", {metric.better} is better"
     are_clusters = any(group.scope.kind == "clusters" for group in groups)
     over = verdicts.units.removeprefix("synthetic ") if are_clusters else "recordings"
-    over += " and groups" * (verdicts.overall is not None)
+    over += " and groups" * (verdicts.overall is not None and verdicts.for_all is not None)
     is_geometric = verdicts.ratio and any(group.scope.clusters > 1 for group in groups)
     geometric = f" (geometric mean over {over})" * is_geometric
     unit = unit_text(metric.unit)

@@ -37,7 +37,7 @@ _NEAR = 0.1
 
 _KINDS = {
     "shared": "shared minimum", "minimum": "lowest minimum", "knee": "knee",
-    "enough": "the fewest that are enough",
+    "enough": "the fewest from which on all are enough",
 }  # fmt: skip
 
 
