@@ -292,6 +292,6 @@ def _dots(verdicts: Verdicts) -> Iterator[tuple[Kind, str]]:
         yield "rest", "clearly behind"
     stands = {group.stands for group in verdicts.every if not group.told}
     said = [NO_DIFFERENCE] * (True in stands) + ["no verdict"] * (False in stands)
-    yield "open", f"{' or '.join(said)} in its group"
+    yield "open", " or ".join(said)
     if verdicts.baseline is not None:
         yield "before", f"{verdicts.baseline} (reference)"

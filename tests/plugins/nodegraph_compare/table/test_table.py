@@ -528,7 +528,7 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     held, *rest = scope_words(verdicts)
     assert held == Word("8 synthetic faces: holds for further synthetic faces; untested on people.")
     scope = plain(tuple(rest))
-    assert "synthetic face (geometric mean over faces and groups), lower is better." in scope
+    assert "synthetic face (geometric mean over faces), lower is better." in scope
     assert "recording" not in scope
 
 
