@@ -112,7 +112,7 @@ def _picture(part: Table) -> str:
     for place, (share, head) in enumerate(zip(rows["share"], rows["head motion"], strict=True)):
         x = place * wide
         for kind, size in (("", share), ("part", share * min(max(head, 0.0), 1.0))):
-            tall = _TALL * size / largest
+            tall = _TALL * (size / largest)  # the largest is as tall as all, to the last bit
             bars.append(
                 f'<rect class="{kind}" x="{x:g}" y="{_TALL - tall:.1f}" width="{wide - 6:g}" '
                 f'height="{tall:.1f}"/>'

@@ -79,3 +79,10 @@ def test_head_motion_is_reported_of_the_recording_with_most_of_it() -> None:
     assert plain(alone.sentence) == (
         "The first principal component is 10 % head motion, as is 20 % of all variance."
     )
+
+
+def test_the_largest_bar_is_as_tall_as_all_whatever_its_share() -> None:
+    for share in np.random.default_rng(0).uniform(0.5, 1.0, 50):
+        shares = part("a", 1.0, 0.9).assign(share=[share, 1.0 - share])
+        (card,) = answer_of([shares], ("align",)).cards
+        assert card.picture.count('y="0.0"') == 2
