@@ -701,6 +701,7 @@ def scope_words(verdicts: Verdicts) -> Text:
     over += " and groups" * (verdicts.overall is not None and verdicts.for_all is not None)
     is_geometric = verdicts.ratio and any(group.scope.clusters > 1 for group in groups)
     geometric = f" (geometric mean over {over})" * is_geometric
+    rounded = "; differences are taken before rounding" * (len(verdicts.methods) > 1)
     unit = unit_text(metric.unit)
     held = _held(verdicts) if groups else ""
     return joined(
@@ -708,7 +709,7 @@ def scope_words(verdicts: Verdicts) -> Text:
         [
             Word(held[:1].upper() + held[1:]) if held else "",
             *map(Word, of_some),
-            f"{number_name(verdicts, unit)}{geometric}{end}.",
+            f"{number_name(verdicts, unit)}{geometric}{end}{rounded}.",
         ],
     )
 

@@ -528,7 +528,7 @@ def test_what_is_found_on_synthetic_faces_holds_for_further_ones() -> None:
     held, *rest = scope_words(verdicts)
     assert held == Word("8 synthetic faces: holds for further synthetic faces; untested on people.")
     scope = plain(tuple(rest))
-    assert "synthetic face (geometric mean over faces), lower is better." in scope
+    assert "synthetic face (geometric mean over faces), lower is better; differences" in scope
     assert "recording" not in scope
 
 
@@ -540,7 +540,10 @@ def test_a_number_of_two_actors_is_of_a_recording_of_theirs() -> None:
     verdicts = table_of(Across(axes, tuple(entries), sources=("actor",))).overview.verdicts
     scope = plain(scope_words(verdicts))
     assert "holds for further gaps in these 2 recordings, not for others." in scope
-    assert "of a typical recording (geometric mean over recordings), lower is better." in scope
+    assert (
+        "of a typical recording (geometric mean over recordings), lower is better; differences"
+        in scope
+    )
 
 
 def test_a_baseline_without_any_number_gives_no_differences() -> None:
