@@ -71,11 +71,11 @@ class RemainingTime:
                 unknown += count * usual[name]
             elif count:
                 unknown += first + (count - 1) * typical
-        if unknown > known:
-            return None
         ended, left = sum(map(sum, self._took.values())), sum(self._left.values())
+        if unknown > known or not (ended and left):
+            return None
         # the last does not run as many at a time as the others did
-        to_go = (known + unknown) * max(elapsed / ended, 1.0 / left) if ended and left else 0.0
+        to_go = (known + unknown) * max(elapsed / ended, 1.0 / left)
         return to_go if to_go >= _SHORTEST else None
 
     def typical(self) -> dict[str, float]:
