@@ -16,6 +16,7 @@ from nodegraph_tables.numbers import (
     MINUS,
     SPACE,
     above_text,
+    chance_text,
     change_percent,
     difference_text,
     shares_text,
@@ -361,7 +362,7 @@ def uncertain_text(verdicts: Verdicts, group: Verdict, place: int) -> Text:
     start = say(f"{HERE}, {HERE} of {of} {units}", far, listing(claims))
     if place in group.worse_than_best:
         return (*start, f", not by every rule for missing {verdicts.blocks}")
-    return say(f"{HERE}, p {HERE}", start, Word(f"{paired.p[place]:.2g}", "number"))
+    return say(f"{HERE}, {HERE}", start, Word(chance_text(float(paired.p[place])), "number"))
 
 
 def _above(verdicts: Verdicts, group: Verdict, place: int, to: int) -> str:

@@ -243,7 +243,7 @@ def test_the_answer_names_who_is_not_clearly_behind() -> None:
         sentence = words(table(Across.of(scores, axis="fill")).table)[0]
         assert re.match(
             rf"{start} the lowest mean rmse \(1\.04\smm\); may be as good: b \+0\.0\d+\smm, "
-            r"worse in \d( and equal in \d)? of 8 gaps, p [\d.]+; the other clearly behind\.$",
+            r"worse in \d( and equal in \d)? of 8 gaps, p = [\d.]+; the other clearly behind\.$",
             sentence,
         )
         scores.pop("a2", None)
@@ -262,7 +262,7 @@ def test_what_is_worse_everywhere_and_not_certain_has_its_p(tables: dict[str, An
     scores = {name: scored(np.ones(8) * values) for name, values in {**tables, "far": 9.0}.items()}
     frame = table(Across.of(scores, axis="fill")).table
     found = re.search(
-        r"may be as good: b \+0\.0\d+\smm, worse in 8 of 8 gaps, p (0\.\d+)[;.]", words(frame)[0]
+        r"may be as good: b \+0\.0\d+\smm, worse in 8 of 8 gaps, p = (0\.\d+)[;.]", words(frame)[0]
     )
     assert found
     assert float(found[1]) == pytest.approx(frame.set_index("fill")["p"]["b"], rel=0.05)
