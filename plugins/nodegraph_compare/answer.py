@@ -701,7 +701,8 @@ def scope_words(verdicts: Verdicts) -> Text:
     over += " and groups" * (verdicts.overall is not None and verdicts.for_all is not None)
     is_geometric = verdicts.ratio and any(group.scope.clusters > 1 for group in groups)
     geometric = f" (geometric mean over {over})" * is_geometric
-    rounded = "; differences are taken before rounding" * (len(verdicts.methods) > 1)
+    has_differences = verdicts.is_sequence or any(group.paired is not None for group in groups)
+    rounded = "; differences are taken before rounding" * has_differences
     unit = unit_text(metric.unit)
     held = _held(verdicts) if groups else ""
     return joined(

@@ -29,8 +29,7 @@ from nodegraph_compare.words import (
     within_text,
 )
 from nodegraph_tables.answer import MAY_BE, MOST_CARDS, MOST_ROWS, ONE_ROW, Card, Row, Rows
-from nodegraph_tables.line import Line
-from nodegraph_tables.line import line_of as line_through
+from nodegraph_tables.line import Line, line_of
 from nodegraph_tables.numbers import (
     MINUS,
     apart_text,
@@ -84,7 +83,7 @@ def lines_of(verdicts: Verdicts) -> list[Line]:
     means, ends = _drawn(verdicts, groups)
     if not means:
         return []
-    shared = line_through(means, ends, log=verdicts.metric.better != "none")
+    shared = line_of(means, ends, log=verdicts.metric.better != "none")
     if not shared.log or shared.least or len(groups) <= ONE_ROW:
         return [shared] * len(groups)
     are_cards = len(groups) <= MOST_CARDS  # which have intervals
