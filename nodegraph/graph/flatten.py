@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 from nodegraph.errors import Place, Problems, quoted
-from nodegraph.graph.methods import labelled
+from nodegraph.graph.model import sources_of
 from nodegraph.graph.pass_through import PassThrough, port_stand_in
 from nodegraph.graph.subgraph import GraphUse, StandIns, Subgraph, check_use, field_of
 from nodegraph.graphfile.spec import (
@@ -22,6 +23,8 @@ from nodegraph.graphfile.spec import (
     Variable,
     Wiring,
     Written,
+    rewired,
+    with_leaves,
 )
 from nodegraph.node.ports import Port
 from nodegraph.plugin.registry import Registered
@@ -195,7 +198,7 @@ class _Flattening:
         self._settings.extend(use.settings.values())
         for name, feed in self._redirected_wiring(use.wiring).items():
             port = use.graph.inputs.get(name)
-            self._inputs += [GraphInput(use.where, port, source) for _, source in labelled(feed)]
+            self._inputs += [GraphInput(use.where, port, source) for source in sources_of(feed)]
 
     def _add_nodes(self, inlined: _Inlined, use: GraphUse) -> None:
         for node in inlined.nodes():
@@ -215,15 +218,7 @@ class _Flattening:
         """Return wires that lead to the nodes which return the outputs of used graphs."""
         if not self._fitting:
             return wiring
-        return {
-            port: replace(
-                feed,
-                sources={label: self._redirected(source) for label, source in feed.sources.items()},
-            )
-            if isinstance(feed, Gathering)
-            else self._redirected(feed)
-            for port, feed in wiring.items()
-        }
+        return {port: rewired(feed, self._redirected) for port, feed in wiring.items()}
 
     def _redirected(self, source: _Reference) -> _Reference:
         if (source.node, "") not in self._fitting:
@@ -305,21 +300,15 @@ class _Inlined:
 
     def _feed(self, feed: Reference | Gathering) -> Reference | Gathering:
         if isinstance(feed, Gathering):
-            sources = {label: self._source(source) for label, source in feed.sources.items()}
-            return replace(feed, sources=sources)
-        return self._from_outside(feed) if feed.node.startswith("$") else self._renamed(feed)
+            return rewired(feed, self._source)
+        if not feed.node.startswith("$"):
+            return self._renamed(feed)
+        return rewired(self.feeds[feed.node[1:]], partial(replace, passed=True))
 
     def _source(self, source: Reference) -> Reference:
         feed = self._feed(source)
         assert isinstance(feed, Reference), "a port that feeds one of several takes one value"
         return feed
-
-    def _from_outside(self, source: Reference) -> Reference | Gathering:
-        feed = self.feeds[source.node[1:]]
-        if isinstance(feed, Reference):
-            return replace(feed, passed=True)
-        passed = {label: replace(source, passed=True) for label, source in feed.sources.items()}
-        return replace(feed, sources=passed)
 
     def _renamed(self, source: Reference) -> Reference:
         at = {self.prefix + axis: label for axis, label in source.at.items()}
@@ -332,16 +321,12 @@ class _Inlined:
         written = replace(written, folder=written.folder or self.spec.folder)
         if isinstance(written.value, Variable):
             return self._resolved(written.value, written)
-        return replace(written, value=self._substituted(written.value))
+        return replace(written, value=with_leaves(written.value, self._substituted))
 
     def _substituted(self, value: object) -> object:
-        if isinstance(value, Variable):
-            return self._resolved(value, Written(None, value.place)).value
-        if isinstance(value, dict):
-            return {key: self._substituted(item) for key, item in value.items()}
-        if isinstance(value, list):
-            return [self._substituted(item) for item in value]
-        return value
+        if not isinstance(value, Variable):
+            return value
+        return self._resolved(value, Written(None, value.place)).value
 
     def _resolved(self, variable: Variable, written: Written) -> Written:
         """Return the value of a variable of the graph here, in place of `written`."""

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from operator import attrgetter
 from typing import TypeVar
 
 from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest, quoted
-from nodegraph.graph.model import Axis, method_name
+from nodegraph.graph.model import Axis, method_name, sources_of
 from nodegraph.graph.pass_through import pass_beside, public_inputs
 from nodegraph.graphfile.spec import (
     FIRST,
-    Gathering,
     GraphSpec,
     MethodSpec,
     NodeSpec,
     Reference,
     Wiring,
     Written,
+    rewired,
 )
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registered, Registry
@@ -47,27 +48,15 @@ class ResolvedMethod:
     def references(self) -> Iterator[Reference]:
         """Yield every reference that feeds the method."""
         for feed in self.wiring.values():
-            if isinstance(feed, Reference):
-                yield feed
-            else:
-                yield from feed.sources.values()
-
-    def rewired(self, change: Callable[[Reference], Reference]) -> ResolvedMethod:
-        """Return the method with each reference that feeds it changed."""
-        wiring: dict[str, Reference | Gathering] = {}
-        for name, feed in self.wiring.items():
-            if isinstance(feed, Reference):
-                wiring[name] = change(feed)
-            else:
-                sources = {label: change(source) for label, source in feed.sources.items()}
-                wiring[name] = replace(feed, sources=sources)
-        return replace(self, wiring=wiring)
+            yield from sources_of(feed)
 
     def with_first_labels(self, axes: Mapping[str, Axis]) -> ResolvedMethod:
         """Return the method with each `FIRST` in its wiring replaced by the label."""
         if not any(FIRST in source.at.values() for source in self.references() if source.at):
             return self  # as most are
-        return self.rewired(lambda source: at_first_labels(source, axes))
+        change = partial(at_first_labels, axes=axes)
+        wiring = {name: rewired(feed, change) for name, feed in self.wiring.items()}
+        return replace(self, wiring=wiring)
 
 
 def at_first_labels(source: _Reference, axes: Mapping[str, Axis]) -> _Reference:
@@ -75,11 +64,6 @@ def at_first_labels(source: _Reference, axes: Mapping[str, Axis]) -> _Reference:
     first = {name: axes[name].labels[0] for name in source.at if name in axes and axes[name].labels}
     at = {name: first.get(name, at) if at == FIRST else at for name, at in source.at.items()}
     return replace(source, at=at)
-
-
-def labelled(feed: Reference | Gathering) -> Iterable[tuple[str, Reference]]:
-    """Return the references that feed a port by label; the label of a single one is empty."""
-    return (("", feed),) if isinstance(feed, Reference) else feed.sources.items()
 
 
 def resolve_methods(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from nodegraph.errors import NodegraphError, Place, Problem, Problems, nearest, quoted
 from nodegraph.graphfile.axes import FILE, axis_from_option, is_label, is_pattern
-from nodegraph.graphfile.spec import GraphSpec, Reference, ReportEntry
+from nodegraph.graphfile.spec import Gathering, GraphSpec, Reference, ReportEntry
 from nodegraph.node.decorator import Node
 from nodegraph.node.ports import Label
 from nodegraph.node.values import Files
@@ -113,9 +113,9 @@ class Gather:
     sources: Mapping[str, Reference]
 
 
-def sources_of(feed: Reference | Gather) -> tuple[Reference, ...]:
+def sources_of(feed: Reference | Gathering | Gather) -> tuple[Reference, ...]:
     """Return every reference that feeds a port."""
-    return tuple(feed.sources.values()) if isinstance(feed, Gather) else (feed,)
+    return (feed,) if isinstance(feed, Reference) else tuple(feed.sources.values())
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from nodegraph.graph.model import (
     sources_of,
 )
 from nodegraph.graph.namespace import Namespace
-from nodegraph.graphfile.spec import Variable, Written
+from nodegraph.graphfile.spec import Variable, Written, with_leaves
 from nodegraph.node.decorator import Node
 from nodegraph.node.description import setting_kind, value_text
 from nodegraph.node.ports import ColumnOf, Label, LabelOf, Port
@@ -117,10 +117,12 @@ class SettingsReader:
             axes = self._axes(written.values())
         combinations = itertools.product(*(self._namespace.axes[axis].labels for axis in axes))
         plain = {name: value.value for name, value in written.items()}
+        varying = {name: plain[name] for name, value in written.items() if value.variables()}
         wrong: defaultdict[str, dict[str, str]] = defaultdict(dict)
         for labels in combinations if in_full else itertools.islice(combinations, 1):
             at = dict(zip(axes, labels, strict=True))
-            shown = {name: self._substituted(value, at) for name, value in plain.items()}
+            known = partial(self._known, labels=at)
+            shown = plain | {name: with_leaves(value, known) for name, value in varying.items()}
             # settings without a valid value: their errors are recorded already
             invalid = pending.written.keys() - written.keys()
             values = self._validated(pending, shown, invalid, wrong)
@@ -145,19 +147,13 @@ class SettingsReader:
         self._namespace.use([written])
         return False
 
+    def _known(self, part: object, labels: Mapping[str, Label]) -> object:
+        return self._namespace.value(part, labels) if isinstance(part, Variable) else part
+
     def _axes(self, settings: Iterable[Written]) -> tuple[str, ...]:
         variables = [variable for written in settings for variable in written.variables()]
         names = {self._namespace.axis_of(variable) for variable in variables}
         return tuple(axis for axis in self._namespace.axes if axis in names) if names else ()
-
-    def _substituted(self, value: object, labels: Mapping[str, Label]) -> object:
-        if isinstance(value, Variable):
-            return self._namespace.value(value, labels)
-        if isinstance(value, dict):
-            return {key: self._substituted(item, labels) for key, item in value.items()}
-        if isinstance(value, list):
-            return [self._substituted(item, labels) for item in value]
-        return value
 
     def _validated(
         self,

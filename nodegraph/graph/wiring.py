@@ -10,8 +10,8 @@ from itertools import islice
 import networkx as nx
 
 from nodegraph.errors import Hint, Place, Problems, listed, nearest, quoted
-from nodegraph.graph.methods import ResolvedMethod, labelled
-from nodegraph.graph.model import Gather, GraphNode, Wire
+from nodegraph.graph.methods import ResolvedMethod
+from nodegraph.graph.model import Gather, GraphNode, Wire, sources_of
 from nodegraph.graph.namespace import Namespace
 from nodegraph.graph.pass_through import public_outputs
 from nodegraph.graphfile.spec import GraphSpec, Reference
@@ -42,7 +42,7 @@ class WireChecker:
         inputs: dict[str, Reference | Gather] = {}
         for name, feed in method.wiring.items():
             port = self._port(where, name, node, feed.place)
-            sources = dict(labelled(feed))
+            sources = {"": feed} if isinstance(feed, Reference) else feed.sources
             target = port
             if port is not None and node.damages and not port.truth:
                 target = replace(port, truth=True)
@@ -170,10 +170,9 @@ def typed_network(nodes: Mapping[str, GraphNode]) -> nx.MultiDiGraph[str]:
     for name, node in nodes.items():
         for method in node.methods.values():
             for port, feed in method.inputs.items():
-                gathers = isinstance(feed, Gather)
-                for source in feed.sources.values() if isinstance(feed, Gather) else (feed,):
+                for source in sources_of(feed):
                     output = source.port or nodes[source.node].first.node.outputs[0].name
-                    wire = Wire(output, port, source, gathers)
+                    wire = Wire(output, port, source, isinstance(feed, Gather))
                     # methods that share a reference share its edge
                     network.add_edge(source.node, name, (port, source.place), record=wire)
     return network

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +89,37 @@ Wiring = Mapping[str, Reference | Gathering]
 """Port -> what feeds it; the empty name is the first port."""
 
 
+def rewired(
+    feed: Reference | Gathering, change: Callable[[Reference], Reference]
+) -> Reference | Gathering:
+    """Return what feeds a port with each reference in it changed."""
+    if isinstance(feed, Reference):
+        return change(feed)
+    return replace(feed, sources={label: change(each) for label, each in feed.sources.items()})
+
+
+def leaves(value: object) -> Iterator[object]:
+    """Yield the parts of plain data that are neither mappings nor lists, the last first."""
+    pending = [value]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, Mapping):
+            pending.extend(part.values())
+        elif isinstance(part, (list, tuple)):
+            pending.extend(part)
+        else:
+            yield part
+
+
+def with_leaves(value: object, change: Callable[[object], object]) -> Any:
+    """Return plain data with each part that is neither a mapping nor a list changed."""
+    if isinstance(value, dict):
+        return {key: with_leaves(part, change) for key, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [with_leaves(part, change) for part in value]
+    return change(value)
+
+
 @dataclass(frozen=True)
 class Written:
     """A setting as written: plain data in which `Variable` objects may stand.
@@ -107,17 +138,7 @@ class Written:
         """Return the inputs and axes that the value names."""
         if not isinstance(self.value, (Variable, dict, list)):
             return ()  # as for most values
-        variables: list[Variable] = []
-        pending = [self.value]
-        while pending:
-            value = pending.pop()
-            if isinstance(value, Variable):
-                variables.append(value)
-            elif isinstance(value, dict):
-                pending.extend(value.values())
-            elif isinstance(value, list):
-                pending.extend(value)
-        return variables
+        return [part for part in leaves(self.value) if isinstance(part, Variable)]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
@@ -13,6 +13,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.execute.results import Run
 from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import Graph, Method
+from nodegraph.graphfile.spec import leaves, with_leaves
 from nodegraph.lock.results import Results
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.record import Record, RecordedStep, record
@@ -152,11 +153,10 @@ class FileNames:
 
     def portable(self, value: object) -> Any:
         """Return plain data with the paths of files replaced by their names."""
-        if isinstance(value, Mapping):
-            return {key: self.portable(item) for key, item in value.items()}
-        if isinstance(value, (list, tuple)):
-            return [self.portable(item) for item in value]
-        return self._names.get(value, value) if isinstance(value, str) else value
+        return with_leaves(value, self._renamed)
+
+    def _renamed(self, part: object) -> object:
+        return self._names.get(part, part) if isinstance(part, str) else part
 
     def _add(self, setting: str, written: str, path: Path, from_command: set[str]) -> None:
         if _is_absolute(written) and written not in from_command:
@@ -180,15 +180,7 @@ def _files_of(node: str, method: Method) -> Iterator[tuple[str, str, Path]]:
 
 def texts_in(value: object) -> Iterator[str]:
     """Yield the texts inside plain data."""
-    pending = [value]
-    while pending:
-        item = pending.pop()
-        if isinstance(item, Mapping):
-            pending.extend(item.values())
-        elif isinstance(item, (list, tuple)):
-            pending.extend(item)
-        elif isinstance(item, str):
-            yield item
+    return (part for part in leaves(value) if isinstance(part, str))
 
 
 def _is_absolute(text: str) -> bool:
