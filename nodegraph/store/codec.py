@@ -14,13 +14,15 @@ import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
+from itertools import chain
 from operator import is_
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 from nodegraph.node.ports import Absent, Across
 from nodegraph.node.values import Value, locked
+from nodegraph.plugin.hook_types import expect
 from nodegraph.store.arrays import (
     decode_array,
     decode_number,
@@ -54,14 +56,6 @@ def numpy_encoder(kind: type) -> Callable[[Any, Encoder], object]:
     return lambda value, encoder: ["number", *encode_number(value)]
 
 
-def _decode_array(decoder: Decoder, number: int, *parts: Any) -> object:
-    return decode_array(decoder.buffer(number), *parts)
-
-
-def _decode_number(decoder: Decoder, name: str, content: str) -> object:
-    return decode_number(name, content)
-
-
 def _decode_numpy_str(decoder: Decoder, plain: object) -> object:
     import numpy as np
 
@@ -72,14 +66,6 @@ def _decode_numpy_bytes(decoder: Decoder, content: str) -> object:
     import numpy as np
 
     return np.bytes_(bytes.fromhex(content))
-
-
-NUMPY_DECODERS: dict[str, Callable[..., object]] = {
-    "array": _decode_array,
-    "number": _decode_number,
-    "numpy.str": _decode_numpy_str,
-    "numpy.bytes": _decode_numpy_bytes,
-}
 
 
 _PATH = type(Path())
@@ -213,7 +199,7 @@ def encoder_for(kind: type, storage: Kind | None) -> Encode:
     if kind in BASIC_ENCODERS:
         return BASIC_ENCODERS[kind]
     if kind in (Across, Absent):
-        return partial(_encode_record, kind.__name__.lower(), field_names(kind), _field_values)
+        return partial(_encode_record, kind.__name__.lower(), field_names(kind))
     if is_numpy(kind):
         return numpy_encoder(kind)
     if issubclass(kind, Value):
@@ -233,7 +219,6 @@ def decoders_with(
     by_name = {storage_name(storage): storage for storage in reversed(tuple(storages))}
     return {
         **_DECODERS,
-        **NUMPY_DECODERS,
         "stored": partial(_decode_stored, by_name),
         "value": partial(_decode_value, packages),
     }
@@ -243,47 +228,8 @@ def _encode_as_is(value: object, encoder: Encoder) -> object:
     return value
 
 
-def _encode_int(value: int, encoder: Encoder) -> object:
-    return value if -_LARGEST < value < _LARGEST else ["int", hex(value)]
-
-
-def _encode_float(value: float, encoder: Encoder) -> object:
-    # JSON has no NaN and no infinity
-    return value if math.isfinite(value) else ["float", struct.pack("<d", value).hex()]
-
-
-def _encode_bytes(value: bytes, encoder: Encoder) -> object:
-    return ["bytes", encoder.keep(memoryview(value))]
-
-
-def _encode_path(value: Path, encoder: Encoder) -> object:
-    return ["path", str(value)]
-
-
-def _encode_tuple(value: tuple[object, ...], encoder: Encoder) -> object:
-    return ["tuple", *encoder.all(value, "tuple")]
-
-
-def _encode_list(value: list[object], encoder: Encoder) -> object:
-    return ["list", *encoder.all(value, "list")]
-
-
-def _encode_dict(value: dict[object, object], encoder: Encoder) -> object:
-    return ["dict", *encoder.all((part for item in value.items() for part in item), "dict")]
-
-
-def _field_values(value: object, names: tuple[str, ...]) -> list[object]:
-    return [getattr(value, name) for name in names]
-
-
-def _encode_record(
-    word: str,
-    names: tuple[str, ...],
-    contents_of: Callable[[Any, tuple[str, ...]], list[object]],
-    value: object,
-    encoder: Encoder,
-) -> object:
-    return [word, *encoder.all(contents_of(value, names), type(value).__name__)]
+def _encode_record(word: str, names: tuple[str, ...], value: object, encoder: Encoder) -> object:
+    return [word, *encoder.all((getattr(value, name) for name in names), type(value).__name__)]
 
 
 def _encode_value(name: str, names: tuple[str, ...], value: Value, encoder: Encoder) -> object:
@@ -311,32 +257,16 @@ def _decode_dict(decoder: Decoder, *plain: object) -> dict[object, object]:
     return again
 
 
-def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
-    axes, entries, absent, known, sources, unused, methods, fields, *data = decoder.all(plain)
-    synthetic, units, files = data
-    whole = (
-        all(isinstance(axis, str) for axis in axes)
-        and all(isinstance(labels, dict) for labels, _ in entries)
-        and all(isinstance(lacking, Absent) for lacking in absent)
-        and isinstance(known, dict)
-        and (sources is None or isinstance(sources, tuple))
-        and isinstance(unused, tuple)
-        and isinstance(methods, dict)
-        and isinstance(fields, dict)
-        and isinstance(synthetic, bool)
-        and isinstance(units, dict)
-        and isinstance(files, tuple)
-    )
-    if not whole:
-        raise Unreadable("corrupt Across value: wrong field types")
-    return Across(axes, entries, absent, known, sources, unused, methods, fields, *data)
+def _decode_record(kind: type, decoder: Decoder, *plain: object) -> object:
+    values = decoder.all(plain)
+    for value, hint in zip(values, _hints(kind).values(), strict=True):
+        expect(value, hint)
+    return kind(*values)
 
 
-def _decode_absent(decoder: Decoder, *plain: object) -> Absent:
-    labels, kind, reason = decoder.all(plain)
-    if not (isinstance(labels, dict) and isinstance(kind, str) and isinstance(reason, str)):
-        raise Unreadable("corrupt Absent value: wrong field types")
-    return Absent(labels, kind, reason)
+@cache
+def _hints(kind: type) -> Mapping[str, object]:
+    return get_type_hints(kind)
 
 
 def _decode_stored(
@@ -362,14 +292,17 @@ def _decode_value(
 BASIC_ENCODERS: dict[type, Encode] = {
     type(None): _encode_as_is,
     bool: _encode_as_is,
-    int: _encode_int,
-    float: _encode_float,
+    int: lambda value, _: value if -_LARGEST < value < _LARGEST else ["int", hex(value)],
+    # JSON has no NaN and no infinity
+    float: lambda value, _: (
+        value if math.isfinite(value) else ["float", struct.pack("<d", value).hex()]
+    ),
     str: _encode_as_is,
-    bytes: _encode_bytes,
-    _PATH: _encode_path,
-    tuple: _encode_tuple,
-    list: _encode_list,
-    dict: _encode_dict,
+    bytes: lambda value, encoder: ["bytes", encoder.keep(memoryview(value))],
+    _PATH: lambda value, _: ["path", str(value)],
+    tuple: lambda value, encoder: ["tuple", *encoder.all(value, "tuple")],
+    list: lambda value, encoder: ["list", *encoder.all(value, "list")],
+    dict: lambda value, encoder: ["dict", *encoder.all(chain.from_iterable(value.items()), "dict")],
 }
 
 _DECODERS: dict[str, Decode] = {
@@ -380,8 +313,12 @@ _DECODERS: dict[str, Decode] = {
     "tuple": lambda decoder, *plain: tuple(decoder.all(plain)),
     "list": lambda decoder, *plain: decoder.all(plain),
     "dict": _decode_dict,
-    "across": _decode_across,
-    "absent": _decode_absent,
+    "across": partial(_decode_record, Across),
+    "absent": partial(_decode_record, Absent),
+    "array": lambda decoder, number, *parts: decode_array(decoder.buffer(number), *parts),
+    "number": lambda decoder, name, content: decode_number(name, content),
+    "numpy.str": _decode_numpy_str,
+    "numpy.bytes": _decode_numpy_bytes,
 }
 
 
