@@ -9,7 +9,7 @@ from functools import partial
 import networkx as nx
 
 from nodegraph.errors import Place, Problems, nearest, quoted
-from nodegraph.graph.axes import CombinationCounter, check_fixed_axes, node_axes
+from nodegraph.graph.axes import check_combinations, check_fixed_axes, node_axes
 from nodegraph.graph.flatten import FlatGraph
 from nodegraph.graph.methods import (
     ResolvedMethod,
@@ -48,7 +48,6 @@ class Assembler:
         self._problems = problems
         self._choices = choices
         self._namespace = Namespace(spec, flat.ports, choices, problems)
-        self._combinations = CombinationCounter(self._namespace.axes, problems)
         self._settings = SettingsReader(self._namespace, registry, problems)
         self._methods = {
             name: resolve_methods(node, registry, flat.stand_ins.get(name, {}), problems)
@@ -84,7 +83,8 @@ class Assembler:
         self._namespace.check_choices()
         skip = self._checked_skip()
         check_requires(self._spec, self._problems)
-        self._settings.fill(in_full=self._combinations.check())
+        few = check_combinations(self._nodes, self._namespace.axes, self._problems)
+        self._settings.fill(in_full=few)
         if self._problems or not self._flat.is_complete:
             return None
         network = typed_network(self._nodes)
@@ -129,7 +129,6 @@ class Assembler:
         )
         if gathers:
             self._check_gathered_names(node)
-        self._combinations.add(node, self._nodes)
         return node
 
     def _is_complete(self, method: ResolvedMethod) -> bool:

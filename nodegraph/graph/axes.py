@@ -141,52 +141,45 @@ def _over(
     return {name for name, _ in over} & free
 
 
-class CombinationCounter:
-    """Counts the combinations of a graph's nodes, and rejects more than a run could hold."""
+def check_combinations(
+    nodes: Mapping[str, GraphNode], axes: Mapping[str, Axis], problems: Problems
+) -> bool:
+    """Whether a run can hold all combinations of nodes; else record which node has most of them.
 
-    def __init__(self, axes: Mapping[str, Axis], problems: Problems) -> None:
-        self._axes = axes
-        self._problems = problems
-        self._total = 0
-        self._largest = 0
-        self._largest_node: tuple[GraphNode, tuple[str, ...]] | None = None
+    Where a node gathers more than it has combinations of its own, what it gathers counts.
+    """
+    sizes = {name: len(axis.labels) for name, axis in axes.items()}
 
-    def add(self, node: GraphNode, nodes: Mapping[str, GraphNode]) -> None:
-        """Count a node's combinations, or all that they gather if those are more."""
-        count = self._count(node.axes) if node.axes else 1
-        gathered = 1
-        if node.gathered:
-            sums = (
-                sum(self._gathered(source, node, nodes) for source in gather.sources.values())
-                for method in node.methods.values()
-                for gather in method.gathers
+    def count(names: Iterable[str]) -> int:
+        return prod(sizes[name] for name in names)
+
+    def gathered(node: GraphNode) -> int:
+        if not node.gathered:
+            return 1
+        sums = (
+            sum(
+                count(axis for axis in free_axes(source, nodes) if axis in node.gathered)
+                for source in gather.sources.values()
             )
-            gathered = max(sums, default=1)
-            count *= gathered
-        self._total += count
-        if count > self._largest:
-            axes = (*node.axes, *node.gathered) if gathered > 1 else node.axes
-            self._largest, self._largest_node = count, (node, axes)
-
-    def check(self) -> bool:
-        """Whether a run can hold them; else record which node has most of them."""
-        if self._total <= MOST_COMBINATIONS or self._largest_node is None:
-            return True
-        node, axes = self._largest_node
-        sizes = " x ".join(f"{axis} ({len(self._axes[axis].labels):,})" for axis in axes)
-        self._problems.add(
-            node.place,
-            f"{node.name}: {_count_text(self._largest)} combinations, {sizes}; a graph may have "
-            f"{MOST_COMBINATIONS:,}, and this one has {_count_text(self._total)}",
-            "run fewer labels, as with --axis or --only, or leave an axis out",
+            for method in node.methods.values()  # a command may have left out those that gather
+            for gather in method.gathers
         )
-        return False
+        return max(sums, default=1)
 
-    def _gathered(self, source: Reference, node: GraphNode, nodes: Mapping[str, GraphNode]) -> int:
-        return self._count(axis for axis in free_axes(source, nodes) if axis in node.gathered)
-
-    def _count(self, axes: Iterable[str]) -> int:
-        return prod(len(self._axes[axis].labels) for axis in axes)
+    counts = {name: count(node.axes) * gathered(node) for name, node in nodes.items()}
+    total = sum(counts.values())
+    if total <= MOST_COMBINATIONS:
+        return True
+    node = nodes[max(counts, key=counts.__getitem__)]
+    along = (*node.axes, *node.gathered) if gathered(node) > 1 else node.axes
+    problems.add(
+        node.place,
+        f"{node.name}: {_count_text(counts[node.name])} combinations, "
+        f"{' x '.join(f'{axis} ({sizes[axis]:,})' for axis in along)}; a graph may have "
+        f"{MOST_COMBINATIONS:,}, and this one has {_count_text(total)}",
+        "run fewer labels, as with --axis or --only, or leave an axis out",
+    )
+    return False
 
 
 def _count_text(count: int) -> str:
