@@ -10,6 +10,7 @@ from typing import Literal, get_args, get_origin
 from nodegraph.errors import NodegraphError, Place, Problems, listed, nearest
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.node.decorator import Node
+from nodegraph.node.description import value_text
 from nodegraph.node.live_form import RunningForm, StateForm
 from nodegraph.node.ports import Across, Label
 from nodegraph.plan import Output, Plan, Step, StepInput, outputs_in, plan
@@ -214,7 +215,7 @@ def bounding_settings(node: Node, settings: Mapping[str, object]) -> str:
         for several in combinations(options, count):
             changed = {**settings, **dict(several)}
             if len(dict(several)) == count and node.live_lookahead(changed) is not None:
-                return ", ".join(f"{name}: {_text(value)}" for name, value in several)
+                return ", ".join(f"{name}: {value_text(value)}" for name, value in several)
     return ""
 
 
@@ -227,10 +228,6 @@ def _choices(kind: object) -> tuple[object, ...]:
     if kind is int:
         return _FRAMES
     return tuple(choice for each in get_args(kind) for choice in _choices(each))
-
-
-def _text(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _source_of(graph: Graph, name: str) -> tuple[str, str]:
@@ -456,33 +453,29 @@ class _Planner:
             node, _ = split_name(self._plan.graph, name)
             for index in dict.fromkeys(self._plan.cells[node].values()):
                 step = self._plan.steps[index]
+                way = self._way_to_cut(index)
                 if index in self._cut and self._cut[index] != _NO_BOUND:
-                    reason = f"it {self._why(index)}"
+                    needed = (f"needs {self._plan.steps[each].node}, which " for each in way[1:])
+                    reason = f"it {''.join(needed)}{self._cut[way[-1]]}"
                 elif index in self._cut or index in self._live or index == self._source.step:
                     continue
                 else:
                     reason = "it does not depend on the stream"
                 message = f"{step.node} cannot run on the stream: {reason}"
-                first = self._plan.steps[self._first_cut(index)].method.node
+                first = self._plan.steps[way[-1]].method.node
                 hint = _live_relatives(self._plan.graph, first) if first.live is None else ""
                 self._problems.add(step.method.place, message, hint)
 
-    def _why(self, index: int) -> str:
-        """Return why a step is cut off, back to the first that is: ``needs fit, which gathers``."""
-        before = self._cut_before(index)
-        if before is None:
-            return self._cut[index]
-        return f"needs {self._plan.steps[before].node}, which {self._why(before)}"
-
-    def _first_cut(self, index: int) -> int:
-        before = self._cut_before(index)
-        return index if before is None else self._first_cut(before)
-
-    def _cut_before(self, index: int) -> int | None:
-        """Return a step that feeds this one and is cut off, if any."""
-        feeds = self._plan.steps[index].inputs.values()
-        outputs = (output.step for output in outputs_in(feeds))
-        return next((step for step in outputs if step in self._cut), None)
+    def _way_to_cut(self, index: int) -> list[int]:
+        """Return a step and those that cut it off, each fed by the next, back to the first."""
+        way = [index]
+        while feeding := [
+            output.step
+            for output in outputs_in(self._plan.steps[way[-1]].inputs.values())
+            if output.step in self._cut
+        ]:
+            way.append(feeding[0])
+        return way
 
     def _place_of_axis(self, name: str) -> Place:
         spec = self._plan.graph.spec

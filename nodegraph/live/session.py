@@ -25,6 +25,7 @@ from nodegraph.equality import difference
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.numeric_threads import one_thread_each, one_thread_here
 from nodegraph.execute.run import execute
+from nodegraph.gc_pause import gc_paused
 from nodegraph.graph import Graph
 from nodegraph.live.addresses import (
     RETRY_SECONDS,
@@ -256,7 +257,8 @@ class Session:
                 stack.callback(outlet.close)
                 outlet.open(self._engine.headers[outlet.output])
             stack.enter_context(_interruptible(self.stop))
-            stack.enter_context(_without_gc())
+            gc.collect(1)  # what is left is old: the youngest are collected without it
+            stack.enter_context(gc_paused())  # which would take milliseconds by chance
             self._announce(f"{self._address}: running; an interruption (Ctrl-C) ends the stream")
             thread.start()
             self._compute()
@@ -516,16 +518,3 @@ def _interruptible(stop: Callable[[], None]) -> Iterator[None]:
     finally:
         for number in signals:
             signal.signal(number, before[number])
-
-
-@contextmanager
-def _without_gc() -> Iterator[None]:
-    """Have no garbage collected by chance, which takes milliseconds where much is alive."""
-    was_enabled = gc.isenabled()
-    gc.collect(1)  # what is left is old: the youngest are collected without it
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
