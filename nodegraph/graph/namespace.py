@@ -55,11 +55,6 @@ class Namespace:
             name: chosen_axis(name, spec.axes.get(name), choices, problems) for name in self._valued
         }
 
-    @property
-    def graph_folder(self) -> Path:
-        """The folder in which relative paths in the graph file start."""
-        return self._spec.folder
-
     def add_alternatives(self, node: str, labels: tuple[str, ...]) -> None:
         """Add the axis of a node with alternatives."""
         if node in self._choices.axes:
@@ -137,8 +132,11 @@ class Namespace:
             return None
         return value[variable.field]
 
-    def folder(self, variable: Variable) -> Path:
-        """Return where a relative path in a variable's value starts."""
+    def folder(self, written: Written) -> Path:
+        """Return where a relative path in a setting's value starts."""
+        variable = written.value
+        if not isinstance(variable, Variable):
+            return written.folder or self._spec.folder
         if self._option(variable):
             return self._choices.folders.get(variable.name, self._choices.folder)
         axis = self._spec.axes.get(variable.name)

@@ -199,7 +199,7 @@ class SettingsReader:
         except NodegraphError as error:
             self._problems.add(self._namespace.place(written), f"{where}: {error}")
             return None
-        path = shipped or self._folder(written) / text
+        path = shipped or self._namespace.folder(written) / text
         if _exists(path):
             if path.is_file() or path.is_dir():
                 return path.resolve()
@@ -211,11 +211,6 @@ class SettingsReader:
             hint = f'a pattern is an axis with a label for each file: {{files: "{text}"}}'
         self._problems.add(self._namespace.place(written), f"{where}: no such file: {text}", hint)
         return None
-
-    def _folder(self, written: Written) -> Path:
-        if isinstance(written.value, Variable):
-            return self._namespace.folder(written.value)
-        return written.folder or self._namespace.graph_folder
 
 
 def _messages(
@@ -324,12 +319,7 @@ class _NameCheck:
             for name in _names(values, self.setting):
                 for other in others:
                     if name in _names(values, other):
-                        where = method_name(self.node.name, self.method.label)
-                        place = self.method.places.get(self.setting, self.method.place)
-                        message = (
-                            f"{where}: {self.setting} and {other} share a name: {quoted(name)}"
-                        )
-                        self.problems.add(place, message)
+                        self._add(f"{self.setting} and {other} share a name: {quoted(name)}")
 
     def _check_independent(self) -> None:
         feed = self.method.inputs[self.port]
@@ -344,9 +334,9 @@ class _NameCheck:
             labels = self.graph.axes[axes[name]].labels
             known = [local for local, axis in axes.items() if axis in differing]
             if len(labels) < 2:
-                self._add(f"axis {quoted(name)} has one label, {labels[0]}")
+                self._add(f"{self.setting}: axis {quoted(name)} has one label, {labels[0]}")
             elif axes[name] not in differing:
-                message = f"the same data are treated along {quoted(name)}"
+                message = f"{self.setting}: the same data are treated along {quoted(name)}"
                 self._add(message, f"axes along which they differ: {listed(known)}")
 
     def _check_labels(self, axis_setting: str) -> None:
@@ -359,12 +349,13 @@ class _NameCheck:
                     self._add_problem("label", name, nearest(name, labels, what="labels"))
 
     def _add_problem(self, kind: str, name: str, hint: str) -> None:
-        self._add(f"port {quoted(self.port)} has no {kind} {quoted(name)}", hint)
+        message = f"{self.setting}: port {quoted(self.port)} has no {kind} {quoted(name)}"
+        self._add(message, hint)
 
     def _add(self, message: str, hint: str = "") -> None:
         where = method_name(self.node.name, self.method.label)
         place = self.method.places.get(self.setting, self.method.place)
-        self.problems.add(place, f"{where}: {self.setting}: {message}", hint)
+        self.problems.add(place, f"{where}: {message}", hint)
 
     def _values(self) -> Iterable[Mapping[str, object]]:
         return self.method.settings.values.values()

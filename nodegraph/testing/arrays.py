@@ -39,8 +39,8 @@ def first_shared(first: Values, second: Values, inputs: Values) -> str:
     """Return which array the outputs of two calls share that no input has, or an empty text."""
     pairs = zip(_arrays_of_all(first), _arrays_of_all(second), strict=False)
     for (place, array), (_, other) in pairs:
-        if _overlap(array, other) and not any(
-            _overlap(array, each) for _, each in _arrays_of_all(inputs)
+        if np.shares_memory(array, other) and not any(
+            np.shares_memory(array, each) for _, each in _arrays_of_all(inputs)
         ):
             return place
     return ""
@@ -74,9 +74,3 @@ def _parts(value: Any) -> Iterable[tuple[str, object]]:
         numbers = (column for column, kind in kinds if kind.kind in _NUMBERS)
         return ((f"[{column!r}]", value[column].to_numpy()) for column in numbers)
     return ()
-
-
-def _overlap(first: NDArray[np.generic], second: NDArray[np.generic]) -> bool:
-    return (
-        bool(first.size) and np.may_share_memory(first, second) and np.shares_memory(first, second)
-    )
