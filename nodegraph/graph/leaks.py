@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import networkx as nx
 
@@ -122,21 +122,14 @@ def _is_hidden(
 
 def _free_of(node: GraphNode, network: nx.MultiDiGraph[str]) -> Callable[[str, str], bool]:
     """Return a function that says whether an output has a source besides a node's plain outputs."""
-    truths = _truth_outputs(node)
     has_inputs = any(method.inputs for method in node.methods.values())
-    roots = {name for name, degree in network.in_degree() if not degree}
-    around: nx.DiGraph[str] = nx.DiGraph()
-    around.add_nodes_from(network)
-    around.add_edges_from(
-        (source, target)
-        for source, target, edge in network.edges(data=True)
-        if source != node.name or edge["flow"].output in truths
-    )
+    around = _around(node, network)
+    roots = {node.name, *(name for name, degree in network.in_degree() if not degree)}
     reached = roots.union(*(nx.descendants(around, root) for root in roots))
 
     def is_free(name: str, output: str) -> bool:
         if name == node.name and has_inputs:
-            return output in truths
+            return output in _truth_outputs(node)
         return name in reached
 
     return is_free
@@ -174,6 +167,19 @@ def _network(graph: Graph, flows: Iterable[_Flow]) -> nx.MultiDiGraph[str]:
     for flow in flows:
         network.add_edge(flow.source, flow.target, flow=flow)
     return network
+
+
+def _around(node: GraphNode, network: nx.MultiDiGraph[str]) -> nx.DiGraph[str]:
+    """Return a network without the ways that lead into a node, or out of its plain outputs."""
+    truths = _truth_outputs(node)
+    around: nx.DiGraph[str] = nx.DiGraph()
+    around.add_nodes_from(network)
+    around.add_edges_from(
+        (source, target)
+        for source, target, edge in network.edges(data=True)
+        if target != node.name and (source != node.name or edge["flow"].output in truths)
+    )
+    return around
 
 
 def _flows_into(name: str, network: nx.MultiDiGraph[str]) -> Iterator[_Flow]:
@@ -249,7 +255,7 @@ class _Truth:
         self._network = network
         sources = nx.ancestors(network, hiding.name) | {hiding.name}
         # in wires, from what lies upstream or from a truth output
-        self._distance = nx.multi_source_dijkstra_path_length(network, sources, weight=self._length)
+        self._distance = nx.multi_source_dijkstra_path_length(_around(hiding, network), sources)
 
     def check(self, node: GraphNode, problems: Problems) -> None:
         """Record the estimates of a scored node that the truth reaches."""
@@ -275,22 +281,11 @@ class _Truth:
         feed = f"feed it from {_any_of(self._hiding, plain)}, or " if plain else ""
         return f"{feed}declare under 'known' what a method may know"
 
-    def _length(self, source: str, target: str, edges: dict[str, Any]) -> float | None:
-        """Return None for edges that do not carry the truth: networkx ignores them."""
-        if target == self._hiding:
-            return None
-        if source == self._hiding:
-            outputs = {edge["flow"].output for edge in edges.values()}
-            return None if outputs.isdisjoint(self._outputs) else 1
-        return 1
-
     def _carriers(self, name: str) -> Iterator[_Flow]:
         """Yield the flows that carry the truth to a node."""
         for flow in _flows_into(name, self._network):
-            if flow.source == self._hiding:
-                if flow.output in self._outputs:
-                    yield flow
-            elif flow.source in self._distance:
+            is_seen = flow.source == self._hiding and flow.output not in self._outputs
+            if flow.source in self._distance and not is_seen:
                 yield flow
 
     def _way(self, last: _Flow) -> list[_Flow]:
