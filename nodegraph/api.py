@@ -20,6 +20,7 @@ from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_file
 from nodegraph.node.ports import Label
 from nodegraph.plan import plan
+from nodegraph.plugin.kind import late
 from nodegraph.plugin.registry import Registry, default_registry
 from nodegraph.store import Store
 
@@ -242,26 +243,14 @@ def _choices(
     return Choices(dict(inputs or {}), dict(axes or {}), labels)
 
 
-def _graph_html(graph: Graph) -> str:
-    from nodegraph.notebook import graph_html
-
-    return graph_html(graph)
-
-
-def _run_html(run: results.Run) -> str:
-    from nodegraph.notebook import run_html
-
-    return run_html(run)
-
-
 def show_in_notebooks() -> None:
     """Register how IPython, where it runs, shows graphs and runs."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     if shell is not None:
         html = shell.display_formatter.formatters["text/html"]
-        html.for_type(Graph, _graph_html)
-        html.for_type(results.Run, _run_html)
+        html.for_type(Graph, late("nodegraph.notebook:graph_html"))
+        html.for_type(results.Run, late("nodegraph.notebook:run_html"))
 
 
 show_in_notebooks()

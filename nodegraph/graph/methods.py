@@ -251,17 +251,18 @@ def check_requires(spec: GraphSpec, problems: Problems) -> None:
         condition = attrgetter("marker")(requirement)  # what follows a semicolon
         if condition is not None and not condition.evaluate():
             continue
-        installed = _version(requirement.name)
-        if installed is None or not requirement.specifier.contains(installed, prereleases=True):
+        installed = installed_version(requirement.name)
+        if not installed or not requirement.specifier.contains(installed, prereleases=True):
             state = f"{installed} is installed" if installed else "it is not installed"
             problems.add(place, f"requires {text}, but {state}", f"pip install '{text}'")
 
 
-def _version(name: str) -> str | None:
+def installed_version(name: str) -> str:
+    """Return the version of an installed package; empty if it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:
-        return None
+        return ""
 
 
 def deprecations(

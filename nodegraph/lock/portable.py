@@ -147,10 +147,6 @@ class FileNames:
                         "graph or with --axis"
                     )
 
-    def of(self, written: str, path: Path) -> str:
-        """Return the name of a file with this path, which is written like this in the graph."""
-        return written if self._registry.hooks.is_place(written) else relative(path, self._folder)
-
     def portable(self, value: object) -> Any:
         """Return plain data with the paths of files replaced by their names."""
         return with_leaves(value, self._renamed)
@@ -165,7 +161,8 @@ class FileNames:
                 "write it relative to the graph file, or pass it with --set INPUT=PATH, or with "
                 "--axis 'AXIS={label: PATH, ...}'"
             )
-        self._names[written] = self.of(written, path)
+        is_place = self._registry.hooks.is_place(written)
+        self._names[written] = written if is_place else relative(path, self._folder)
 
 
 def _files_of(node: str, method: Method) -> Iterator[tuple[str, str, Path]]:

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -21,6 +20,7 @@ from nodegraph.execute.resume import StoredSteps
 from nodegraph.execute.settings import Bool, Float, Int, Label, RunSettings, settings_of
 from nodegraph.formatting import name_at
 from nodegraph.graph import Graph, GraphNode, LeftOut
+from nodegraph.graph.methods import installed_version
 from nodegraph.plan import Output, Plan, Step, StepInput, skip_reason
 from nodegraph.state import State
 
@@ -31,6 +31,7 @@ CellKey = tuple[str, tuple[tuple[str, str], ...]]
 _DIGITS = 10
 """Digits of the digests of code that a record holds."""
 
+_version_of_library = cache(installed_version)
 _LIBRARIES = ("nodegraph", "numpy", "scipy", "pandas", "numba", "scikit-learn", "matplotlib")
 
 
@@ -368,21 +369,13 @@ def versions(graph: Graph) -> dict[str, str]:
     distributions = {
         method.distribution for node in graph.nodes.values() for method in node.methods.values()
     }
-    libraries = {name: _version(name) for name in _LIBRARIES}
+    libraries = {name: _version_of_library(name) for name in _LIBRARIES}
     return {
         "python": sys.version.split()[0],
         "platform": f"{platform.system()} {platform.machine()}",
         **{name: number for name, number in libraries.items() if number},
         **dict(text.rsplit(" ", 1) for text in sorted(distributions) if text),
     }
-
-
-@cache
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return ""
 
 
 def _node(node: GraphNode) -> RecordedNode:
