@@ -28,9 +28,9 @@ from nodegraph.draw.svg import svg
 from nodegraph.formatting import labels_of
 from nodegraph.graph import Gather, Graph, GraphNode
 from nodegraph.graph.axis_text import axis_unit
-from nodegraph.graph.methods import PASS
 from nodegraph.graph.model import Method
 from nodegraph.graph.pass_through import PassThrough
+from nodegraph.graphfile.keys import PASS
 from nodegraph.graphfile.spec import Reference
 from nodegraph.node.description import value_text
 from nodegraph.node.ports import Label, Port

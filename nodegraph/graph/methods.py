@@ -12,6 +12,7 @@ from typing import TypeVar
 from nodegraph.errors import Place, Problem, Problems, UnknownNodeError, nearest, quoted
 from nodegraph.graph.model import Axis, method_name, sources_of
 from nodegraph.graph.pass_through import pass_beside, public_inputs
+from nodegraph.graphfile.keys import PASS
 from nodegraph.graphfile.spec import (
     FIRST,
     GraphSpec,
@@ -25,7 +26,6 @@ from nodegraph.graphfile.spec import (
 from nodegraph.node.decorator import Node
 from nodegraph.plugin.registry import Registered, Registry
 
-PASS = "pass"
 _Reference = TypeVar("_Reference", bound=Reference)
 
 

@@ -10,13 +10,13 @@ from nodegraph.errors import GraphError, NodegraphError, UnknownNodeError
 from nodegraph.execute.resume import AUDITED
 from nodegraph.graph import Choices, Graph, build
 from nodegraph.graphfile import read_graph_text
+from nodegraph.graphfile.keys import PASS
 from nodegraph.graphfile.spec import is_graph_file
 from nodegraph.lock.lockfile import Lock
 from nodegraph.plugin.registry import Registered, Registry
 from nodegraph.runs.record import RecordedMethod
 from nodegraph.store import Store
 
-_BUILT_IN = "pass"
 _FAMILY = re.compile(r"(?<![\w.])([A-Za-z_]\w*)\.\*")
 
 
@@ -121,7 +121,7 @@ def _refuse_missing(lock: Lock, path: Path, registry: Registry) -> None:
     by_reason: dict[str, list[str]] = {}
     for method in _methods(lock):
         try:
-            if method.use != _BUILT_IN and not is_graph_file(method.use):
+            if method.use != PASS and not is_graph_file(method.use):
                 registry.find(method.full_name)
         except UnknownNodeError:
             nodes = by_reason.setdefault(_reason(registry, method), [])

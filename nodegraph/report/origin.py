@@ -10,7 +10,7 @@ from functools import cached_property
 import networkx as nx
 
 from nodegraph.execute.results import Run
-from nodegraph.graph.methods import PASS
+from nodegraph.graphfile.keys import PASS
 from nodegraph.node.ports import Across, Label
 from nodegraph.plan import Output, Step
 from nodegraph.plugin.hook_types import Detail, Placeholder, Rendered

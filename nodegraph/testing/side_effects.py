@@ -143,14 +143,11 @@ def _files_written() -> Iterator[list[str]]:
         _note_opened.is_installed = True  # type: ignore[attr-defined]
     paths: list[str] = []
     thread = threading.get_ident()
-    outer = _written_paths.get(thread)
     _written_paths[thread] = paths
     try:
         yield paths
     finally:
         del _written_paths[thread]
-        if outer is not None:
-            _written_paths[thread] = outer
 
 
 def _note_opened(event: str, arguments: tuple[object, ...]) -> None:
