@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import accumulate
 from typing import Any
 
 from nodegraph.live.running_numbers import Latest
@@ -41,19 +43,14 @@ class Latencies:
 
     def milliseconds(self) -> dict[str, float]:
         """Return quantiles and maximum, each at most 1/32 too large; nothing without latencies."""
-        total = sum(self._counts)
-        if not total:
+        seen = list(accumulate(self._counts))
+        if not seen[-1]:
             return {}
-        quantiles = {name: self._quantile(share * total) for name, share in QUANTILES.items()}
+        quantiles = {}
+        for name, share in QUANTILES.items():
+            limit = _upper(bisect_left(seen, share * seen[-1]))
+            quantiles[name] = min(limit, self._longest) / 1e6
         return {**quantiles, "max": self._longest / 1e6}
-
-    def _quantile(self, rank: float) -> float:
-        seen = 0
-        for place, count in enumerate(self._counts):
-            seen += count
-            if count and seen >= rank:
-                return min(_upper(place), self._longest) / 1e6
-        return self._longest / 1e6
 
 
 def _upper(place: int) -> float:

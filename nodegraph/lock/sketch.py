@@ -73,12 +73,8 @@ def project(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     """Estimate the root mean square difference of two arrays from their projections."""
-    differences = np.abs(first - second)
-    largest = float(differences.max())
-    if not np.isfinite(largest):
-        return np.inf
-    # divided by the largest, so that no square overflows
-    return largest * float(np.sqrt(np.mean((differences / largest) ** 2))) if largest else 0.0
+    size = math.hypot(*(first - second)) / math.sqrt(COUNT)
+    return size if math.isfinite(size) else math.inf
 
 
 def _weights(key: int, block: int, size: int) -> NDArray[np.float64]:
