@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
+from traceback import walk_tb
 from typing import Any
 
 from nodegraph.errors import NodegraphError, Refusal, message_of
@@ -288,11 +289,10 @@ class _Runner:
         """Return the payload of a frame that the step refuses, None if none is due yet."""
         if not isinstance(error, Refusal):
             raise self._error(error) from error
-        name, last = self._live.step.name, error.__traceback__
-        while last is not None and last.tb_next is not None:
-            last = last.tb_next
-        line = last and (last.tb_frame.f_code.co_filename, last.tb_lineno)
-        self._refused.add((name, line), f"{name}: {message_of(error)}")
+        name = self._live.step.name
+        *_, (frame, line) = walk_tb(error.__traceback__)
+        cause = (name, frame.f_code.co_filename, line)
+        self._refused.add(cause, f"{name}: {message_of(error)}")
         if not (self._engine.count >= self._live.behind if due is None else due):
             return None
         return self._missing if self._splits else self._missing[0]

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import copy
-import traceback
 import warnings
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +14,7 @@ from nodegraph.equality import difference
 from nodegraph.errors import Refusal
 from nodegraph.live.forms import header_of, live_state, rows_of, streamable_of
 from nodegraph.node.live_form import FrameForm, LiveForm, LiveState, RunningForm, StateForm
-from nodegraph.testing.trial import Trial
+from nodegraph.testing.trial import Trial, with_line
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -176,9 +174,7 @@ class _Stream:
         except Refusal:  # as a function may decline, so may a live form
             return True
         except Exception as error:
-            last = traceback.extract_tb(error.__traceback__)[-1]
-            where = f"{Path(last.filename).name}:{last.lineno}"
-            self._trial.add_fault(_FAILS, f"{what}: {type(error).__name__}: {error} ({where})")
+            self._trial.add_fault(_FAILS, f"{what}: {with_line(error)}")
             return False
         if streamed is None:
             return False

@@ -125,9 +125,9 @@ class Trial:
     def _declined(self, error: BaseException) -> str | None:
         """Return why the node declined this specimen, or None if its error is a fault."""
         if writes_to_locked_value(error):
-            self.add_fault(_MODIFIES_INPUTS, _with_line(error))
+            self.add_fault(_MODIFIES_INPUTS, with_line(error))
         elif fault := _error_fault(error, self.inputs):
-            self.add_fault(fault, _with_line(error))
+            self.add_fault(fault, with_line(error))
         else:
             return f"{type(error).__name__}: {error}"
         return None
@@ -145,7 +145,7 @@ class Trial:
             with side_effects(2):
                 returned = self.node.function(*self._positional(), **self.settings)
         except (Exception, SystemExit) as error:
-            self.add_fault(_FAILS_BY_POSITION, _with_line(error))
+            self.add_fault(_FAILS_BY_POSITION, with_line(error))
             return False
         repeated = self._by_port(returned)
         if repeated is None:
@@ -191,7 +191,7 @@ def _error_fault(error: BaseException, inputs: object) -> str:
     return ""
 
 
-def _with_line(error: BaseException) -> str:
+def with_line(error: BaseException) -> str:
     """Return an error with the file and line that raised it."""
     last = traceback.extract_tb(error.__traceback__)[-1]
     message = str(error) or "no message"
