@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 from nodegraph.errors import NodeError
@@ -91,16 +91,14 @@ def describe_declaration(
     """
     used = [node.defaults] if settings is None else list(settings)
     phrases = []
-    if adapted := "; ".join(
-        filter(None, dict.fromkeys(_adapted_text(node, each) for each in used))
-    ):
+    if adapted := "; ".join(_texts_of(node.adapted_from, used)):
         phrases.append(f"adapted {adapted}")
     elif node.cite and node.declaration.lookahead is not UNDECLARED:
         phrases.append("as published")
     by_default = settings is None and len(node.settings) > 0
     if used and all(len(each) == len(node.settings) for each in used):
-        frames = dict.fromkeys(_frames_text(node, each) for each in used)
-        ends = dict.fromkeys(_ends_text(node, each) for each in used)
+        frames = _texts_of(partial(_frames_text, node), used)
+        ends = _texts_of(partial(_ends_text, node), used)
         varies = by_default and callable(node.declaration.lookahead)
         phrases += _phrase("look-ahead", frames, varies=varies)
         varies = by_default and callable(node.declaration.ends)
@@ -139,32 +137,32 @@ def _live_text(node: Node) -> str:
 
 
 def _phrase(what: str, texts: Iterable[str], *, varies: bool) -> list[str]:
-    joined = " or ".join(filter(None, texts))
+    joined = " or ".join(texts)
     return [f"{what} {joined}{' by default' if varies else ''}"] if joined else []
 
 
-def _adapted_text(node: Node, settings: Mapping[str, object]) -> str:
-    try:
-        return node.adapted_from(settings)
-    except NodeError:
-        return "unknown"
+def _texts_of(
+    declared: Callable[[Mapping[str, object]], str], used: Iterable[Mapping[str, object]]
+) -> list[str]:
+    """Return each text once that is declared for some settings, ``unknown`` where that fails."""
+    texts: dict[str, None] = {}
+    for settings in used:
+        try:
+            texts[declared(settings)] = None
+        except NodeError:
+            texts["unknown"] = None
+    return list(filter(None, texts))
 
 
 def _frames_text(node: Node, settings: Mapping[str, object]) -> str:
-    try:
-        frames = node.lookahead(settings)
-    except NodeError:
-        return "unknown"
+    frames = node.lookahead(settings)
     if frames is UNDECLARED:
         return ""
     return "unbounded" if frames is None else number_of(frames, "frame")
 
 
 def _ends_text(node: Node, settings: Mapping[str, object]) -> str:
-    try:
-        return {None: "", True: "met", False: "not met"}[node.meets_ends(settings)]
-    except NodeError:
-        return "unknown"
+    return {None: "", True: "met", False: "not met"}[node.meets_ends(settings)]
 
 
 def setting_kind(node: Node, name: str) -> str:
