@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import networkx as nx
 
-from nodegraph.errors import Problems, nearest, quoted
+from nodegraph.errors import Place, Problems, nearest, quoted
 from nodegraph.graph.methods import shared_and_own
 from nodegraph.graph.model import Gather, Graph, method_name, sources_of
 from nodegraph.graph.pass_through import PassThrough, graph_stand_in
@@ -212,85 +211,70 @@ class GraphUse:
 
 def check_use(use: GraphUse, problems: Problems) -> bool:
     """Whether a node fits the graph that it uses; record why not."""
-    check = _UseCheck(use)
-    check.run()
-    problems.extend(check.problems.all())
-    return use.graph.is_valid and not check.problems
+    found = list(_misfits(use))
+    for place, message, instead in found:
+        problems.add(place, f"{use.where}: {message}", instead)
+    return use.graph.is_valid and not found
 
 
-class _UseCheck:
-    def __init__(self, use: GraphUse) -> None:
-        self.problems = Problems()
-        self._use = use
-        self._graph = use.graph
-        self._name = use.method.use
+_Misfit = tuple[Place, str, str]
+"""A place, what does not fit there, and what to write instead."""
 
-    def run(self) -> None:
-        place = self._use.method.place
-        if not self._graph.spec.outputs:
-            message = f"{self._use.where}: {self._name} has no 'outputs'"
-            self.problems.add(place, message, "write in that file: outputs: {name: node}")
-        for name, feed in self._use.wiring.items():
-            self._check_port(name, feed)
-        for name, port in self._graph.inputs.items():
-            if name not in self._use.wiring:
-                message = f"port {name}: {port.type.__name__} of {self._name} is not fed"
-                self._add(self._use.method, message, f"write in: {{{name}: node}}")
-        for name, written in self._use.settings.items():
-            self._check_setting(name, written)
-        if self._graph.is_valid:
-            self._check_fields()
-            if expands_too_far(self._graph.spec, self._use.settings):
-                message = f"with these values, the settings inside {self._name} grow without bound"
-                instead = "each of several graphs puts its input into a list or mapping again"
-                self._add(self._use.method, message, instead)
 
-    def _check_port(self, name: str, feed: Reference | Gathering) -> None:
-        port = self._graph.inputs.get(name)
+def _misfits(use: GraphUse) -> Iterator[_Misfit]:
+    """Yield what of a node does not fit the graph that it uses."""
+    graph, place, used = use.graph, use.method.place, use.method.use
+    if not graph.spec.outputs:
+        yield place, f"{used} has no 'outputs'", "write in that file: outputs: {name: node}"
+    yield from _misfits_of_wires(use)
+    for name, port in graph.inputs.items():
+        if name not in use.wiring:
+            message = f"port {name}: {port.type.__name__} of {used} is not fed"
+            yield place, message, f"write in: {{{name}: node}}"
+    yield from _misfits_of_settings(use)
+    if graph.is_valid and expands_too_far(graph.spec, use.settings):
+        message = f"with these values, the settings inside {used} grow without bound"
+        yield place, message, "each of several graphs puts its input into a list or mapping again"
+
+
+def _misfits_of_wires(use: GraphUse) -> Iterator[_Misfit]:
+    graph = use.graph
+    for name, feed in use.wiring.items():
+        port = graph.inputs.get(name)
         if port is None:
             missing = f"no input port {quoted(name)}" if name else "no input port"
-            hint = nearest(name, self._graph.inputs, what="ports")
-            if name in self._graph.spec.inputs:
+            hint = nearest(name, graph.inputs, what="ports")
+            if name in graph.spec.inputs:
                 hint = f"it is a setting: with: {{{name}: value}}"
-            self._add(feed, f"{self._name} has {missing}", hint)
+            yield feed.place, f"{use.method.use} has {missing}", hint
         elif isinstance(feed, Gathering) and not port.across:
             message = f"port {quoted(name)} takes one value, not a mapping of several"
-            self._add(feed, message, f"inside, ${name} feeds ports that do not gather")
+            yield feed.place, message, f"inside, ${name} feeds ports that do not gather"
 
-    def _check_setting(self, name: str, written: Written) -> None:
-        if name not in self._graph.spec.inputs:
-            hint = nearest(name, self._graph.spec.inputs, what="settings")
-            if name in self._graph.inputs:
+
+def _misfits_of_settings(use: GraphUse) -> Iterator[_Misfit]:
+    graph = use.graph
+    settings = settings_in(graph.spec.nodes.values())
+    read = dict.fromkeys(variable for each in settings for variable in each.variables())
+    for name, written in use.settings.items():
+        if name not in graph.spec.inputs:
+            hint = nearest(name, graph.spec.inputs, what="settings")
+            if name in graph.inputs:
                 hint = f"it is a port: in: {{{name}: node}}"
-            self._add(written, f"{self._name} has no setting {quoted(name)}", hint)
-        elif self._graph.is_valid and name not in {variable.name for variable in self._read}:
-            message = f"setting {quoted(name)} of {self._name} leads to none of its outputs"
-            self._add(written, message, "leave it out: it would change nothing")
-
-    def _check_fields(self) -> None:
-        """Check that settings have the fields that are read inside."""
-        for variable in self._read:
-            written = self._use.settings.get(variable.name)
-            if written is None:
-                continue
+            yield written.place, f"{use.method.use} has no setting {quoted(name)}", hint
+            continue
+        what = f"setting {quoted(name)} of {use.method.use}"
+        fields = [variable.field for variable in read if variable.name == name]
+        if graph.is_valid and not fields:
+            message = f"{what} leads to none of its outputs"
+            yield written.place, message, "leave it out: it would change nothing"
+        for field in fields if graph.is_valid else ():
             try:
-                field_of(written.value, variable.field)
+                field_of(written.value, field)
             except KeyError:
-                fields = list(written.value) if isinstance(written.value, dict) else []
-                what = f"setting {quoted(variable.name)} of {self._name}"
-                message = f"{what} needs {quoted(variable.field)}"
-                self._add(written, message, nearest(variable.field, fields, what="fields"))
-
-    @cached_property
-    def _read(self) -> list[Variable]:
-        """The inputs and axes that settings inside the graph name."""
-        settings = settings_in(self._graph.spec.nodes.values())
-        return list(dict.fromkeys(name for written in settings for name in written.variables()))
-
-    def _add(
-        self, part: MethodSpec | Reference | Gathering | Written, message: str, instead: str
-    ) -> None:
-        self.problems.add(part.place, f"{self._use.where}: {message}", instead)
+                known = list(written.value) if isinstance(written.value, dict) else []
+                hint = nearest(field, known, what="fields")
+                yield written.place, f"{what} needs {quoted(field)}", hint
 
 
 def field_of(value: object, name: str) -> object:
