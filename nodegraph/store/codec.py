@@ -257,11 +257,20 @@ def _decode_dict(decoder: Decoder, *plain: object) -> dict[object, object]:
     return again
 
 
-def _decode_record(kind: type, decoder: Decoder, *plain: object) -> object:
+def _decode_record(kind: type, decoder: Decoder, *plain: object) -> Any:
     values = decoder.all(plain)
     for value, hint in zip(values, _hints(kind).values(), strict=True):
         expect(value, hint)
     return kind(*values)
+
+
+def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
+    gathered: Across[object] = _decode_record(Across, decoder, *plain)
+    for labels, _ in gathered.entries:
+        expect(labels, dict)
+    for absent in gathered.absent:
+        expect(absent, Absent)
+    return gathered
 
 
 @cache
@@ -313,7 +322,7 @@ _DECODERS: dict[str, Decode] = {
     "tuple": lambda decoder, *plain: tuple(decoder.all(plain)),
     "list": lambda decoder, *plain: decoder.all(plain),
     "dict": _decode_dict,
-    "across": partial(_decode_record, Across),
+    "across": _decode_across,
     "absent": partial(_decode_record, Absent),
     "array": lambda decoder, number, *parts: decode_array(decoder.buffer(number), *parts),
     "number": lambda decoder, name, content: decode_number(name, content),
