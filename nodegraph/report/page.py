@@ -5,13 +5,13 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from html.parser import HTMLParser
 from importlib.resources import files
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from nodegraph.formatting import duration
@@ -87,38 +87,35 @@ def page(study: Study, *, server: str = _NO_SERVER) -> str:
         The script that defines the module ``server``, through which other scripts get what is not
         on the page; in a file there is none.
     """
-    own = [source(f"{name}.js") for name in (*SCRIPTS, "graph")]
-    own.append(server)
-    scripts = _once(own, (section.rendered.scripts for section in study.sections))
-    styles = _once([source("page.css")], (section.rendered.styles for section in study.sections))
-    trusted = [*(section.rendered.html for section in study.sections)]
+    shown = [section.rendered for section in study.sections]
+    scripts = [source(f"{name}.js") for name in (*SCRIPTS, "graph")]
+    trusted = [each.html for each in shown]
     trusted += [study.graph_svg, study.graph_unfolded_svg]
-    trusted += [section.rendered.lead for section in study.sections]
+    trusted += [each.lead for each in shown]
     described, kinds = descriptions(study.methods), note_kinds(study)
     shared = shared_meanings(described)
-    return (
-        templates_of("nodegraph.report")
-        .get_template("page.html")
-        .render(
-            title=study.title,
-            study=study,
-            questions=_questions(study),
-            facts=head_facts(study),
-            about=fold_facts(study),
-            methods=described,
-            shared=shared,
-            shared_texts={(setting.name, setting.meaning) for setting in shared},
-            kinds=kinds,
-            printed=printed(study),
-            failed=any(kind.kind is NoteSubject.FAILED for kind in kinds),
-            policy=policy(trusted, *scripts, connect=server != _NO_SERVER),
-            stored=sum(row.stored for row in study.timings),
-            shown=_SHOWN,
-            many=_MANY,
-            longest=_LONGEST_REASON,
-            scripts=scripts,
-            styles=styles,
-        )
+    return filled(
+        "nodegraph.report",
+        "page.html",
+        scripts=[*scripts, server, *(script for each in shown for script in each.scripts)],
+        styles=[style for each in shown for style in each.styles],
+        trusted=trusted,
+        rules={} if server == _NO_SERVER else {"connect-src": "'self'"},
+        title=study.title,
+        study=study,
+        questions=_questions(study),
+        facts=head_facts(study),
+        about=fold_facts(study),
+        methods=described,
+        shared=shared,
+        shared_texts={(setting.name, setting.meaning) for setting in shared},
+        kinds=kinds,
+        printed=printed(study),
+        failed=any(kind.kind is NoteSubject.FAILED for kind in kinds),
+        stored=sum(row.stored for row in study.timings),
+        shown=_SHOWN,
+        many=_MANY,
+        longest=_LONGEST_REASON,
     )
 
 
@@ -128,17 +125,51 @@ def standalone_page(rendered: Rendered, title: str) -> str:
     Like a report it works offline, follows the reader's colours, and runs no script but those of
     `rendered` and the modules of a report.
     """
-    own = [*(source(f"{name}.js") for name in SCRIPTS), _NO_SERVER]
-    scripts = _once(own, [rendered.scripts])
+    scripts = [source(f"{name}.js") for name in SCRIPTS]
+    return filled(
+        "nodegraph.report",
+        "standalone.html",
+        scripts=[*scripts, _NO_SERVER, *rendered.scripts],
+        styles=rendered.styles,
+        trusted=[rendered.html],
+        title=title,
+        rendered=rendered,
+    )
+
+
+def filled(
+    package: str,
+    template: str,
+    *,
+    scripts: Iterable[str],
+    styles: Iterable[str] = (),
+    trusted: Iterable[str] = (),
+    rules: Mapping[str, str] | None = None,
+    **context: Any,
+) -> str:
+    """Return a page from a template of a package that extends ``document.html``.
+
+    Parameters
+    ----------
+    package, template
+    scripts, styles
+        Each stands on the page once; the styles after that of a report.
+    trusted
+        HTML in the context whose scripts may run.
+    rules
+        See `policy`.
+    **context
+        What the template names.
+    """
+    scripts = list(dict.fromkeys(scripts))
     return (
-        templates_of("nodegraph.report")
-        .get_template("standalone.html")
+        templates_of(package)
+        .get_template(template)
         .render(
-            title=title,
-            rendered=rendered,
-            policy=policy([rendered.html], *scripts),
+            policy=policy(trusted, *scripts, rules=rules),
             scripts=scripts,
-            styles=_once([source("page.css")], [rendered.styles]),
+            styles=dict.fromkeys([source("page.css"), *styles]),
+            **context,
         )
     )
 
@@ -162,12 +193,6 @@ def _questions(study: Study) -> list[_Question]:
         results = titled(sections, f"result-{number}" if len(titles) > 1 else "result")
         questions.append(_Question(title, f"question-{number}", tuple(leads), results))
     return questions
-
-
-def _once(own: list[str], of_sections: Iterable[Iterable[str]]) -> list[Markup]:
-    """Return the page's own texts and those of its sections, each once."""
-    texts = dict.fromkeys([*own, *(text for texts in of_sections for text in texts)])
-    return [_trusted(text) for text in texts]
 
 
 @cache  # a template takes longer to compile than to fill in
@@ -239,7 +264,7 @@ def titled(sections: Iterable[Section], anchor: str = "result") -> tuple[Titled,
     )
 
 
-def policy(fragments: Iterable[str], *own: str, connect: bool = False) -> str:
+def policy(fragments: Iterable[str], *own: str, rules: Mapping[str, str] | None = None) -> str:
     """Return the content security policy of a page.
 
     Parameters
@@ -248,16 +273,15 @@ def policy(fragments: Iterable[str], *own: str, connect: bool = False) -> str:
         Trusted HTML, whose scripts may run.
     own : str
         The page's own scripts.
-    connect : bool
-        Whether they may fetch from the server of the page.
+    rules : mapping of str to str
+        Others than those of a report, which fetches nothing: ``{"connect-src": "'self'"}``.
     """
     scripts = dict.fromkeys([*own, *(script for html in fragments for script in _scripts(html))])
     allowed = " ".join(f"'sha256-{_digest(script)}'" for script in scripts) or "'none'"
-    rules = ["default-src 'none'", f"script-src {allowed}", "style-src 'unsafe-inline'"]
-    rules += ["img-src data: blob:", "media-src data: blob:", "font-src data:"]
-    rules += ["base-uri 'none'", "form-action 'none'"]
-    rules += ["connect-src 'self'"] * connect
-    return "; ".join(rules)
+    known = {"default-src": "'none'", "script-src": allowed, "style-src": "'unsafe-inline'"}
+    known |= {"img-src": "data: blob:", "media-src": "data: blob:", "font-src": "data:"}
+    known |= {"base-uri": "'none'", "form-action": "'none'", **(rules or {})}
+    return "; ".join(f"{name} {value}" for name, value in known.items())
 
 
 def _digest(script: str) -> str:

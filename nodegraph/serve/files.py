@@ -125,11 +125,11 @@ def _page(files: Sequence[ReadFile], hooks: HookResults, beside: Mapping[str, Pa
         scripts=[
             *(source(f"{name}.js") for name in SCRIPTS),
             own_source("kept.js").replace("__KEPT__", json_in_script(kept)),
-            *dict.fromkeys(script for each in rendered for script in each.scripts),
+            *(script for each in rendered for script in each.scripts),
         ],
         styles=[
             own_source("files.css"),
-            *dict.fromkeys(style for each in rendered for style in each.styles),
+            *(style for each in rendered for style in each.styles),
         ],
         trusted=[each.html for each in rendered],
     )

@@ -6,7 +6,7 @@ import asyncio
 import html
 import json
 import re
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Any
@@ -14,7 +14,7 @@ from typing import Any
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
-from nodegraph.report.page import policy, source, templates_of
+from nodegraph.report.page import filled
 
 _EVERY = 0.2
 """Seconds between two looks."""
@@ -26,28 +26,21 @@ def page_response(
     template: str,
     status: HTTPStatus = HTTPStatus.OK,
     *,
-    scripts: Sequence[str] = (),
-    styles: Sequence[str] = (),
-    trusted: Sequence[str] = (),
+    scripts: Iterable[str] = (),
+    styles: Iterable[str] = (),
+    trusted: Iterable[str] = (),
     package: str = "nodegraph.serve",
-    **context: object,
+    **context: Any,
 ) -> Response:
     """Return a page of the server's own, from a template of a package."""
-    from markupsafe import Markup
-
-    content = (
-        templates_of(package)
-        .get_template(template)
-        .render(
-            policy=policy(trusted, *scripts, connect=True).replace(
-                "form-action 'none'", "form-action 'self'"
-            ),
-            scripts=[Markup(script) for script in scripts],
-            styles=[
-                Markup(style) for style in (source("page.css"), own_source("serve.css"), *styles)
-            ],
-            **context,
-        )
+    content = filled(
+        package,
+        template,
+        scripts=scripts,
+        styles=[own_source("serve.css"), *styles],
+        trusted=trusted,
+        rules={"form-action": "'self'", "connect-src": "'self'"},
+        **context,
     )
     return html_response(content, status)
 

@@ -275,14 +275,14 @@ def _content(plan: LivePlan, shown: Sequence[_Shown], title: str, facts: Sequenc
     ]
     modules = json_in_script(list(dict.fromkeys(view.module for view in views)))
     scripts = [*(source(f"{name}.js") for name in SCRIPTS), own_source("lines.js")]
-    scripts += dict.fromkeys(script for view in views for script in view.scripts)
+    scripts += [script for view in views for script in view.scripts]
     scripts.append(
         own_source("stream.js")
         .replace("__MODULES__", modules)
         .replace("__GROUPS__", json_in_script(groups))
         .replace("__RUNNING__", json_in_script(list(_running(plan))))
     )
-    styles = dict.fromkeys(style for view in views for style in view.styles)
+    styles = (style for view in views for style in view.styles)
     response = page_response(
         "stream.html",
         title=title,

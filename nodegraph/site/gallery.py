@@ -15,7 +15,7 @@ from functools import partial
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path, PurePath
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from nodegraph.errors import NodegraphError, listed
 from nodegraph.execute.resume import open_store
@@ -23,7 +23,7 @@ from nodegraph.filenames import fold, portable_name
 from nodegraph.formatting import number_of, options_of
 from nodegraph.plugin.registry import Registry
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.page import policy, source, templates_of
+from nodegraph.report.page import filled, source
 from nodegraph.report.study import NoteSubject, Study, read_study
 from nodegraph.runs.folder import REPORT, STUDY, is_run, moved_for, runs_in
 from nodegraph.site.history import changes_between, data_of, tables
@@ -171,20 +171,15 @@ def _histories(runs: Sequence[_RunReport]) -> Iterator[tuple[str, bytes]]:
         )
 
 
-def _page(name: str, of_report: Iterable[str], **context: object) -> bytes:
+def _page(name: str, of_report: Iterable[str], **context: Any) -> bytes:
     """Return a page from its template, with its own script and style and scripts of the report."""
-    from markupsafe import Markup
-
-    scripts = [*(source(f"{each}.js") for each in of_report), _source(f"{name}.js")]
-    html = (
-        templates_of("nodegraph.site")
-        .get_template(f"{name}.html")
-        .render(
-            policy=policy([], *scripts).replace("img-src data: blob:", "img-src data: 'self'"),
-            scripts=map(Markup, scripts),
-            styles=map(Markup, [source("page.css"), _source("gallery.css")]),
-            **context,
-        )
+    html = filled(
+        "nodegraph.site",
+        f"{name}.html",
+        scripts=[*(source(f"{each}.js") for each in of_report), _source(f"{name}.js")],
+        styles=[_source("gallery.css")],
+        rules={"img-src": "data: 'self'"},
+        **context,
     )
     # an answer that names a file may hold what is not valid text
     return html.encode(errors="backslashreplace")
