@@ -30,7 +30,7 @@ from nodegraph.runs.record_files import read_record
 from nodegraph.runs.state import RunState
 from nodegraph.runs.why import Why, together
 from nodegraph.serve.progress import NodeState
-from nodegraph.serve.runs import OpenRun, OpenRuns
+from nodegraph.serve.runs import ABSENT, OpenRun, OpenRuns, version_of
 
 _PATIENCE = 20
 """Seconds in which a run ends that is interrupted; on Linux it does so after ten at most."""
@@ -70,6 +70,7 @@ class Running:
         plugins: Sequence[Path],
     ) -> None:
         self._folder = folder
+        self._events = folder / EVENTS
         self.store = store
         self.runs = OpenRuns([folder.parent], registry, store)
         self._file = str(graph)
@@ -81,7 +82,7 @@ class Running:
         self._text = ""
         self._process: subprocess.Popen[bytes] | None = None
         self._output: IO[bytes] = BytesIO()
-        self._before: object = None
+        self._before = ABSENT
         self._only: Mapping[str, str] = {}
         self._reported: Sequence[str] = ()
         self._ended = 0
@@ -133,7 +134,7 @@ class Running:
         """
         if self._is_going:
             raise NodegraphError("a run goes on; stop it first")
-        self._before = self._version()
+        self._before = version_of(self._events)
         self._text = text
         self._only = {
             axis: labels_text(plain(labels)) for axis, labels in graph.choices.only.items()
@@ -218,7 +219,7 @@ class Running:
 
     def _run(self) -> OpenRun | None:
         """Return the run, once its folder has something of it."""
-        if self._version() in (None, self._before):
+        if version_of(self._events) in (ABSENT, self._before):
             return None
         return self.runs.all().get(self._folder.name)
 
@@ -241,13 +242,6 @@ class Running:
             answer = first_answer(run.values()[0])
             if number == self._number:
                 self._answer = answer
-
-    def _version(self) -> object:
-        try:
-            status = (self._folder / EVENTS).stat()
-        except OSError:
-            return None
-        return status.st_ino, status.st_mtime_ns, status.st_size
 
     def _last_words(self) -> str:
         """Return what the command said last."""

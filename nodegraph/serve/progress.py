@@ -6,6 +6,7 @@ import json
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -34,7 +35,7 @@ _WITH_VALUE = frozenset(state.value for state in State if state.has_value)
 _MOST_BYTES = 1 << 24
 _HEAD = 1 << 16
 """Bytes with which events begin, by which runs in one folder are told apart: when each began."""
-MOST_FAILURES = 20
+_MOST_FAILURES = 20
 
 
 class StepState(NamedTuple):
@@ -127,7 +128,7 @@ def states_of(counts: Counts) -> dict[str, dict[str, NodeState]]:
 def failures_of(states: Iterable[StepState]) -> list[str]:
     """Return the first failures."""
     failed = (each for each in states if each.state == State.FAILED)
-    return [f"{each.cell.name}: {each.message}" for each in islice(failed, MOST_FAILURES)]
+    return [f"{each.cell.name}: {each.message}" for each in islice(failed, _MOST_FAILURES)]
 
 
 @dataclass
@@ -138,52 +139,40 @@ class Progress:
     ----------
     planned : dict
         The first event: title, settings, number of steps of each node.
-    last : str
-        Kind of the last event.
     seconds : float
         From the begin of the run to the last event.
-    left : int or None
-        How many steps are still to be settled; None if that is not known yet.
     to_go : float or None
         Estimated seconds to the end.
     states : dict of step to StepState
         States of the steps that have begun or ended.
-    failures : list of str
-        The first failures.
-    unreadable : int
-        Number of lines that are not events.
     """
 
     planned: dict[str, object] = field(default_factory=dict)
-    last: str = ""
     seconds: float = 0.0
-    left: int | None = None
     to_go: float | None = None
     states: dict[int, StepState] = field(default_factory=dict, repr=False)
-    failures: list[str] = field(default_factory=list)
-    unreadable: int = 0
     _counts: defaultdict[str, Counter[str]] = field(
         default_factory=lambda: defaultdict(Counter), repr=False
     )
 
     def read(self, line: bytes) -> None:
         """Take a line of the file of events."""
-        try:
+        # what is no event is passed over
+        with suppress(ValueError, TypeError, LookupError, AttributeError, RecursionError):
             self._take(
                 json.loads(line, parse_int=_finite, parse_float=_finite, parse_constant=_finite)
             )
-        except (ValueError, TypeError, LookupError, AttributeError, RecursionError):
-            self.unreadable += 1
 
     def _take(self, event: Mapping[str, Any]) -> None:
         kind, seconds = str(event["event"]), float(event["seconds"])
         if kind == EventKind.PLANNED:
             self.planned = dict(event)
         elif kind in (EventKind.PROGRESS, EventKind.INTERRUPTED):
-            self.left, self.to_go = _number(event.get("left")), _number(event.get("to_go"))
+            to_go = event.get("to_go")
+            self.to_go = to_go if isinstance(to_go, (int, float)) else None
         elif "step" in event:
             self._settle(event, RUNNING if kind == EventKind.STARTED else kind)
-        self.last, self.seconds = kind, seconds
+        self.seconds = seconds
 
     def counts(self, *, is_over: bool = False) -> Counts:
         """Return the number of steps of each node and alternative by state.
@@ -218,8 +207,6 @@ class Progress:
             _count(self._counts, before, -1)
         _count(self._counts, now, 1)
         self.states[index] = now
-        if len(self.failures) < MOST_FAILURES:
-            self.failures += failures_of([now])
 
 
 def _finite(text: str) -> float:
@@ -227,10 +214,6 @@ def _finite(text: str) -> float:
     if not math.isfinite(float(text)):
         raise ValueError(f"{text[:40]} is not a finite number")
     return float(text) if set(text) & set(".eE") else int(text)
-
-
-def _number(value: object) -> Any:
-    return value if isinstance(value, (int, float)) else None
 
 
 class EventFile:

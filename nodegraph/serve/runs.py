@@ -119,19 +119,17 @@ class OpenRun:
         elif self._quiet % _QUIET == 0:
             # seldom, as it holds for a moment the lock that a run takes when it begins
             self._state = self.condition().state
-        progress, record = self._events.progress, self._record_if_any()
+        progress, record, states = self._events.progress, self._record_if_any(), self.states()
         if record is None:
             counts: Counts = progress.counts(is_over=self._state.is_final)
-            failures = progress.failures
         else:
-            counts = {node: Counter() for node in record.nodes} | counts_of(self.states())
-            failures = failures_of(self.states())
+            counts = {node: Counter() for node in record.nodes} | counts_of(states)
         return {
             "state": self._state,
             **states_of(counts),
             "seconds": round(progress.seconds, 1),
             "to_go": progress.to_go,
-            "failures": failures,
+            "failures": failures_of(states),
         }
 
     def states(self) -> Sequence[StepState]:
@@ -161,7 +159,7 @@ class OpenRun:
         NodegraphError
             If the run has none, or it cannot be read.
         """
-        version = _version(self.folder / STUDY)
+        version = version_of(self.folder / STUDY)
         with self._lock:
             if self._study is None or self._study[0] != version:
                 self._study = version, read_study(self.folder)
@@ -175,9 +173,9 @@ class OpenRun:
         NodegraphError
             If it cannot be read.
         """
-        version = _version(self.folder / RECORD)
+        version = version_of(self.folder / RECORD)
         with self._lock:
-            if version == _ABSENT:
+            if version == ABSENT:
                 return None
             if self._record is None or self._record[0] != version:
                 self._record = version, read_record(self.folder)
@@ -214,7 +212,7 @@ class OpenRun:
             If its record cannot be read, or its graph does not fit what is installed.
         """
         record = self.record()
-        version = _version(self.folder / (EVENTS if record is None else RECORD))
+        version = version_of(self.folder / (EVENTS if record is None else RECORD))
         with self._opening:
             if self._values is None or self._values[0] != version:
                 settings, origin = (
@@ -355,15 +353,16 @@ def _store_of(settings: RunSettings, origin: Path) -> Path | None:
 
 
 _Version = tuple[int, int]
-_ABSENT = 0, 0
+ABSENT = 0, 0
+"""The version of a file that is not there."""
 
 
-def _version(path: Path) -> _Version:
+def version_of(path: Path) -> _Version:
     """Return the stamp of a file, which changes when the file is replaced or grows."""
     try:
         status = path.stat()
     except OSError:
-        return _ABSENT
+        return ABSENT
     return status.st_mtime_ns, status.st_size
 
 
@@ -412,7 +411,7 @@ class OpenRuns:
         """Return the runs by name, those that were named first, then by date, the latest first."""
         beside = sorted(
             {run for folder in self._around for run in runs_in(folder)} - {*self._named},
-            key=lambda run: _version(run / EVENTS),
+            key=lambda run: version_of(run / EVENTS),
             reverse=True,
         )
         folders = [*self._named, *beside]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.serve.progress import EventFile, states_of
+from nodegraph.serve.progress import EventFile, failures_of, states_of
 
 
 def line(kind: str, **more: object) -> bytes:
@@ -47,8 +47,8 @@ def test_steps_are_counted_by_node_alternative_and_state(path: Path) -> None:
         "1 of 2 failed, 1 waiting"
     )
     assert progress.counts(is_over=True)["fill"] == {"waiting": 2, "failed": 1}
-    assert progress.failures == ["fill(fill=hold): too far"]
-    assert (progress.left, progress.to_go, progress.last) == (2, 4, "progress")
+    assert failures_of(progress.states.values()) == ["fill(fill=hold): too far"]
+    assert (progress.to_go, progress.seconds) == (4, 1.5)
 
 
 def test_a_line_is_read_once_it_is_whole(path: Path) -> None:
