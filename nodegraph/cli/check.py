@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Collection, Container, Iterable, Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,11 +15,13 @@ from nodegraph.errors import Problems, listed
 from nodegraph.formatting import number_of
 
 if TYPE_CHECKING:
+    from nodegraph.cli.answers import PlannedNode
     from nodegraph.graph import Graph
     from nodegraph.live.plan import LivePlan
     from nodegraph.plan import Plan
 
 _MOST_USES = 4
+_HEAD = ("node", "uses", "along", "steps", "stored")
 HELP = "Validate a graph, with the files that can be read at once, and show its plan."
 
 
@@ -56,6 +58,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def check(arguments: Namespace) -> int:
     """Print the steps of a graph, and how many of them are stored."""
+    from nodegraph.cli.answers import CheckAnswer, print_json
     from nodegraph.cli.graphs import graph_of, left_out_lines, store_of
     from nodegraph.execute.preflight import check_files_and_settings
     from nodegraph.execute.resume import StoredSteps
@@ -73,14 +76,18 @@ def check(arguments: Namespace) -> int:
     problems = Problems()
     warnings = check_files_and_settings(planned, cache, problems)
     problems.raise_any()
-    if arguments.json:
-        _print_json(planned, stored, warnings)
-        return 0
-    print(f"{graph.title}\n\n{columns(list(_rows(planned, stored)))}\n")
-    print(f"{number_of(len(planned.steps), 'step')}, {len(stored):,} of them stored")
-    for line in left_out_lines(graph):
-        print(line)
     skipped = sum(len(cells) for cells in planned.skipped.values())
+    nodes, left_out = list(_nodes(planned, stored)), left_out_lines(graph)
+    answer = CheckAnswer(
+        graph.title, len(planned.steps), len(stored), skipped, nodes, left_out, warnings
+    )
+    if arguments.json:
+        print_json(answer)
+        return 0
+    print(f"{answer.title}\n\n{columns([_HEAD, *map(_row, nodes)])}\n")
+    print(f"{number_of(answer.steps, 'step')}, {answer.stored:,} of them stored")
+    for line in left_out:
+        print(line)
     if skipped:
         print(f"{number_of(skipped, 'combination')} skipped")
     for warning in warnings:
@@ -88,43 +95,19 @@ def check(arguments: Namespace) -> int:
     return 0
 
 
-def _print_json(plan: Plan, stored: Collection[int], warnings: Iterable[object]) -> None:
-    from nodegraph.cli.answers import CheckAnswer, PlannedNode, print_json
-    from nodegraph.cli.graphs import left_out_lines
+def _nodes(plan: Plan, stored: Collection[int]) -> Iterator[PlannedNode]:
+    from nodegraph.cli.answers import PlannedNode
 
-    graph = plan.graph
-    steps = {name: set(cells.values()) for name, cells in plan.cells.items()}
-    nodes = [
-        PlannedNode(
-            node.name,
-            [method.node.name for method in node.methods.values()],
-            {axis: graph.axes[axis].labels for axis in node.axes},
-            len(steps[node.name]),
-            len(steps[node.name].intersection(stored)),
-        )
-        for node in graph.nodes.values()
-    ]
-    skipped = sum(len(cells) for cells in plan.skipped.values())
-    print_json(
-        CheckAnswer(
-            graph.title,
-            len(plan.steps),
-            len(stored),
-            skipped,
-            nodes,
-            list(left_out_lines(graph)),
-            [str(warning) for warning in warnings],
-        )
-    )
-
-
-def _rows(plan: Plan, stored: Container[int]) -> Iterator[tuple[str, ...]]:
-    yield "node", "uses", "along", "steps", "stored"
     for node in plan.graph.nodes.values():
-        uses = listed((method.node.name for method in node.methods.values()), _MOST_USES)
-        along = " x ".join(f"{axis} ({len(plan.graph.axes[axis].labels)})" for axis in node.axes)
+        uses = [method.node.name for method in node.methods.values()]
+        axes = {axis: plan.graph.axes[axis].labels for axis in node.axes}
         steps = set(plan.cells[node.name].values())
-        yield node.name, uses, along, str(len(steps)), str(sum(step in stored for step in steps))
+        yield PlannedNode(node.name, uses, axes, len(steps), len(steps.intersection(stored)))
+
+
+def _row(node: PlannedNode) -> tuple[str, ...]:
+    along = " x ".join(f"{axis} ({len(labels)})" for axis, labels in node.axes.items())
+    return node.node, listed(node.uses, _MOST_USES), along, str(node.steps), str(node.stored)
 
 
 def _check_live(graph: Graph, arguments: Namespace) -> int:
