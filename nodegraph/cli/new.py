@@ -78,12 +78,7 @@ def new(arguments: Namespace) -> int:
         _check_package_name(arguments.name, registry)
     else:
         _check_file_name(arguments.name, files)
-    for path in files:
-        refuse_existing(arguments.to / path)
-    for path, text in files.items():
-        target = arguments.to / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
+    for target in _write(arguments.to, {path: text.encode() for path, text in files.items()}):
         print(f"wrote {target}")
     return 0
 
@@ -100,14 +95,19 @@ def _copy(path: Path, folder: Path) -> None:
     from nodegraph.graphfile import read_graph_file
 
     names = (path.name, *read_graph_file(path).included)
-    for name in names:
-        refuse_existing(folder / name)
-    for name in names:
-        target = folder / name
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes((path.parent / name).read_bytes())
-    first = folder / path.name
+    first, *_ = _write(folder, {Path(name): (path.parent / name).read_bytes() for name in names})
     print(f"wrote {first}; run it with: nodegraph run {first}")
+
+
+def _write(folder: Path, files: Mapping[Path, bytes]) -> list[Path]:
+    """Write files into a folder, all of them or none, and return where they are."""
+    targets = {folder / path: content for path, content in files.items()}
+    for target in targets:
+        refuse_existing(target)
+    for target, content in targets.items():
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
+    return list(targets)
 
 
 def _check_package_name(name: str, registry: Registry) -> None:
