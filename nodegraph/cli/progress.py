@@ -7,7 +7,7 @@ import sys
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from nodegraph.execute.events import Event, EventKind
@@ -41,13 +41,13 @@ def progress(*, quiet: bool = False) -> Iterator[Display]:
     quiet
         Whether to show nothing but steps that fail.
     """
-    if sys.stderr.isatty() and not quiet:
-        with _bar() as bar, bar.closing():
-            yield bar
-    else:
-        lines = _Quiet() if quiet else _Lines()
-        with lines.closing():
-            yield lines
+    with ExitStack() as ending:
+        if sys.stderr.isatty() and not quiet:
+            display: Display = ending.enter_context(_bar())
+        else:
+            display = _Quiet() if quiet else _Lines()
+        ending.callback(display.close)
+        yield display
 
 
 class Display(ABC):
@@ -74,14 +74,10 @@ class Display(ABC):
     def show(self, event: Event) -> None:
         """Show what an event says of the whole run."""
 
-    @contextmanager
-    def closing(self) -> Iterator[None]:
+    def close(self) -> None:
         """Show at the end, also of an interrupted run, how many more steps failed."""
-        try:
-            yield
-        finally:
-            for kind, count in self._more.items():
-                self.say(f"and {count} more {kind}")
+        for kind, count in self._more.items():
+            self.say(f"and {count} more {kind}")
 
     def settled(self, detail: Mapping[str, Any]) -> tuple[int, int]:
         """Return the number of ended steps and of all steps, both without unneeded ones."""

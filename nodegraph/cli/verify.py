@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from nodegraph.cli.answers import Repeated
     from nodegraph.execute.results import Run
     from nodegraph.graph import Graph
-    from nodegraph.lock.conclusions import Reported
     from nodegraph.lock.lockfile import Lock
     from nodegraph.runs.compare import Agreements
     from nodegraph.runs.record import RecordedStep
@@ -66,10 +65,12 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def verify(arguments: Namespace) -> int:
     """Run a study, and print how far its results agree with its lock, or when repeated."""
+    from tempfile import TemporaryDirectory
+
     from nodegraph.cli.graphs import graph_of, run_of
     from nodegraph.execute.resume import open_store
     from nodegraph.lock.lockfile import is_lock, read_lock
-    from nodegraph.lock.restore import edited_files, unlocked
+    from nodegraph.lock.restore import StoreWithoutResults, edited_files, unlocked
     from nodegraph.plugin.registry import Registry
 
     path = arguments.lock
@@ -85,7 +86,11 @@ def verify(arguments: Namespace) -> int:
     if arguments.repeat:
         return _repeat(arguments, graph)
     store = open_store(registry, arguments.store, say)
-    with _store_for_run(store, rerun=arguments.rerun) as run_store:
+    with ExitStack() as ending:
+        run_store = store
+        if arguments.rerun:
+            folder = ending.enter_context(TemporaryDirectory(prefix="nodegraph-"))
+            run_store = StoreWithoutResults(Path(folder), store, say)
         run = run_of(arguments, graph, store=run_store)
         status = _compare(lock, path, run, store, as_json=arguments.json)
         if not arguments.rerun:
@@ -93,23 +98,10 @@ def verify(arguments: Namespace) -> int:
         return status
 
 
-@contextmanager
-def _store_for_run(store: Store, *, rerun: bool) -> Iterator[Store]:
-    from tempfile import TemporaryDirectory
-
-    from nodegraph.lock.restore import StoreWithoutResults
-
-    if not rerun:
-        yield store
-        return
-    with TemporaryDirectory(prefix="nodegraph-") as folder:
-        yield StoreWithoutResults(Path(folder), store, say)
-
-
 def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -> int:
     """Print the verdict and the reasons for it; return the exit status."""
     from nodegraph.cli.answers import VerifyAnswer, print_json
-    from nodegraph.lock.conclusions import conclusion_changes, reported_by
+    from nodegraph.lock.conclusions import conclusion_changes, reported_by, table_changes
     from nodegraph.lock.grade import BySketch, changes_everywhere, outcome_of
     from nodegraph.lock.portable import FileNames, portable
     from nodegraph.lock.results import Results
@@ -125,7 +117,8 @@ def _compare(lock: Lock, path: Path, run: Run, store: Store, *, as_json: bool) -
     everywhere = list(changes_everywhere(lock.record, now))
     stores = StoredValues(store), StoredValues(run.cache.store if run.cache else store)
     found = origins(agreements, run.plan.graph.registry, stores)
-    tables = list(_table_changes(lock, agreements, reported))
+    # where no result is beyond the tolerance, tables changed by rounding alone
+    tables = list(table_changes(lock.tables, reported, lock.tolerance) if agreements.beyond else ())
     if as_json:
         print_json(
             VerifyAnswer(
@@ -197,15 +190,6 @@ def _unexplained(run: Run, recorded: RecordedStep) -> str:
     doubt = run.cache.distrusted(step) if run.cache else ""
     reason = f", and {doubt}" if doubt else ": another processor, or a method that varies"
     return f"code, settings, files and libraries are the same{reason}"
-
-
-def _table_changes(lock: Lock, agreements: Agreements, reported: list[Reported]) -> Iterator[str]:
-    """Yield how the numbers of tables changed, if by more than rounding."""
-    from nodegraph.lock.conclusions import table_changes
-
-    if agreements.beyond:
-        changed = table_changes(lock.tables, reported, lock.tolerance)
-        yield from changed
 
 
 def _repeat(arguments: Namespace, graph: Graph) -> int:
