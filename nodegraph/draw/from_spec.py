@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from nodegraph.draw.from_graph import socket_of
 from nodegraph.draw.picture import Alternative, Arrow, Box, Picture, Socket
-from nodegraph.errors import Problems, UnknownNodeError
+from nodegraph.errors import Problems
 from nodegraph.graph.used_graphs import UsedGraphs
 from nodegraph.graphfile.spec import GraphSpec, NodeSpec, Reference
 from nodegraph.node.decorator import Node
@@ -38,12 +38,8 @@ def _installed(node: NodeSpec, registry: Registry, graphs: Mapping[str, Node]) -
     for method in node.methods:
         if method.use in graphs:
             return graphs[method.use]
-        family = registry.family(method.use[:-2]) if method.use.endswith(".*") else {}
-        try:
-            registered = next(iter(family.values()), None) or registry.find(method.use)
-        except UnknownNodeError:
-            continue
-        return registered.node
+        if used := registry.used(method.use):
+            return used[0].node
     return None
 
 

@@ -12,7 +12,7 @@ import networkx as nx
 
 from nodegraph.edit.actions import check_new_name
 from nodegraph.edit.document import Change, Document, Path, value_at
-from nodegraph.edit.uses import Role, Use, mapping, nodes_of, pattern_of, uses
+from nodegraph.edit.uses import Role, Use, free_name, mapping, nodes_of, pattern_of, uses
 from nodegraph.errors import quoted
 from nodegraph.graphfile.keys import FORMAT
 from nodegraph.graphfile.reader import read_graph_text
@@ -181,7 +181,7 @@ class _Move:
         feeds: dict[str, str] = {}
         for feed in self._entering:
             port = _text_at(self._data, feed.use.path).removeprefix("$").replace(".", "_")
-            feeds.setdefault(feed.source, _free(port, {*feeds.values(), *self._nodes}))
+            feeds.setdefault(feed.source, free_name(port, {*feeds.values(), *self._nodes}))
         return feeds
 
     def _values(self) -> dict[str, object]:
@@ -201,7 +201,7 @@ class _Move:
         for use in self._outside:
             if use.role is Role.SOURCE and use.name in self._nodes:
                 source = _text_at(self._data, use.path)
-                outputs.setdefault(source, _free(source.replace(".", "_"), outputs.values()))
+                outputs.setdefault(source, free_name(source.replace(".", "_"), outputs.values()))
         if not outputs:
             outputs[self._nodes[-1]] = self._nodes[-1]
         return outputs
@@ -255,15 +255,6 @@ class _Move:
                 message = f"{use.path[1]} names the axis {quoted(use.name)}, which stays outside"
                 parent = use.path[:-1] if use.is_key else use.path
                 raise self._document.error(self._document.find(parent), message)
-
-
-def _free(name: str, taken: Collection[str]) -> str:
-    """Return a name, with a number if it is taken."""
-    number = 2
-    free = name
-    while free in taken:
-        free, number = f"{name}_{number}", number + 1
-    return free
 
 
 def _text_at(data: Any, path: Path) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from enum import Enum, auto
+from itertools import chain, count
 from typing import Any, NamedTuple
 
 from nodegraph.edit.document import Path
@@ -174,6 +175,12 @@ def _keys(path: Path, item: object) -> Iterator[Use]:
 def _text(path: Path, text: object, role: Role) -> Iterator[Use]:
     if isinstance(text, str) and (match := _NAME.match(text)):
         yield Use(path, match[1], role)
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """Return a name, with a number if it is taken."""
+    numbered = (f"{name}_{number}" for number in count(2))
+    return next(each for each in chain([name], numbered) if each not in taken)
 
 
 def mapping(value: object) -> dict[Any, Any]:

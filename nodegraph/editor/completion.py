@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from nodegraph.editor.outline import ITEM, Cursor, Outline, Path, cursor_in, outline_of
-from nodegraph.errors import UnknownNodeError
 from nodegraph.graphfile.keys import (
     FIXED_REFERENCE,
     METHOD,
@@ -67,16 +66,7 @@ def about(text: str, index: int, registry: Registry) -> Option | None:
 
 def registered_of(uses: Iterable[str], registry: Registry) -> list[Registered]:
     """Return the installed nodes that are used by these names, or families."""
-    found: dict[str, Registered] = {}
-    for use in uses:
-        if use.endswith(".*"):
-            found |= {each.full_name: each for each in registry.family(use[:-2]).values()}
-            continue
-        try:
-            each = registry.find(use)
-        except UnknownNodeError:
-            continue
-        found[each.full_name] = each
+    found = {each.full_name: each for use in uses for each in registry.used(use)}
     return list(found.values())
 
 

@@ -6,12 +6,11 @@ import inspect
 import pathlib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from itertools import chain, count
 from typing import Any
 
 from nodegraph import edit
 from nodegraph.edit.document import Document, Path, value_at
-from nodegraph.edit.uses import mapping, nodes_of, shown_at
+from nodegraph.edit.uses import free_name, mapping, nodes_of, shown_at
 from nodegraph.editor.links import Links
 from nodegraph.errors import GraphError, NodegraphError, nearest
 from nodegraph.graph.option_text import read_axis, read_value
@@ -124,8 +123,7 @@ class Edits:
         alternatives = mapping(entry).get("alternatives")
         taken = {label_of(each.name) for each in nodes_of(entry, self._registry)}
         taken |= {str(each) for each in mapping(alternatives)}
-        numbers = (f"{label}_{number}" for number in count(2))
-        return next(each for each in chain([label], numbers) if each not in taken)
+        return free_name(label, taken)
 
     def _remove_alternative(self, text: str, *, node: str, label: str) -> str:
         return edit.remove_alternative(text, node, label, file=self._file)

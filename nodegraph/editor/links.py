@@ -99,9 +99,9 @@ class Links:
             reason = f"{other} reads {name}" if other in after else ""
             if not outputs:
                 yield {"source": other, "type": "", "reason": reason}
-            for output in outputs:
+            for wire, output in outputs.items():
                 yield {
-                    "source": f"{other}.{output.name}" if len(outputs) > 1 else other,
+                    "source": wire,
                     "type": output.kind,
                     "reason": reason or mismatch(output, target) or "",
                 }
@@ -145,9 +145,8 @@ class Links:
         nodes = self.of(use)
         outputs = self._outputs(name)
         for place, target in enumerate(nodes[0].inputs if nodes else ()):
-            for each in outputs:
+            for wire, each in outputs.items():
                 if output in ("", each.name) and not mismatch(each, _as_fed(target, nodes[0])):
-                    wire = f"{name}.{each.name}" if len(outputs) > 1 else name
                     return wire if place == 0 else {target.name: wire}
         return None
 
@@ -169,10 +168,9 @@ class Links:
         wires = {**mapping(first)} or {node.inputs[0].name: first}
         for target in node.inputs:
             fits = [
-                f"{name}.{output.name}" if len(outputs) > 1 else name
+                wire
                 for name in self.nodes
-                for outputs in [self._outputs(name)]
-                for output in outputs
+                for wire, output in self._outputs(name).items()
                 if output.truth == target.truth and not mismatch(output, target)
             ]
             if target.name not in wires and not target.optional and len(fits) == 1:
@@ -183,16 +181,19 @@ class Links:
         """Return the node of an output of a box, the output as a link names it, and its port."""
         name, _, inside = box.partition(".")
         outputs = self._outputs(name)
-        for port in outputs:
+        for wire, port in outputs.items():
             if port.name == (inside or output):
-                return name, f"{name}.{port.name}" if len(outputs) > 1 else name, port
+                return name, wire, port
         message = f"{quoted(box)} is part of a graph of its own"
-        hint = f"outside it are {', '.join(port.name for port in outputs)}" if outputs else ""
+        names = ", ".join(port.name for port in outputs.values())
+        hint = f"outside it are {names}" if names else ""
         raise self.document.error(0, message, hint)
 
-    def _outputs(self, name: str) -> tuple[Port, ...]:
+    def _outputs(self, name: str) -> dict[str, Port]:
+        """Return the outputs of a node, as links name them."""
         used = self.of(self.nodes.get(name))
-        return used[0].outputs if used else ()
+        outputs = used[0].outputs if used else ()
+        return {f"{name}.{port.name}" if len(outputs) > 1 else name: port for port in outputs}
 
     def _linked(self, name: str, *, forward: bool) -> set[str]:
         """Return the nodes that read a node, directly or not; or those that it reads."""

@@ -70,29 +70,27 @@ class _Panel:
         self._entry = mapping(links.entry(name))
         self._used = links.of(links.entry(name))
         self._data = links.document.data
+        listed = self._entry.get("alternatives")
+        names = listed if isinstance(listed, list) else []
+        self._methods = {label_of(str(use)): {"use": use} for use in names} or mapping(listed)
 
     def data(self) -> Data:
-        alternatives = self._entry.get("alternatives")
         return {
             "name": self._name,
             "is_shown": bool(shown_at(self._data, self._name)),
             "sections": list(self._sections()),
             "ports": list(self._ports()),
             "rivals": self._rivals(),
-            "alternatives": self._labels(alternatives),
+            "alternatives": [str(label) for label in self._methods],
         }
 
     def _sections(self) -> Iterator[Data]:
         """Yield the methods, each with a form, and that of the settings which they share."""
         path = ["nodes", self._name]
-        alternatives = self._entry.get("alternatives")
-        methods = mapping(alternatives)
-        if isinstance(alternatives, list):
-            methods = {label_of(str(use)): {"use": use} for use in alternatives}
-        for label, method in methods.items():
+        for label, method in self._methods.items():
             used = self._links.of(method if mapping(method).get("use") else label)
             yield self._section(str(label), [*path, "alternatives", label], used[:1], method)
-        if alternatives is None:
+        if self._entry.get("alternatives") is None:
             yield self._section("", path, self._used[:1], self._entry)
         elif self._used:
             yield self._section("all alternatives", path, self._used, self._entry)
@@ -193,12 +191,6 @@ class _Panel:
             if not needed.optional and needed.name not in fed:
                 return f"nothing feeds its port {needed.name}"
         return ""
-
-    def _labels(self, alternatives: object) -> list[str]:
-        """Return the labels of the alternatives that can be removed."""
-        if isinstance(alternatives, list):
-            return [label_of(str(use)) for use in alternatives]
-        return [str(label) for label in mapping(alternatives)]
 
 
 def _shared(texts: Iterable[str]) -> str:

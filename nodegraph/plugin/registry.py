@@ -136,6 +136,15 @@ class Registry:
                     methods[label] = registered
         return methods
 
+    def used(self, name: str) -> list[Registered]:
+        """Return the nodes for which ``use: name`` stands, of ``family.*`` all; none if unknown."""
+        if name.endswith(".*"):
+            return list(self.family(name[:-2]).values())
+        try:
+            return [self.find(name)]
+        except UnknownNodeError:
+            return []
+
     @property
     def families(self) -> tuple[str, ...]:
         """The first words of the nodes' names."""
