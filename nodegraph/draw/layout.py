@@ -116,7 +116,8 @@ class Area:
                     sizes[bend] = _BEND
                 ways[wire].append((bend, ""))
             ways[wire].append(wire[1])
-        pieces = _pieces(ways.values(), sizes)
+        ends = dict.fromkeys(piece for way in ways.values() for piece in pairwise(way))
+        pieces = [_piece(sizes, *each) for each in ends]
         ordered = _ordered([*filter(None, columns)], sizes, pieces)
         tops = _settled(ordered, sizes, pieces)
         lanes = [_lanes(gap, tops) for gap in _gaps(ordered, pieces)]
@@ -252,11 +253,6 @@ def _piece(sizes: Mapping[Cell, Size], begin: End, end: End) -> _Piece:
     (left, port), (right, right_port) = begin, end
     begins, ends = dict(sizes[left].outputs), dict(sizes[right].inputs)
     return _Piece(left, begins[port], right, ends[right_port])
-
-
-def _pieces(ways: Iterable[Sequence[End]], sizes: Mapping[Cell, Size]) -> list[_Piece]:
-    ends = dict.fromkeys(piece for way in ways for piece in pairwise(way))
-    return [_piece(sizes, *each) for each in ends]
 
 
 def _gaps(columns: Iterable[Iterable[Cell]], pieces: Iterable[_Piece]) -> list[list[_Piece]]:
@@ -830,22 +826,20 @@ def _way(link: _Link, frames: Mapping[str, Frame]) -> list[tuple[Frame, Wire]]:
     common = sum(takewhile(bool, same))
     line = (link.source, link.source_port)  # which all arrows that leave this port share
 
-    def begin(depth: int) -> End:
-        if depth == len(source):
-            return ("box", link.source), link.source_port
-        return ("frame", source[: depth + 1]), line
+    def end(name: str, port: str, frame: Frame, depth: int) -> End:
+        """Return the end of a wire in the box, or at the frame around it, of this depth."""
+        if depth == len(frame):
+            return ("box", name), port
+        return ("frame", frame[: depth + 1]), line
 
-    def end(depth: int) -> End:
-        if depth == len(target):
-            return ("box", link.target), link.target_port
-        return ("frame", target[: depth + 1]), line
-
+    begin = partial(end, link.source, link.source_port, source)
+    end_at = partial(end, link.target, link.target_port, target)
     outwards = range(len(source), common, -1)
     inwards = range(common + 1, len(target) + 1)
     return [
         *((source[:depth], (begin(depth), (("exit", line), ""))) for depth in outwards),
-        (source[:common], (begin(common), end(common))),
-        *((target[:depth], ((("entry", line), ""), end(depth))) for depth in inwards),
+        (source[:common], (begin(common), end_at(common))),
+        *((target[:depth], ((("entry", line), ""), end_at(depth))) for depth in inwards),
     ]
 
 

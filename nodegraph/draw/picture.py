@@ -213,30 +213,12 @@ class Arrow:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A whole drawing, with what is compared: ``6 alternatives of align, for each actor (8)``.
-
-    Raises
-    ------
-    ValueError
-        If two boxes share a name, or an arrow begins or ends at a port that is not drawn.
-    """
+    """A whole drawing, with what is compared: ``6 alternatives of align, for each actor (8)``."""
 
     title: str
     boxes: tuple[Box, ...]
     arrows: tuple[Arrow, ...] = ()
     combinations: str = ""
-
-    def __post_init__(self) -> None:
-        twice = [
-            name for name, count in Counter(box.name for box in self.boxes).items() if count > 1
-        ]
-        if twice:
-            raise ValueError(f"several boxes are named {twice[0]!r}; each needs its own name")
-        outputs = {box.name: [each.name for each in box.outputs] for box in self.boxes}
-        inputs = {box.name: [each.name for each in box.inputs] for box in self.boxes}
-        for arrow in self.arrows:
-            _check_end(arrow, arrow.source, arrow.source_port, outputs)
-            _check_end(arrow, arrow.target, arrow.target_port, inputs)
 
 
 def origins(picture: Picture) -> list[str]:
@@ -252,14 +234,6 @@ def origins(picture: Picture) -> list[str]:
         else arrow.source
         for arrow in picture.arrows
     ]
-
-
-def _check_end(arrow: Arrow, box: str, port: str, ports: dict[str, list[str]]) -> None:
-    if box not in ports:
-        raise ValueError(f"arrow {arrow}: no box is named {box!r}; there is {', '.join(ports)}")
-    if port not in ports[box]:
-        there = ", ".join(ports[box]) or "none"
-        raise ValueError(f"arrow {arrow}: {box!r} has no such port {port!r}; there is {there}")
 
 
 def folded(picture: Picture) -> Picture:

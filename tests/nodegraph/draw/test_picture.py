@@ -2,30 +2,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import pytest
-
 from nodegraph.draw import Alternative, Arrow, Axis, Box, Picture, Socket
 from nodegraph.draw.picture import folded
-
-BOXES = (Box("a", outputs=(Socket("out"),)), Box("b", inputs=(Socket("in"),)))
-
-
-@pytest.mark.parametrize(
-    ("arrow", "message"),
-    [
-        (Arrow("c", "out", "b", "in"), "no box is named 'c'; there is a, b"),
-        (Arrow("a", "out", "b", "on"), "'b' has no such port 'on'; there is in"),
-        (Arrow("b", "out", "a", "in"), "'b' has no such port 'out'; there is none"),
-    ],
-)
-def test_an_arrow_needs_its_ends(arrow: Arrow, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Picture("wrong", BOXES, (arrow,))
-
-
-def test_names_are_unique() -> None:
-    with pytest.raises(ValueError, match="several boxes are named 'a'"):
-        Picture("twice", (*BOXES, Box("a")))
 
 
 def test_an_arrow_as_text() -> None:
