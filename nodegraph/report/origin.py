@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict, defaultdict
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import networkx as nx
 
@@ -39,7 +39,6 @@ class RunOrigin:
     labels: Mapping[str, Label]
     caption: str = ""
     answer: tuple[str | Placeholder, ...] = ()
-    _values: OrderedDict[Output, object] = field(default_factory=OrderedDict, repr=False)
 
     def detail(self, value: object) -> Detail | None:
         """Return the view of single blocks whose scores read such a value; None without one."""
@@ -118,10 +117,7 @@ class RunOrigin:
         gathered = self._gathered or ()
         return {tuple(labels.values()): output for labels, output in gathered}
 
-    def _value(self, output: Output) -> object:
-        if output not in self._values:
-            self._values[output] = self.run.values_of(output.step)[output.position]
-        self._values.move_to_end(output)
-        while len(self._values) > _MOST_VALUES:
-            self._values.popitem(last=False)
-        return self._values[output]
+    @cached_property
+    def _value(self) -> Callable[[Output], object]:
+        run = self.run  # a reference to the origin would keep its values in memory
+        return lru_cache(_MOST_VALUES)(lambda output: run.values_of(output.step)[output.position])
