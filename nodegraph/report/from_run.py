@@ -140,14 +140,10 @@ def _numbers(shown: _Shown) -> Iterator[str]:
             yield section.node
 
 
-def _with_titles(sections: Iterable[Section]) -> Iterator[Section]:
+def _with_titles(sections: Sequence[Section]) -> Iterator[Section]:
     """Yield sections with a heading: of another output of the node, or the name in the graph."""
-    listed = list(sections)
-    titles: dict[str, str] = {}
-    for section in listed:
-        if section.title:
-            titles.setdefault(section.node, section.title)
-    for section in listed:
+    titles = {each.node: each.title for each in reversed(sections) if each.title}
+    for section in sections:
         title = section.title or titles.get(section.node) or _heading(section)
         yield replace(section, title=title)
 

@@ -35,7 +35,7 @@ def merged(studies: Mapping[str, Study]) -> Study:
         sections=numbered(_sections(studies)),
         graph_svg=first.graph_svg,
         graph_unfolded_svg=first.graph_unfolded_svg,
-        axes=first.axes if _equal(study.axes for study in studies.values()) else (),
+        axes=first.axes if len({study.axes for study in studies.values()}) == 1 else (),
         inputs=tuple(_inputs(studies)),
         known=tuple(dict.fromkeys(port for study in studies.values() for port in study.known)),
         methods=tuple(dict.fromkeys(row for study in studies.values() for row in study.methods)),
@@ -126,7 +126,7 @@ def _inputs(studies: Mapping[str, Study]) -> Iterator[SettingRow]:
         rows = {
             run: row for run, study in studies.items() for row in study.inputs if row.name == name
         }
-        if _equal(rows.values()) and len(rows) == len(studies):
+        if len({*rows.values()}) == 1 and len(rows) == len(studies):
             yield next(iter(rows.values()))
         else:
             yield from (replace(row, name=f"{name} ({run})") for run, row in rows.items())
@@ -142,11 +142,6 @@ def _joined(separator: str, studies: Mapping[str, Study], field: str) -> str:
     """Return the different texts of a field, joined."""
     texts = dict.fromkeys(getattr(study, field) for study in studies.values())
     return separator.join(text for text in texts if text)
-
-
-def _equal(values: Iterable[object]) -> bool:
-    first, *rest = values
-    return all(value == first for value in rest)
 
 
 def _with_name(name: str, labels: str) -> str:

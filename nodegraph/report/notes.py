@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -47,8 +48,7 @@ def step_notes(run: Run) -> tuple[StepNote, ...]:
     """Return a note for everything in a run that failed, was left out, or gave a warning."""
     return (
         *_settled(run),
-        *_left_out_by_plan(run),
-        *_left_out_by_command(run),
+        *_left_out(run),
         *_noticed(run),
         *_warned(run),
     )
@@ -68,18 +68,15 @@ def _settled(run: Run) -> Iterator[StepNote]:
         )
 
 
-def _left_out_by_plan(run: Run) -> Iterator[StepNote]:
-    for reason, counts in run.plan.skipped_together().items():
+def _left_out(run: Run) -> Iterator[StepNote]:
+    """Yield notes on combinations that are not planned, and on nodes that are not in the run."""
+    nodes = run.plan.graph.left_out_together()
+    counts = [*run.plan.skipped_together().items()]
+    counts += [(reason, Counter(names)) for reason, names in nodes.items()]
+    for reason, count in counts:
         yield StepNote(
-            ", ".join(counts), "", reason, NoteSubject.LEFT_OUT, count=sum(counts.values())
+            ", ".join(count), "", reason, NoteSubject.LEFT_OUT, count=sum(count.values())
         )
-
-
-def _left_out_by_command(run: Run) -> Iterable[StepNote]:
-    return (
-        StepNote(", ".join(nodes), "", reason, NoteSubject.LEFT_OUT, count=len(nodes))
-        for reason, nodes in run.plan.graph.left_out_together().items()
-    )
 
 
 def _noticed(run: Run) -> Iterable[StepNote]:
