@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING
@@ -81,6 +81,7 @@ def add_hold(parser: ArgumentParser) -> None:
 
 def live(arguments: Namespace) -> int:
     """Run a graph on a stream until it ends or is interrupted, and print what was counted."""
+    from nodegraph.cli.browser import show
     from nodegraph.cli.graphs import graph_of, store_of
     from nodegraph.live.session import session_of
 
@@ -97,7 +98,12 @@ def live(arguments: Namespace) -> int:
     )
     for line in lines_on(session.plan):
         say(line)
-    with _page_of(session, graph.title, arguments) as page:
+    with ExitStack() as ending:
+        page = None
+        if arguments.open:
+            page = ending.enter_context(_page_of(session, graph.title, arguments))
+            say(f"{page.address}\nopen this address in one browser")
+            show(page.address)
         error = None
         try:
             session.run()
@@ -131,21 +137,14 @@ def live(arguments: Namespace) -> int:
     return 0
 
 
-@contextmanager
-def _page_of(session: Session, title: str, arguments: Namespace) -> Iterator[StreamPage | None]:
-    """Show a session on a page, if that was asked for."""
-    if not arguments.open:
-        yield None
-        return
-    from nodegraph.cli.browser import needing_pages, show
+def _page_of(session: Session, title: str, arguments: Namespace) -> StreamPage:
+    """Return a page that shows a session."""
+    from nodegraph.cli.browser import needing_pages
 
     with needing_pages():
         from nodegraph.serve.stream import StreamPage
     facts = (Path(arguments.graph).name, arguments.source, f"policy {arguments.policy}")
-    with StreamPage(session, title, facts, say) as page:
-        say(f"{page.address}\nopen this address in one browser")
-        show(page.address)
-        yield page
+    return StreamPage(session, title, facts, say)
 
 
 def lines_on(plan: LivePlan) -> Iterator[str]:
