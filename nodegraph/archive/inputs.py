@@ -92,7 +92,8 @@ def files_read(
             continue
         path = _located(written, digest, folders, digests)
         stays = _stays(written, reserved) and (path is None or path == folders[0] / written)
-        same = next((file for file in files if path and _is_same(file.path, path)), None)
+        there = path and path.resolve()
+        same = next((file for file in files if file.path and file.path.resolve() == there), None)
         name = same.name if same is not None else _name(written, used, stays=stays)
         files.append(ArchivedInput(written, digest, name, path))
     return tuple(files)
@@ -133,10 +134,6 @@ def _located(
         except (OSError, ValueError):  # the text in a record may not be a valid path
             continue
     return None
-
-
-def _is_same(path: Path | None, other: Path) -> bool:
-    return path is not None and path.resolve() == other.resolve()
 
 
 def free_name(name: str, used: set[str]) -> str:

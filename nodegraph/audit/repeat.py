@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from tempfile import TemporaryDirectory
-from types import TracebackType
 
 from nodegraph.audit.drift import CallResult
 from nodegraph.errors import NodegraphError
@@ -71,14 +70,9 @@ class Repeats:
         self._open.enter_context(one_thread_each())
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         if self._worker is not None:
-            self._worker.close() if kind is None else self._worker.kill()
+            self._worker.close()
         self._open.close()
 
     def case(self, index: int) -> Case:
