@@ -54,40 +54,6 @@ def crate_metadata(contents: Contents) -> bytes:
     return contents.relocation.encoded(text) + b"\n"
 
 
-class _Entities:
-    """The entities of a crate."""
-
-    def __init__(self) -> None:
-        try:
-            from rocrate.rocrate import ROCrate
-        except ModuleNotFoundError as error:
-            if (error.name or "").partition(".")[0] != "rocrate":
-                raise
-            raise NodegraphError(
-                "archives need rocrate; pip install 'nodegraph[archive]'"
-            ) from error
-        self.crate = ROCrate(version=_VERSION)
-
-    def add(self, identifier: str, kind: str, **properties: object) -> object:
-        """Return the entity with an identifier, which is added unless it exists."""
-        from rocrate.model import ContextEntity
-
-        entity = self.crate.get(identifier)
-        if entity is not None:
-            return entity
-        return self.crate.add(ContextEntity(self.crate, identifier, {"@type": kind, **properties}))
-
-    def add_file(self, name: str, properties: Mapping[str, object]) -> Any:
-        """Add a file of the archive."""
-        from rocrate.model import DataEntity
-
-        return self.crate.add(DataEntity(self.crate, quote(name), dict(properties)))
-
-    def file(self, name: str) -> Any:
-        """Return a file of the archive, or None."""
-        return self.crate.get(quote(name))
-
-
 def _add_reference(entity: Any, name: str, value: object) -> None:
     """Add a reference to a property, unless it has it."""
     references = entity.get(name, [])
@@ -96,14 +62,101 @@ def _add_reference(entity: Any, name: str, value: object) -> None:
         entity[name] = [*references, value] if references else value
 
 
-class _Parameters:
-    """The parameters of the workflow, whose files must be among the entities."""
-
-    def __init__(self, contents: Contents, entities: _Entities) -> None:
+class _Crate:
+    def __init__(self, contents: Contents) -> None:
+        try:
+            from rocrate.rocrate import ROCrate
+        except ModuleNotFoundError as error:
+            if (error.name or "").partition(".")[0] != "rocrate":
+                raise
+            raise NodegraphError(
+                "archives need rocrate; pip install 'nodegraph[archive]'"
+            ) from error
         self._contents = contents
-        self._entities = entities
+        self._crate = ROCrate(version=_VERSION)
+        self._began, self._ended = _times(contents)
 
-    def inputs(self) -> Iterator[tuple[object, object]]:
+    def metadata(self) -> Mapping[str, Any]:
+        """Return the metadata as JSON-LD."""
+        self._describe_root()
+        for name, content in sorted(self._contents.files.items()):
+            self._add_file(name, content)
+        inputs, outputs = list(self._inputs()), list(self._outputs())
+        main = self._file(self._contents.graph)
+        main["input"] = [parameter for parameter, _ in inputs]
+        main["output"] = outputs
+        values = [value for _, value in inputs]
+        self._describe_action(main, [*values, *self._further_files(values)])
+        metadata: Mapping[str, object] = self._crate.metadata.generate()
+        return metadata
+
+    def _describe_root(self) -> None:
+        study, root = self._contents.study, self._crate.root_dataset
+        root["name"] = study.title
+        root["description"] = " ".join(study.answer) or f"A run of the graph {self._contents.graph}"
+        root["datePublished"] = self._ended.isoformat(timespec="seconds")
+        root["license"] = _NO_LICENCE
+        root["conformsTo"] = [
+            self._add(url, "CreativeWork", name=name, version=version)
+            for url, (name, version) in _PROFILES.items()
+        ]
+        self._crate.metadata.extra_contexts.append(_RUN_TERMS)
+        self._crate.metadata["conformsTo"] = [
+            {"@id": f"https://w3id.org/ro/crate/{_VERSION}"},
+            {"@id": list(_PROFILES)[-1]},
+        ]
+
+    def _add_file(self, name: str, content: bytes) -> None:
+        from rocrate.model import DataEntity
+
+        is_main = name == self._contents.graph
+        properties = {
+            "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"] if is_main else "File",
+            "name": name,
+            "contentSize": str(len(content)),
+            "encodingFormat": _FORMATS.get(PurePosixPath(name).suffix, "application/octet-stream"),
+            "sha256": hashlib.sha256(content).hexdigest(),
+        }
+        file = self._crate.add(DataEntity(self._crate, quote(name), properties))
+        if is_main:
+            self._describe_workflow(file, properties["sha256"])
+        elif name == README:
+            file["about"] = self._crate.root_dataset
+
+    def _describe_workflow(self, main: Any, digest: Any) -> None:
+        versions = dict(self._contents.study.versions)
+        main["name"] = self._contents.study.title
+        main["version"] = digest[:12]
+        main["conformsTo"] = self._add(
+            _WORKFLOW, "CreativeWork", name="Bioschemas ComputationalWorkflow", version="1.0"
+        )
+        main["programmingLanguage"] = self._add(
+            "#nodegraph",
+            "ComputerLanguage",
+            name="nodegraph",
+            version=versions.get("nodegraph", ""),
+        )
+        main["hasPart"] = list(self._methods())
+        main["softwareRequirements"] = [
+            self._add(f"#package-{quote(name)}", "SoftwareApplication", name=name, version=version)
+            for name, version in self._contents.study.versions
+            if name != "platform"
+        ]
+        self._crate.root_dataset["mainEntity"] = main
+
+    def _methods(self) -> Iterator[Any]:
+        for method in {row.use: row for row in self._contents.study.methods}.values():
+            citation = {"citation": method.citation} if method.citation else {}
+            yield self._add(
+                f"#method-{quote(method.use)}",
+                "SoftwareApplication",
+                name=method.use,
+                description=method.summary,
+                version=method.plugin,
+                **citation,
+            )
+
+    def _inputs(self) -> Iterator[tuple[object, object]]:
         """Yield a parameter with its value, for each input and each axis of the graph."""
         record = self._contents.record
         for name, value in record.inputs.items():
@@ -120,10 +173,10 @@ class _Parameters:
             entity["exampleOfWork"] = parameter
             yield parameter, entity
 
-    def outputs(self) -> Iterator[object]:
+    def _outputs(self) -> Iterator[object]:
         """Yield a parameter for each reported output, which its files refer to."""
         for section in self._contents.study.sections:
-            entities = (self._entities.file(f"{RUN}/{link.path}") for link in section.files)
+            entities = (self._file(f"{RUN}/{link.path}") for link in section.files)
             files = [entity for entity in entities if entity is not None]
             if files:
                 parameter = self._parameter(
@@ -133,7 +186,7 @@ class _Parameters:
                     _add_reference(file, "exampleOfWork", parameter)
                 yield parameter
 
-    def further_files(self, inputs: list[Any]) -> Iterator[object]:
+    def _further_files(self, inputs: list[Any]) -> Iterator[object]:
         """Yield the files that the run read except those among its inputs."""
         known = {entity.id for entity in inputs}
         for file in self._contents.inputs:
@@ -150,12 +203,12 @@ class _Parameters:
         """Yield the files of a path in the settings, or an entity with the digest."""
         for file in self._contents.inputs:
             if file.written == written:
-                entities = (self._entities.file(name) for name, _ in file.contents())
+                entities = (self._file(name) for name, _ in file.contents())
                 files = [entity for entity in entities if entity is not None]
                 if files:
                     yield from files
                 else:
-                    yield self._entities.add(
+                    yield self._add(
                         f"#file-{quote(file.name)}",
                         "PropertyValue",
                         name=file.name,
@@ -164,124 +217,49 @@ class _Parameters:
                     )
 
     def _parameter(self, identifier: str, name: str, kind: str) -> object:
-        profile = self._entities.add(
+        profile = self._add(
             _PARAMETER, "CreativeWork", name="Bioschemas FormalParameter", version="1.0"
         )
-        return self._entities.add(
+        return self._add(
             identifier, "FormalParameter", name=name, additionalType=kind, conformsTo=profile
         )
 
     def _value(self, identifier: str, name: str, value: object) -> Any:
         plain = value if isinstance(value, (str, int, float)) else json.dumps(value)
-        return self._entities.add(identifier, "PropertyValue", name=name, value=plain)
-
-
-class _Crate:
-    def __init__(self, contents: Contents) -> None:
-        self._contents = contents
-        self._entities = _Entities()
-        self._crate = self._entities.crate
-        self._began, self._ended = _times(contents)
-
-    def metadata(self) -> Mapping[str, Any]:
-        """Return the metadata as JSON-LD."""
-        self._describe_root()
-        for name, content in sorted(self._contents.files.items()):
-            self._add_file(name, content)
-        parameters = _Parameters(self._contents, self._entities)
-        inputs, outputs = list(parameters.inputs()), list(parameters.outputs())
-        main = self._entities.file(self._contents.graph)
-        main["input"] = [parameter for parameter, _ in inputs]
-        main["output"] = outputs
-        values = [value for _, value in inputs]
-        self._describe_action(main, [*values, *parameters.further_files(values)])
-        metadata: Mapping[str, object] = self._crate.metadata.generate()
-        return metadata
-
-    def _describe_root(self) -> None:
-        study, root = self._contents.study, self._crate.root_dataset
-        root["name"] = study.title
-        root["description"] = " ".join(study.answer) or f"A run of the graph {self._contents.graph}"
-        root["datePublished"] = self._ended.isoformat(timespec="seconds")
-        root["license"] = _NO_LICENCE
-        root["conformsTo"] = [
-            self._entities.add(url, "CreativeWork", name=name, version=version)
-            for url, (name, version) in _PROFILES.items()
-        ]
-        self._crate.metadata.extra_contexts.append(_RUN_TERMS)
-        self._crate.metadata["conformsTo"] = [
-            {"@id": f"https://w3id.org/ro/crate/{_VERSION}"},
-            {"@id": list(_PROFILES)[-1]},
-        ]
-
-    def _add_file(self, name: str, content: bytes) -> None:
-        is_main = name == self._contents.graph
-        properties = {
-            "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow"] if is_main else "File",
-            "name": name,
-            "contentSize": str(len(content)),
-            "encodingFormat": _FORMATS.get(PurePosixPath(name).suffix, "application/octet-stream"),
-            "sha256": hashlib.sha256(content).hexdigest(),
-        }
-        file = self._entities.add_file(name, properties)
-        if is_main:
-            self._describe_workflow(file, properties["sha256"])
-        elif name == README:
-            file["about"] = self._crate.root_dataset
-
-    def _describe_workflow(self, main: Any, digest: Any) -> None:
-        versions = dict(self._contents.study.versions)
-        main["name"] = self._contents.study.title
-        main["version"] = digest[:12]
-        main["conformsTo"] = self._entities.add(
-            _WORKFLOW, "CreativeWork", name="Bioschemas ComputationalWorkflow", version="1.0"
-        )
-        main["programmingLanguage"] = self._entities.add(
-            "#nodegraph",
-            "ComputerLanguage",
-            name="nodegraph",
-            version=versions.get("nodegraph", ""),
-        )
-        main["hasPart"] = list(self._methods())
-        main["softwareRequirements"] = [
-            self._entities.add(
-                f"#package-{quote(name)}", "SoftwareApplication", name=name, version=version
-            )
-            for name, version in self._contents.study.versions
-            if name != "platform"
-        ]
-        self._crate.root_dataset["mainEntity"] = main
-
-    def _methods(self) -> Iterator[Any]:
-        for method in {row.use: row for row in self._contents.study.methods}.values():
-            citation = {"citation": method.citation} if method.citation else {}
-            yield self._entities.add(
-                f"#method-{quote(method.use)}",
-                "SoftwareApplication",
-                name=method.use,
-                description=method.summary,
-                version=method.plugin,
-                **citation,
-            )
+        return self._add(identifier, "PropertyValue", name=name, value=plain)
 
     def _describe_action(self, main: object, inputs: list[object]) -> None:
         failed = self._contents.record.counts.get(State.FAILED, 0)
         status = "FailedActionStatus" if failed else "CompletedActionStatus"
         error = {"error": f"{number_of(failed, 'step')} failed; see run/run.json"} if failed else {}
-        action = self._entities.add(
+        action = self._add(
             "#run",
             "CreateAction",
             name=f"Run of {self._contents.graph}",
             description=self._contents.command,
             instrument=main,
             object=inputs,
-            result=[self._entities.file(name) for name in self._contents.results],
+            result=[self._file(name) for name in self._contents.results],
             startTime=self._began.isoformat(timespec="seconds"),
             endTime=self._ended.isoformat(timespec="seconds"),
             actionStatus=f"http://schema.org/{status}",
             **error,
         )
         self._crate.root_dataset["mentions"] = action
+
+    def _add(self, identifier: str, kind: str, **properties: object) -> Any:
+        """Return the entity with an identifier, which is added unless it exists."""
+        from rocrate.model import ContextEntity
+
+        entity = self._crate.get(identifier)
+        if entity is not None:
+            return entity
+        entity = ContextEntity(self._crate, identifier, {"@type": kind, **properties})
+        return self._crate.add(entity)
+
+    def _file(self, name: str) -> Any:
+        """Return a file of the archive, or None."""
+        return self._crate.get(quote(name))
 
 
 def _times(contents: Contents) -> tuple[datetime, datetime]:
