@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from nodegraph.audit.drift import AuditGrade, CallResult, Drift, drift, floor_of
+from nodegraph.audit.drift import AuditGrade, Drift, drift, floor_of
 from nodegraph.audit.repeat import Case, Repeats
 from nodegraph.errors import NodegraphError
 from nodegraph.execute.outcome import Outcome
@@ -123,68 +123,58 @@ def _audit(run: Run, step: Step, repeats: Repeats, *, compare_stored: bool) -> A
         in_process = repeats.call_in_process(case)
     except WorkerEndedError as ended:
         return Audited(step, AuditGrade.DIFFERS, (PROCESS,), (f"the process {ended}",))
-    trial = _Trial(run, step, repeats, case)
-    return trial.audited(in_process, compare_stored=compare_stored)
+    return _graded(run, step, repeats, case, in_process, compare_stored=compare_stored)
 
 
-class _Trial:
-    """One step, repeated under each condition."""
+def _graded(
+    run: Run,
+    step: Step,
+    repeats: Repeats,
+    case: Case,
+    in_process: Outcome | str,
+    *,
+    compare_stored: bool,
+) -> Audited:
+    """Repeat a step in this process, and grade its results under all conditions."""
+    floor = floor_of(case.call.inputs, run.packer)
+    hooks = run.plan.graph.registry.hooks
+    ports = [port.name for port in step.method.node.outputs]
+    first, modified = repeats.call_here(case)
+    # packed only once, because a figure differs each time that it is drawn
+    result = repeats.result(first)
 
-    def __init__(self, run: Run, step: Step, repeats: Repeats, case: Case) -> None:
-        self._step = step
-        self._repeats = repeats
-        self._case = case
-        self._floor = floor_of(case.call.inputs, run.packer)
-        self._hooks = run.plan.graph.registry.hooks
-        self._drifts: dict[str, Drift] = {}
-        self._modified = ""
-        self._first = self._call()
-        # packed only once, because a figure differs each time that it is drawn
-        self._result = repeats.result(self._first)
-
-    def audited(self, in_process: Outcome | str, *, compare_stored: bool) -> Audited:
-        """Repeat the step in this process, and grade the results under all conditions."""
-        untried: tuple[tuple[str, str], ...] = ()
-        self._compare(AGAIN, self._call())
-        self._compare(THREADS, self._call(_THREADS))
-        if isinstance(in_process, str):
-            untried = ((PROCESS, in_process),)
-        else:
-            self._compare(PROCESS, in_process)
-        stored = self._repeats.stored_result(self._step.index) if compare_stored else None
-        if self._first.state is not State.DONE:
-            text = f"it was done, now it is {_ending(self._first)}"
-            self._drifts[STORED] = Drift(AuditGrade.DIFFERS, (text,))
-        elif stored is not None:
-            self._drifts[STORED] = self._drift(stored)
-        grade = max((drift.grade for drift in self._drifts.values()), key=lambda grade: grade.rank)
-        if self._modified and grade is not AuditGrade.DIFFERS:
-            text = f"modifies its input {self._modified}"
-            return Audited(self._step, AuditGrade.MUTATES, (), (text,), untried)
-        if grade is AuditGrade.IDENTICAL:
-            return Audited(self._step, grade, untried=untried)
-        worst = {name: drift for name, drift in self._drifts.items() if drift.grade is grade}
-        details = next(iter(worst.values())).differences
-        return Audited(self._step, grade, tuple(worst), details, untried)
-
-    def _call(self, threads: int = 1) -> Outcome:
-        outcome, modified = self._repeats.call_here(self._case, threads)
-        self._modified = self._modified or modified
-        return outcome
-
-    def _compare(self, condition: str, outcome: Outcome) -> None:
-        first = self._first
+    def apart(outcome: Outcome) -> Drift:
         if first.state is State.DONE and outcome.state is State.DONE:
-            self._drifts[condition] = self._drift(self._repeats.result(outcome))
-        elif (first.state, first.reason) == (outcome.state, outcome.reason):
-            self._drifts[condition] = Drift()
-        else:
-            text = f"{_ending(first)} at first, then {_ending(outcome)}"
-            self._drifts[condition] = Drift(AuditGrade.DIFFERS, (text,))
+            return drift(result, repeats.result(outcome), ports, hooks, floor)
+        if (first.state, first.reason) == (outcome.state, outcome.reason):
+            return Drift()
+        text = f"{_ending(first)} at first, then {_ending(outcome)}"
+        return Drift(AuditGrade.DIFFERS, (text,))
 
-    def _drift(self, result: CallResult) -> Drift:
-        ports = [port.name for port in self._step.method.node.outputs]
-        return drift(self._result, result, ports, self._hooks, self._floor)
+    drifts: dict[str, Drift] = {}
+    for condition, threads in ((AGAIN, 1), (THREADS, _THREADS)):
+        outcome, also_modified = repeats.call_here(case, threads)
+        modified = modified or also_modified
+        drifts[condition] = apart(outcome)
+    untried: tuple[tuple[str, str], ...] = ()
+    if isinstance(in_process, str):
+        untried = ((PROCESS, in_process),)
+    else:
+        drifts[PROCESS] = apart(in_process)
+    stored = repeats.stored_result(step.index) if compare_stored else None
+    if first.state is not State.DONE:
+        text = f"it was done, now it is {_ending(first)}"
+        drifts[STORED] = Drift(AuditGrade.DIFFERS, (text,))
+    elif stored is not None:
+        drifts[STORED] = drift(result, stored, ports, hooks, floor)
+    grade = max((drift.grade for drift in drifts.values()), key=lambda grade: grade.rank)
+    if modified and grade is not AuditGrade.DIFFERS:
+        return Audited(step, AuditGrade.MUTATES, (), (f"modifies its input {modified}",), untried)
+    if grade is AuditGrade.IDENTICAL:
+        return Audited(step, grade, untried=untried)
+    worst = {name: drift for name, drift in drifts.items() if drift.grade is grade}
+    details = next(iter(worst.values())).differences
+    return Audited(step, grade, tuple(worst), details, untried)
 
 
 def _ending(outcome: Outcome) -> str:

@@ -104,7 +104,7 @@ class Repeats:
         reason = schedule.outcomes[index].reason
         raise NodegraphError(f"its inputs cannot be computed again: {reason}")
 
-    def call_here(self, case: Case, threads: int) -> tuple[Outcome, str]:
+    def call_here(self, case: Case, threads: int = 1) -> tuple[Outcome, str]:
         """Repeat a call in this process; return its outcome and which inputs it modified."""
         packer = self._run.packer
         # copies: of these, no node has kept anything
