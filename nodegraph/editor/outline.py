@@ -6,7 +6,6 @@ Keys and brackets are followed line by line, so that a text that is being writte
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -88,15 +87,14 @@ class Outline:
 
     def nodes(self) -> dict[str, Span]:
         """Return the lines of each node."""
-        return dict(self._spans())
-
-    def _spans(self) -> Iterator[tuple[str, Span]]:
         starts = [
             (line, path) for path, line in self.lines.items() if len(path) == 1 or _is_node(path)
         ]
-        for (line, path), (following, _) in pairwise([*starts, (self.count + 1, ())]):
-            if _is_node(path):
-                yield path[1], Span(line, max(line, following - 1))
+        return {
+            path[1]: Span(line, max(line, following - 1))
+            for (line, path), (following, _) in pairwise([*starts, (self.count + 1, ())])
+            if _is_node(path)
+        }
 
 
 def _is_node(path: Path) -> bool:
