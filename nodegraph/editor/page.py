@@ -19,21 +19,15 @@ _PACKAGE = "nodegraph.editor"
 
 def page(file: EditedFile) -> Response:
     """Return the page of a file."""
-    folder = files(_PACKAGE)
-    scripts = [source("modules.js"), source("helpers.js"), source("theme.js")]
-    bundle = folder.joinpath("codemirror", "codemirror.js").read_text(encoding="utf-8")
-    own = (folder.joinpath("templates", f"{name}.js") for name in _SCRIPTS)
-    scripts += [
-        bundle,
-        own_source("states.js"),
-        *(script.read_text(encoding="utf-8") for script in own),
-    ]
-    style = folder.joinpath("templates", "editor.css").read_text(encoding="utf-8")
+    bundle = files(_PACKAGE).joinpath("codemirror", "codemirror.js").read_text(encoding="utf-8")
+    scripts = [source(f"{name}.js") for name in ("modules", "helpers", "theme")]
+    scripts += [bundle, own_source("states.js")]
+    scripts += [source(f"{name}.js", _PACKAGE) for name in _SCRIPTS]
     return page_response(
         "editor.html",
         package=_PACKAGE,
         title=file.path.name,
         text=file.shown,
         scripts=scripts,
-        styles=[style],
+        styles=[source("editor.css", _PACKAGE)],
     )

@@ -11,7 +11,7 @@ from nodegraph.formatting import duration
 from nodegraph.graph import Graph
 from nodegraph.report.from_run import compose
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.page import standalone_page, templates_of, titled
+from nodegraph.report.page import source, standalone_page, templates_of, titled
 
 _MOST = 24
 _FEW = 3
@@ -72,20 +72,17 @@ def _style() -> str:
 
     These follow the reader's light or dark scheme, unless the notebook has a theme of its own.
     """
-    (colours,) = _PALETTE.findall(_text("nodegraph.draw", "picture.css"))
+    picture = files("nodegraph.draw").joinpath("picture.css").read_text(encoding="utf-8")
+    (colours,) = _PALETTE.findall(picture)
     return "\n".join(
         (
             f".nodegraph-notebook {{ color-scheme: light dark; {colours} }}",
             f":is({_LIGHT}) .nodegraph-notebook {{ color-scheme: light; }}",
             f":is({_DARK}) .nodegraph-notebook {{ color-scheme: dark; }}",
             "@media print { .nodegraph-notebook { color-scheme: light; } }",
-            _text("nodegraph.notebook", "templates", "notebook.css"),
+            source("notebook.css", "nodegraph.notebook"),
         )
     )
-
-
-def _text(package: str, *path: str) -> str:
-    return files(package).joinpath(*path).read_text(encoding="utf-8")
 
 
 __all__ = ["graph_html", "run_html"]

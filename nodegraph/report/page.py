@@ -221,9 +221,9 @@ def templates_of(package: str) -> Environment:
     return environment
 
 
-def source(name: str) -> str:
-    """Return a style or a script of the page."""
-    return files("nodegraph.report").joinpath("templates", name).read_text(encoding="utf-8")
+def source(name: str, package: str = "nodegraph.report") -> str:
+    """Return a style or a script of the pages of a package."""
+    return files(package).joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _trusted(html: str) -> Markup:

@@ -8,13 +8,12 @@ import json
 import re
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from http import HTTPStatus
-from importlib.resources import files
 from typing import Any
 
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 
-from nodegraph.report.page import filled
+from nodegraph.report.page import filled, source
 
 _EVERY = 0.2
 """Seconds between two looks."""
@@ -78,7 +77,7 @@ def html_response(content: str, status: HTTPStatus = HTTPStatus.OK) -> Response:
 
 def own_source(name: str) -> str:
     """Return a style or a script of the server's pages."""
-    return files("nodegraph.serve").joinpath("templates", name).read_text(encoding="utf-8")
+    return source(name, "nodegraph.serve")
 
 
 def json_in_script(value: object) -> str:

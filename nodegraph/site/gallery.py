@@ -12,7 +12,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
@@ -29,6 +28,7 @@ from nodegraph.runs.folder import REPORT, STUDY, is_run, moved_for, runs_in
 from nodegraph.site.history import changes_between, data_of, tables
 
 INDEX = "index.html"
+_PACKAGE = "nodegraph.site"
 _MARK = b'<meta name="generator" content="nodegraph site">'
 
 
@@ -174,19 +174,15 @@ def _histories(runs: Sequence[_RunReport]) -> Iterator[tuple[str, bytes]]:
 def _page(name: str, of_report: Iterable[str], **context: Any) -> bytes:
     """Return a page from its template, with its own script and style and scripts of the report."""
     html = filled(
-        "nodegraph.site",
+        _PACKAGE,
         f"{name}.html",
-        scripts=[*(source(f"{each}.js") for each in of_report), _source(f"{name}.js")],
-        styles=[_source("gallery.css")],
+        scripts=[*(source(f"{each}.js") for each in of_report), source(f"{name}.js", _PACKAGE)],
+        styles=[source("gallery.css", _PACKAGE)],
         rules={"img-src": "data: 'self'"},
         **context,
     )
     # an answer that names a file may hold what is not valid text
     return html.encode(errors="backslashreplace")
-
-
-def _source(name: str) -> str:
-    return files("nodegraph.site").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
