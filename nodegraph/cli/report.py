@@ -13,7 +13,7 @@ from nodegraph.cli.output import refuse_existing, write_and_print
 from nodegraph.errors import NodegraphError
 
 if TYPE_CHECKING:
-    from nodegraph.report import Study
+    from nodegraph.report.study import Study
 
 HELP = "Write the report of a run again, or a report that shows several runs side by side."
 
@@ -33,8 +33,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def report(arguments: Namespace) -> int:
     """Write the report of one run again, or one report of several runs."""
-    from nodegraph.report import page
     from nodegraph.report.merge import merged
+    from nodegraph.report.page import page
     from nodegraph.report.study import read_study
     from nodegraph.runs.folder import REPORT
 

@@ -18,9 +18,8 @@ from starlette.routing import Route
 from nodegraph.errors import GraphError, NodegraphError, listed, nearest
 from nodegraph.execute.results import NotStored, Run
 from nodegraph.formatting import labels_of
-from nodegraph.report import page
 from nodegraph.report.merge import linked, merged
-from nodegraph.report.page import SCRIPTS, source
+from nodegraph.report.page import SCRIPTS, page, source
 from nodegraph.runs.record import Record
 from nodegraph.runs.state import RunState
 from nodegraph.runs.why import changes_since

@@ -7,7 +7,7 @@ from typing import Any
 
 from nodegraph.archive.contents import Contents, readme
 from nodegraph.archive.inputs import ArchivedInput
-from nodegraph.report import Study
+from nodegraph.report.study import Study
 
 from .records import record_with
 

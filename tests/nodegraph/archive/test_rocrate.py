@@ -12,8 +12,7 @@ from nodegraph import NodegraphError, Rendered
 from nodegraph.archive.contents import Contents
 from nodegraph.archive.inputs import ArchivedInput
 from nodegraph.archive.rocrate import crate_metadata
-from nodegraph.report import Link, MethodRow, Section, Study
-from nodegraph.report.study import WithoutResult
+from nodegraph.report.study import Link, MethodRow, Section, Study, WithoutResult
 
 from .records import record_with
 

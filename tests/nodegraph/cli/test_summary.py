@@ -12,8 +12,7 @@ from rich.console import Console
 from nodegraph import Grid, Rendered, load, run
 from nodegraph.cli.summary import print_summary
 from nodegraph.execute.results import Run
-from nodegraph.report import Section, StepNote, Study
-from nodegraph.report.study import Link, NoteSubject
+from nodegraph.report.study import Link, NoteSubject, Section, StepNote, Study
 
 GRAPH = """\
 nodegraph: 1

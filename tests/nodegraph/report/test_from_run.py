@@ -18,8 +18,8 @@ from nodegraph.graphfile import read_graph_text
 from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
-from nodegraph.report import page
 from nodegraph.report.from_run import compose
+from nodegraph.report.page import page
 from nodegraph.report.study import StepNote, Study
 
 SETTINGS = RunSettings("toy.yaml")

@@ -13,8 +13,8 @@ from playwright.sync_api import Page
 from nodegraph.draw import Arrow, Box, Picture, Socket, svg
 from nodegraph.draw.picture import folded
 from nodegraph.plugin.hook_types import Rendered
-from nodegraph.report import Section, StepNote, Study, TimingRow, page
-from nodegraph.report.study import NoteSubject
+from nodegraph.report.page import page
+from nodegraph.report.study import NoteSubject, Section, StepNote, Study, TimingRow
 from tests.browser import load, needs_axe, until, violations
 
 TABLE = (

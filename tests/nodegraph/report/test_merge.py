@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import Page
 
 from nodegraph.plugin.hook_types import Rendered
-from nodegraph.report import Section, Study, page
 from nodegraph.report.merge import merged
+from nodegraph.report.page import page
+from nodegraph.report.study import Section, Study
 from tests.browser import load, resize
 
 FIGURE = (

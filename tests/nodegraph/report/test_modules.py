@@ -7,7 +7,8 @@ from pathlib import Path
 from playwright.sync_api import Page
 
 from nodegraph import Rendered, json_script
-from nodegraph.report import Section, Study, page
+from nodegraph.report.page import page
+from nodegraph.report.study import Section, Study
 from tests.browser import load, until
 
 READER = """

@@ -13,20 +13,20 @@ import pytest
 from nodegraph.draw import Box, Picture, svg
 from nodegraph.formatting import duration
 from nodegraph.plugin.hook_types import Rendered
-from nodegraph.report import (
+from nodegraph.report.notes import note_kinds
+from nodegraph.report.page import page, policy
+from nodegraph.report.study import (
     AxisRow,
     Link,
     MethodRow,
+    NoteSubject,
     Section,
     SettingRow,
     StepNote,
     Study,
     TimingRow,
-    page,
+    numbered,
 )
-from nodegraph.report.notes import note_kinds
-from nodegraph.report.page import policy
-from nodegraph.report.study import NoteSubject, numbered
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "rect", "line", "path"}
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from nodegraph.plugin.hook_types import Rendered
-from nodegraph.report import MethodRow, SettingRow, Study
 from nodegraph.report.paper_texts import cited
-from nodegraph.report.study import AxisRow, Section
+from nodegraph.report.study import AxisRow, MethodRow, Section, SettingRow, Study
 from tests.latex import compiled, needs_latex
 
 LENGTH = SettingRow("length", "5, 15", "frames", meaning="of the gaps")

@@ -26,8 +26,15 @@ from nodegraph.node.description import describe_settings
 from nodegraph.plugin.hook_types import Grid, Rendered, expect
 from nodegraph.plugin.hooks import HOOKS, Shape
 from nodegraph.plugin.registry import Registry
-from nodegraph.report import Study
-from nodegraph.report.study import Link, MethodRow, NoteSubject, Section, StepNote, study_bytes
+from nodegraph.report.study import (
+    Link,
+    MethodRow,
+    NoteSubject,
+    Section,
+    StepNote,
+    Study,
+    study_bytes,
+)
 from nodegraph.runs.folder import EVENTS, REPORT, STUDY
 from tests import readmes
 from tests.browser import AXE, load, resize, until, violations

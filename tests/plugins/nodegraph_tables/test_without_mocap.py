@@ -17,7 +17,7 @@ from nodegraph.node.decorator import node
 from nodegraph.plan import plan
 from nodegraph.plugin.loading import Plugin
 from nodegraph.plugin.registry import Registry
-from nodegraph.report import page
+from nodegraph.report.page import page
 from nodegraph.report.from_run import compose
 
 @node("toy.table")

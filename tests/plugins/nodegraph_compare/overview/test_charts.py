@@ -19,7 +19,8 @@ from playwright.sync_api import Page
 from scipy.stats import gmean, rankdata
 
 from nodegraph import Across, Detail, Kind, Label, Rendered, json_script
-from nodegraph.report import Section, Study, page
+from nodegraph.report.page import page
+from nodegraph.report.study import Section, Study
 from nodegraph_compare import nodegraph_kinds
 from nodegraph_compare.overview.value import Overview
 from nodegraph_compare.table.node import table as table_of

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 
 from nodegraph import Rendered, json_script
-from nodegraph.report import Section, Study, page
+from nodegraph.report.page import page
+from nodegraph.report.study import Section, Study
 from nodegraph_mocap import Origin, Trajectories
 from nodegraph_mocap.gap.view import detail
 from tests.browser import load, until

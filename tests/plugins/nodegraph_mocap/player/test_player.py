@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from playwright.sync_api import Page
 from scipy.spatial.transform import Rotation
 
-from nodegraph.report import Section, Study, page
+from nodegraph.report.page import page
+from nodegraph.report.study import Section, Study
 from nodegraph_mocap import Animation, HeadMotion, Origin, Panel, Playback, Trajectories
 from nodegraph_mocap.player.page import render_playback
 from nodegraph_mocap.specimens import FRAMES, animations, recordings
