@@ -125,7 +125,7 @@ def _excerpt(place: Place, line: str) -> list[str]:
 
 def _parsed(commands: Mapping[str, _Command], words: Sequence[str]) -> Namespace:
     """Return the arguments of a command; a mistyped one is answered with the nearest there is."""
-    parser = _parser(commands, words)
+    parser, _ = _parsers(commands, words)
     if words and not words[0].startswith("-") and words[0] not in commands:
         is_graph = words[0].endswith((".yaml", ".yml"))
         run = shlex.join(["nodegraph", "run", *words])
@@ -189,16 +189,11 @@ def _commands(words: Sequence[str]) -> Mapping[str, _Command]:
     return _all_commands(Registry.installed(options.parse_known_args(words)[0].plugin))
 
 
-def all_parsers(registry: Registry) -> dict[str, ArgumentParser]:
+def all_parsers(registry: Registry) -> Mapping[str, ArgumentParser]:
     """Return a parser for each command, those of plugins included, as documentation needs it."""
-    return {
-        name: _declared(
-            ArgumentParser(prog=f"nodegraph {name}", description=command.help, add_help=False),
-            name,
-            command,
-        )
-        for name, command in _all_commands(registry).items()
-    }
+    commands = _all_commands(registry)
+    _, parsers = _parsers(commands, list(commands))
+    return parsers
 
 
 def _all_commands(registry: Registry) -> Mapping[str, _Command]:
@@ -219,8 +214,10 @@ def _built_in(name: str) -> _Command:
     return _Command(module.HELP, module.add_arguments, getattr(module, name), more)
 
 
-def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentParser:
-    """Return the parser of all commands, with the arguments of those that the words name."""
+def _parsers(
+    commands: Mapping[str, _Command], words: Sequence[str]
+) -> tuple[ArgumentParser, Mapping[str, ArgumentParser]]:
+    """Return the parser of all commands, and of each; those that words name have arguments."""
     parser = ArgumentParser(
         prog="nodegraph",
         description="Compare methods that process facial motion capture.",
@@ -248,12 +245,12 @@ def _parser(commands: Mapping[str, _Command], words: Sequence[str]) -> ArgumentP
             add_help=False,
         )
         if name in words:
-            _declared(choice, name, command).set_defaults(parser=choice)
-    return parser
+            _declare(choice, name, command)
+    return parser, choices.choices
 
 
-def _declared(parser: ArgumentParser, name: str, command: _Command) -> ArgumentParser:
-    """Return a parser with the arguments of a command."""
+def _declare(parser: ArgumentParser, name: str, command: _Command) -> None:
+    """Add the arguments of a command."""
     _add_help(parser)
     if command.more:
         parser.description = f"{command.help}\n\n{command.more}"
@@ -261,7 +258,7 @@ def _declared(parser: ArgumentParser, name: str, command: _Command) -> ArgumentP
     if name not in COMMANDS:
         add_plugin(parser)
     command.add_arguments(parser)
-    return parser
+    parser.set_defaults(parser=parser)
 
 
 def _add_help(parser: ArgumentParser) -> None:
