@@ -12,9 +12,13 @@ from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 from threading import Thread
+from typing import TYPE_CHECKING
 
 from nodegraph.cli.output import say
 from nodegraph.errors import NodegraphError
+
+if TYPE_CHECKING:
+    from nodegraph.serve.server import LocalServer
 
 _PAGE = (
     '<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>nodegraph</title>'
@@ -35,12 +39,13 @@ def needing_pages() -> Iterator[None]:
         ) from error
 
 
-def ready(address: str, *, with_browser: bool) -> None:
-    """Print the address of a page that is served, and open it if that is wanted."""
-    print(address, flush=True)
+def serve(server: LocalServer, *, with_browser: bool) -> None:
+    """Print the address of a page, open it if that is wanted, and serve it until the user ends."""
+    print(server.address, flush=True)
     say("open this address in one browser; Ctrl-C ends it")
     if with_browser:
-        show(address)
+        show(server.address)
+    server.run()
 
 
 def show(address: str) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from nodegraph.cli.arguments import add_page, add_plugin, add_store
-from nodegraph.cli.browser import needing_pages, ready
+from nodegraph.cli.browser import needing_pages, serve
 from nodegraph.cli.output import say
 
 if TYPE_CHECKING:
@@ -72,8 +72,7 @@ def edit(arguments: Namespace) -> int:
         if sys.platform != "win32":
             signal.signal(signal.SIGHUP, _end)  # the terminal has been closed
         ending.callback(_say_whether_saved, file)
-        ready(server.address, with_browser=arguments.browser)
-        server.run()
+        serve(server, with_browser=arguments.browser)
     return 0
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nodegraph.cli.arguments import add_page, add_plugin
-from nodegraph.cli.browser import needing_pages, ready
+from nodegraph.cli.browser import needing_pages, serve
 from nodegraph.errors import NodegraphError
 
 if TYPE_CHECKING:
@@ -67,6 +67,5 @@ def open(arguments: Namespace) -> int:
         return application(OpenRuns(arguments.runs, registry, arguments.store))
 
     server = LocalServer(application, arguments.port)
-    ready(server.address, with_browser=arguments.browser)
-    server.run()
+    serve(server, with_browser=arguments.browser)
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from nodegraph.cli.arguments import add_page, add_plugin, add_reading, values_of
-from nodegraph.cli.browser import needing_pages, ready
+from nodegraph.cli.browser import needing_pages, serve
 
 HELP = "Show what files hold in a browser, several of them together."
 MORE = """\
@@ -46,6 +46,5 @@ def view(arguments: Namespace) -> int:
     server = LocalServer(
         lambda: application_of_files(files, registry), arguments.port, most_body=MOST_BODY
     )
-    ready(server.address, with_browser=arguments.browser)
-    server.run()
+    serve(server, with_browser=arguments.browser)
     return 0
