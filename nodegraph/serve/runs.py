@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from threading import Lock, RLock
 from typing import Any
@@ -43,6 +44,8 @@ from nodegraph.validation_errors import adapter_of
 
 _LONGEST = 1 << 20
 _WITHOUT_VALUE = frozenset(state.value for state in State if not state.has_value)
+_MOST_READ = 32
+"""Studies, and records, that are kept in memory."""
 _QUIET = 10
 """After how many looks without a new event a run may have been killed."""
 
@@ -81,8 +84,6 @@ class OpenRun:
         self._events = EventFile(folder / EVENTS)
         self._quiet = 0
         self._state = RunState.RUNNING
-        self._study: tuple[_Version, Study] | None = None
-        self._record: tuple[_Version, Record] | None = None
         self._values: tuple[_Version, Run] | None = None
         self._lock = RLock()
         self._opening = Lock()  # of values, which takes longer than a look at the events
@@ -159,11 +160,8 @@ class OpenRun:
         NodegraphError
             If the run has none, or it cannot be read.
         """
-        version = version_of(self.folder / STUDY)
         with self._lock:
-            if self._study is None or self._study[0] != version:
-                self._study = version, read_study(self.folder)
-            return self._study[1]
+            return _study_in(self.folder, version_of(self.folder / STUDY))
 
     def record(self) -> Record | None:
         """Return the record of the run; None as long as it has none.
@@ -175,11 +173,7 @@ class OpenRun:
         """
         version = version_of(self.folder / RECORD)
         with self._lock:
-            if version == ABSENT:
-                return None
-            if self._record is None or self._record[0] != version:
-                self._record = version, read_record(self.folder)
-            return self._record[1]
+            return None if version == ABSENT else _record_in(self.folder, version)
 
     def graph(self) -> Graph:
         """Return the graph of the run.
@@ -245,10 +239,9 @@ class OpenRun:
 
     def described(self, node: str) -> str:
         """Return the methods of a node and its place in the graph; empty if they are unknown."""
-        try:
+        known = None
+        with suppress(NodegraphError):
             known = self.graph().nodes.get(node)
-        except NodegraphError:
-            return ""
         if known is None:
             return ""
         methods = list(known.methods.values())
@@ -366,6 +359,16 @@ def version_of(path: Path) -> _Version:
     return status.st_mtime_ns, status.st_size
 
 
+@lru_cache(_MOST_READ)
+def _study_in(folder: Path, version: _Version) -> Study:
+    return read_study(folder)
+
+
+@lru_cache(_MOST_READ)
+def _record_in(folder: Path, version: _Version) -> Record:
+    return read_record(folder)
+
+
 def entry_of(run: OpenRun) -> dict[str, object]:
     """Return the entry of a run in a list of runs, without reading all of it."""
     progress, state = Progress(), RunState.UNREADABLE
@@ -398,7 +401,6 @@ class OpenRuns:
         self._registry = registry
         self._store = store
         self._runs: dict[Path, OpenRun] = {}
-        self._numbers: dict[Path, int] = {}
         self._lock = Lock()
         folders = list(dict.fromkeys(path.absolute() for path in paths))
         self._named = [folder for folder in folders if is_run(folder)]
@@ -419,7 +421,8 @@ class OpenRuns:
         with self._lock:
             for folder in folders:
                 name = folder.name if counts[folder.name] == 1 else str(folder)
-                number = self._numbers.setdefault(folder, len(self._numbers))
-                if folder not in self._runs or self._runs[folder].name != name:
+                if folder not in self._runs:
+                    number = len(self._runs)
                     self._runs[folder] = OpenRun(number, name, folder, self._registry, self._store)
+                self._runs[folder].name = name
             return {self._runs[folder].name: self._runs[folder] for folder in folders}

@@ -20,6 +20,7 @@ from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
 from nodegraph.runs.record import Cell
 from nodegraph.serve.progress import IN_ORDER, StepState
+from nodegraph.validation_errors import adapter_of
 
 Query = Mapping[str, str]
 """The query of an address."""
@@ -208,16 +209,15 @@ class BlockQuery:
         The node that compares.
     compare : str
         The axis of the methods.
-    methods : tuple of str
-        Their labels.
+    methods : tuple of label
     block : mapping of column to label
         The labels that identify the block, those of its combination included.
     """
 
     node: str
     compare: str
-    methods: tuple[str, ...]
-    block: Mapping[str, Any]
+    methods: tuple[Label | None, ...]
+    block: Mapping[str, Label | None]
 
     @classmethod
     def of(cls, query: Query) -> BlockQuery:
@@ -229,17 +229,11 @@ class BlockQuery:
             If it is not of that form.
         """
         try:
-            methods = json.loads(query["methods"])
-            block = json.loads(query["block"])
-            node, compare = query["node"], query["compare"]
+            read = {name: json.loads(query[name]) for name in ("methods", "block")}
+            wanted: BlockQuery = adapter_of(BlockQuery).validate_python({**query, **read})
+            return wanted
         except (KeyError, ValueError, RecursionError) as error:
             raise NodegraphError(f"a block cannot be looked up: {error!r}") from error
-        scalars = (str, int, float, type(None))
-        if not isinstance(methods, list) or not isinstance(block, dict):
-            raise NodegraphError("a block is looked up by a list of methods and its labels")
-        if not all(isinstance(value, scalars) for value in (*methods, *block.values())):
-            raise NodegraphError("labels of a block are text and numbers")
-        return cls(node, compare, tuple(map(str, methods)), block)
 
 
 def packed(run: Run, query: Query) -> Mapping[str, object]:
@@ -263,14 +257,15 @@ def packed(run: Run, query: Query) -> Mapping[str, object]:
     at = exact_labels(run, values, labels_in(query))
     origin = RunOrigin(run, wanted.node, at)
     known = {axis.name: axis.labels for axis in run.plan.graph.axes.values()}
-    labels = {
+    labels: dict[str, Any] = {
         axis: next((label for label in known.get(axis, ()) if str(label) == str(text)), text)
         for axis, text in wanted.block.items()
     }
+    methods = {*map(str, wanted.methods)}
     steps = {
         method: step
         for method in known.get(wanted.compare, ())
-        if str(method) in wanted.methods
+        if str(method) in methods
         and (step := origin.step({**labels, wanted.compare: method})) is not None
     }
     needed = {output.step for step in steps.values() for output in step.reads()}
