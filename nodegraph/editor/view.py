@@ -71,10 +71,9 @@ def view_of(text: str, path: Path, registry: Registry) -> View:
         graph = build(spec, registry)
     except GraphError as error:
         problems = places.problems(error.problems, is_error=True)
-        reason = f"{number_of(len(problems), 'mistake')}: drawn as far as the text can be read"
         drawing = _drawn_spec(spec, registry) if spec else ""
-        if not drawing:
-            reason = f"{number_of(len(problems), 'mistake')}: the picture is that of before"
+        how = "drawn as far as the text can be read" if drawing else "the picture is that of before"
+        reason = f"{number_of(len(problems), 'mistake')}: {how}"
         lines = {
             problem.place.line for problem in error.problems if problem.place.file == path.name
         }

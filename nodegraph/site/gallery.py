@@ -188,6 +188,7 @@ def _page(name: str, of_report: Iterable[str], **context: Any) -> bytes:
 def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
     """Return the runs, the latest first; those whose date is not known come last."""
     runs: dict[Path, _RunReport] = {}
+    taken: list[str] = []
     named = (run for folder in folders for run in _finished(folder))
     for folder in dict.fromkeys(path.resolve() for path in named):
         study = read_study(folder)
@@ -200,20 +201,17 @@ def _read_runs(folders: Iterable[Path]) -> list[_RunReport]:
                     f"{folder}: there is no file {path}, to which the report links; run the graph "
                     "again"
                 )
-        name = _free(folder.name, [run.name for run in runs.values()])
-        runs[folder] = _RunReport(name, study, copied, folder)
+        taken.append(_free(folder.name, taken))
+        runs[folder] = _RunReport(taken[-1], study, copied, folder)
+    histories = dict.fromkeys((run.question for run in runs.values()), "")
+    for question, count in Counter(run.question for run in runs.values()).items():
+        if count > 1:
+            taken.append(_free(f"{PurePath(question[0]).stem or 'runs'}.html", taken))
+            histories[question] = taken[-1]
     for folder, run in runs.items():
-        later = moved_for(folder)
-        if later in runs and runs[later].study.ok:
-            runs[folder] = replace(run, replaced_by=runs[later].name)
-    studies = Counter(run.question for run in runs.values())
-    taken = [run.name for run in runs.values()]
-    histories = {question: "" for question in studies}
-    for question in (each for each, count in studies.items() if count > 1):
-        histories[question] = _free(f"{PurePath(question[0]).stem or 'runs'}.html", taken)
-        taken.append(histories[question])
-    for folder, run in runs.items():
-        runs[folder] = replace(run, history=histories[run.question])
+        later = runs.get(moved_for(folder) or Path())
+        replaced_by = later.name if later is not None and later.study.ok else ""
+        runs[folder] = replace(run, replaced_by=replaced_by, history=histories[run.question])
     return sorted(runs.values(), key=_when, reverse=True)
 
 
