@@ -79,11 +79,9 @@ def main(words: Sequence[str] | None = None) -> int:
             # the reader of the output has closed it; Python must not flush it again at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
-        except GraphError as error:
-            print(f"nodegraph: {_with_excerpts(error)}", file=sys.stderr)
-            return 2
         except (NodegraphError, OSError) as error:
-            print(f"nodegraph: {error}", file=sys.stderr)
+            text = _with_excerpts(error) if isinstance(error, GraphError) else error
+            print(f"nodegraph: {text}", file=sys.stderr)
             return 2
         except KeyboardInterrupt:
             print("nodegraph: interrupted", file=sys.stderr)
@@ -281,11 +279,10 @@ def _internal_error(error: Exception) -> str:
 
     last = traceback.extract_tb(error.__traceback__)[-1]
     text = f"{type(error).__name__}: {error} ({Path(last.filename).name}:{last.lineno})"
+    text = f"internal error; please report it: {text}"
     if os.environ.get("NODEGRAPH_TRACE"):
-        return (
-            f"{''.join(traceback.format_exception(error))}internal error; please report it: {text}"
-        )
-    return f"internal error; please report it: {text}; NODEGRAPH_TRACE=1 shows the trace"
+        return "".join([*traceback.format_exception(error), text])
+    return f"{text}; NODEGRAPH_TRACE=1 shows the trace"
 
 
 def _show_warning(message: Warning | str, *rest: object, **more: object) -> None:

@@ -70,9 +70,9 @@ def new(arguments: Namespace) -> int:
         return 0
     if not arguments.name:
         raise NodegraphError(f"write nodegraph new {arguments.kind} NAME")
-    files = _files(templates[arguments.kind], arguments.name)
+    folder = templates[arguments.kind]
+    files = _files(folder, arguments.name)
     if not files:
-        folder = templates[arguments.kind]
         raise NodegraphError(f"{folder}: the template {arguments.kind!r} of a plugin has no files")
     if any(path.suffix == ".py" for path in files):
         _check_package_name(arguments.name, registry)

@@ -40,11 +40,11 @@ def report(arguments: Namespace) -> int:
 
     runs = list(dict.fromkeys(arguments.runs))
     studies = {run: read_study(run) for run in runs}
-    out = arguments.out or (runs[0] / REPORT if len(runs) == 1 else None)
-    if out is None:
-        raise NodegraphError("name the file for the report of several runs with --out FILE")
     if arguments.out:
-        refuse_existing(out)
+        refuse_existing(arguments.out)
+    elif len(runs) > 1:
+        raise NodegraphError("name the file for the report of several runs with --out FILE")
+    out = arguments.out or runs[0] / REPORT
     named = dict(_linked_from(out.parent, studies))
     study = merged(named) if len(named) > 1 else next(iter(named.values()))
     write_and_print(out, page(study).encode(errors="backslashreplace"))
