@@ -19,7 +19,8 @@ _MARKS = re.compile(r"[*_`#>|]+|\[([^\]]*)\]\([^)]*\)")
 def head_facts(study: Study) -> list[str]:
     """Return the study's name and its date."""
     name = PurePath(study.graph_file).stem
-    return [text for text in (name, _date(study.created)) if text]
+    dates = ", ".join(dict.fromkeys(map(_day, study.created.split(" | "))))  # of several runs
+    return [text for text in (name, dates) if text]
 
 
 def fold_facts(study: Study) -> dict[str, str]:
@@ -47,12 +48,8 @@ def fold_facts(study: Study) -> dict[str, str]:
     }
 
 
-def _date(created: str) -> str:
-    """Return the day, or the days, on which runs ended."""
-    return ", ".join(dict.fromkeys(map(_day, created.split(" | "))))
-
-
 def _day(created: str) -> str:
+    """Return the day on which a run ended."""
     try:
         when = datetime.fromisoformat(created)
     except ValueError:

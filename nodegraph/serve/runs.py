@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from threading import Lock, RLock
 from typing import Any
@@ -213,15 +213,13 @@ class OpenRun:
                     self._begun() if record is None else (record.settings, Path(record.folder))
                 )
                 graph, folder = self.graph(), self._store or _store_of(settings, origin)
-                store = open_store(self._registry, folder, _warn)
-                self._values = (
-                    version,
-                    (
-                        open_unfinished(graph, settings, self._ended(), store)
-                        if record is None
-                        else open_run(graph, record, store)
-                    ),
+                store = open_store(self._registry, folder, partial(warnings.warn, stacklevel=2))
+                run = (
+                    open_unfinished(graph, settings, self._ended(), store)
+                    if record is None
+                    else open_run(graph, record, store)
                 )
+                self._values = version, run
             return self._values[1], record
 
     def drawing(self) -> dict[str, str]:
@@ -324,10 +322,6 @@ class OpenRun:
         if missing:
             options = shlex.join(part for each in missing for part in ("--plugin", each.path))
             raise NodegraphError(f"the run used nodes of other files; open it with {options}")
-
-
-def _warn(text: str) -> None:
-    warnings.warn(text, stacklevel=2)
 
 
 def _command(settings: RunSettings, origin: Path, folder: Path) -> str:

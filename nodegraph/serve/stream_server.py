@@ -11,7 +11,8 @@ import sys
 import threading
 from collections import Counter, deque
 from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
-from typing import Any, BinaryIO, Literal, NamedTuple
+from contextlib import suppress
+from typing import Any, Literal, NamedTuple
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -80,17 +81,11 @@ def main() -> None:
     answering = threading.Thread(target=server.run)
     answering.start()
     try:
-        _follow(messages, shown)
+        with suppress(EOFError):
+            while True:
+                shown.take(pickle.load(messages))
     finally:
         server.end()
-
-
-def _follow(messages: BinaryIO, shown: _Shown) -> None:
-    while True:
-        try:
-            shown.take(pickle.load(messages))
-        except EOFError:
-            return
 
 
 def _application(content: str, shown: _Shown) -> Starlette:
