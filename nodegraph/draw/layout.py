@@ -180,9 +180,8 @@ def _bands_of(area: Area, part: Iterable[Cell]) -> _Bands:
     depths = _depths(sizes, wires)
     ranks = {depth: rank for rank, depth in enumerate(sorted({*depths.values()}))}
     depths = {cell: ranks[depth] for cell, depth in depths.items()}
-    widths = [0.0] * len(ranks)
-    for cell, depth in depths.items():
-        widths[depth] = max(widths[depth], sizes[cell].width)
+    columns = ([cell for cell in depths if depths[cell] == rank] for rank in ranks.values())
+    widths = [max(sizes[cell].width for cell in column) for column in columns]
     by_output: dict[End, list[int]] = {}
     for begin, (target, port) in wires:
         if not _is_side((target, port), sizes) or depths[target] == depths[begin[0]] + 1:
@@ -591,15 +590,13 @@ def _placed(
         name: _moved(areas[frame].corners["box", name], origins[frame])
         for name, frame in frames.items()
     }
-    inputs = {name: dict(size.inputs) for name, size in sizes}
-    outputs = {name: dict(size.outputs) for name, size in sizes}
-    widths = {name: size.width for name, size in sizes}
+    size_of = dict(sizes)
 
     # how far to the right an output's line goes down, and from how far up
     rooms = {
         (band, name, port): (
             _free(areas[()], bands, ("box", name)),
-            -corners[name][1] - outputs[name][port],
+            -corners[name][1] - dict(size_of[name].outputs)[port],
         )
         for band, name, port in outputs_led
     }
@@ -620,14 +617,15 @@ def _placed(
             ]
         if link not in led:
             return []
-        x, y = _moved(corners[link.target], (0.0, inputs[link.target][link.target_port]))
+        end = dict(size_of[link.target].inputs)[link.target_port]
+        x, y = _moved(corners[link.target], (0.0, end))
         band = bands["box", link.target]
         lane, right = lanes[band, *link[:2]]
         between = gaps[band] - _BETWEEN_CELLS - _LANE * (lane - 1)
         left = x - _BEFORE - _LANE * lane
-        begin = _moved(
-            corners[link.source], (widths[link.source], outputs[link.source][link.source_port])
-        )
+        source = size_of[link.source]
+        height = dict(source.outputs)[link.source_port]
+        begin = _moved(corners[link.source], (source.width, height))
         turns = [(right, begin[1]), (right, between), (left, between), (left, y)]
         return [begin, *turns, (x, y)]
 
@@ -808,7 +806,7 @@ def _notes(picture: Picture, cut: Collection[Arrow]) -> dict[str, tuple[Notes, N
 
 def _fixed_before(picture: Picture) -> dict[str, set[str]]:
     """Return, for each box, the labels that arrows fix on the way to what it reads."""
-    network = nx.DiGraph((arrow.source, arrow.target) for arrow in picture.arrows)
+    network = network_of(picture)
     own: dict[str, set[str]] = {box.name: set() for box in picture.boxes}
     for arrow in picture.arrows:
         own[arrow.target] |= {*arrow.fixed.split(", ")}
