@@ -9,8 +9,8 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 from nodegraph.node.description import ShownSetting
+from nodegraph.node.ports import Label
 
-Label = str | int | float | bool
 Labels = Mapping[str, Label]
 
 
