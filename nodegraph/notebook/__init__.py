@@ -11,7 +11,7 @@ from nodegraph.formatting import duration
 from nodegraph.graph import Graph
 from nodegraph.report.from_run import compose
 from nodegraph.report.notes import note_kinds
-from nodegraph.report.page import source, standalone_page, templates_of, titled
+from nodegraph.report.page import from_template, source, standalone_page, titled
 
 _MOST = 24
 _FEW = 3
@@ -24,16 +24,14 @@ _DARK = '[data-jp-theme-light="false"], .vscode-dark, html[theme="dark"]'
 
 def graph_html(graph: Graph) -> str:
     """Return the title, axes and drawing of a graph as HTML."""
-    return (
-        templates_of("nodegraph.notebook")
-        .get_template("graph.html")
-        .render(
-            style=_style(),
-            title=graph.title,
-            axes=_axes(graph),
-            drawing=drawing_for_page(graph),
-            nodes=len(graph.nodes),
-        )
+    return from_template(
+        "nodegraph.notebook",
+        "graph.html",
+        style=_style(),
+        title=graph.title,
+        axes=_axes(graph),
+        drawing=drawing_for_page(graph),
+        nodes=len(graph.nodes),
     )
 
 
@@ -45,21 +43,19 @@ def run_html(run: Run) -> str:
     """
     graph = run.plan.graph
     study = compose(run).study
-    return (
-        templates_of("nodegraph.notebook")
-        .get_template("run.html")
-        .render(
-            style=_style(),
-            study=study,
-            counts=run.counts(),
-            time=duration(run.seconds),
-            axes=_axes(graph),
-            kinds=note_kinds(study),
-            results=titled(study.sections),
-            most=_MOST,
-            few=_FEW,
-            standalone_page=standalone_page,
-        )
+    return from_template(
+        "nodegraph.notebook",
+        "run.html",
+        style=_style(),
+        study=study,
+        counts=run.counts(),
+        time=duration(run.seconds),
+        axes=_axes(graph),
+        kinds=note_kinds(study),
+        results=titled(study.sections),
+        most=_MOST,
+        few=_FEW,
+        standalone_page=standalone_page,
     )
 
 

@@ -162,15 +162,13 @@ def filled(
         What the template names.
     """
     scripts = list(dict.fromkeys(scripts))
-    return (
-        templates_of(package)
-        .get_template(template)
-        .render(
-            policy=policy(trusted, *scripts, rules=rules),
-            scripts=scripts,
-            styles=dict.fromkeys([source("page.css"), *styles]),
-            **context,
-        )
+    return from_template(
+        package,
+        template,
+        policy=policy(trusted, *scripts, rules=rules),
+        scripts=scripts,
+        styles=dict.fromkeys([source("page.css"), *styles]),
+        **context,
     )
 
 
@@ -195,8 +193,13 @@ def _questions(study: Study) -> list[_Question]:
     return questions
 
 
+def from_template(package: str, template: str, **context: Any) -> str:
+    """Return a template of a package, filled in."""
+    return _templates_of(package).get_template(template).render(**context)
+
+
 @cache  # a template takes longer to compile than to fill in
-def templates_of(package: str) -> Environment:
+def _templates_of(package: str) -> Environment:
     """Return the template engine of a package; text not marked as trusted is escaped.
 
     They may extend those of a report, such as ``document.html``.
