@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from nodegraph.draw.boxes import clean, escaped
-from nodegraph.draw.frames import frames_of, label_of, outline
+from nodegraph.draw.frames import nested
 from nodegraph.draw.picture import Arrow, Box, Picture, Socket
 
 
@@ -23,26 +23,18 @@ def dot(picture: Picture) -> str:
         "  node [shape=plain, fontname=Helvetica, fontsize=11];",
         "  edge [fontname=Helvetica, fontsize=9];",
     ]
-    lines += _nested(boxes, numbers)
+
+    def box_line(name: str, label: str) -> str:
+        return f"n{numbers[name]} [label=<{_table(boxes[name], label)}>];"
+
+    lines += nested(boxes, _begin, "}", box_line)
     lines += [_edge(arrow, numbers, boxes) for arrow in picture.arrows]
     return "\n".join([*lines, "}\n"])
 
 
-def _nested(boxes: Mapping[str, Box], numbers: Mapping[str, int]) -> Iterator[str]:
-    frames = frames_of(boxes)
-    opened = 0
-    for kind, name, depth in outline(frames):
-        indent = "  " * (depth + 1)
-        if kind == "open":
-            label = f"label={_quoted(name)}, labelloc=t, labeljust=l"
-            yield f"{indent}subgraph cluster_{opened} {{"
-            yield f"{indent}  graph [{label}, style=rounded, color=gray60];"
-            opened += 1
-        elif kind == "close":
-            yield f"{indent}}}"
-        else:
-            table = _table(boxes[name], label_of(name, frames[name]))
-            yield f"{indent}n{numbers[name]} [label=<{table}>];"
+def _begin(number: int, name: str) -> list[str]:
+    look = f"label={_quoted(name)}, labelloc=t, labeljust=l, style=rounded, color=gray60"
+    return [f"subgraph cluster_{number} {{", f"  graph [{look}];"]
 
 
 def _quoted(text: str) -> str:

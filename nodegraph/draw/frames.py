@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
+from itertools import count
 
 Frame = tuple[str, ...]
 """The words of the names in a frame that are equal: ``("clean", "fine")``."""
@@ -25,20 +26,36 @@ def label_of(name: str, frame: Frame) -> str:
     return (".".join(words[len(frame) :]) or words[-1]) if frame else name
 
 
-def outline(frames: Mapping[str, Frame], frame: Frame = ()) -> Iterator[tuple[str, str, int]]:
-    """Yield the events of a walk through nested frames, each with its depth.
+def nested(
+    names: Iterable[str],
+    begin: Callable[[int, str], Iterable[str]],
+    end: str,
+    box: Callable[[str, str], str],
+) -> Iterator[str]:
+    """Return the lines of boxes, in their order but those of one frame together, and indented.
 
-    Events are ``("open", label)``, ``("box", name)`` and ``("close", label)``. Boxes come in
-    their order, those of one frame together.
+    Parameters
+    ----------
+    names
+    begin
+        Returns the lines with which a frame of some number and name begins.
+    end
+        The line with which a frame ends.
+    box
+        Returns the line of a box of some name, which has another in its frame.
     """
-    depth = len(frame)
-    opened: set[Frame] = set()
-    for name, path in frames.items():
-        inner = path[: depth + 1]
-        if path == frame:
-            yield "box", name, depth
-        elif path[:depth] == frame and inner not in opened:
-            opened.add(inner)
-            yield "open", inner[-1], depth
-            yield from outline(frames, inner)
-            yield "close", inner[-1], depth
+    frames = frames_of(names)
+    numbers = count()
+
+    def lines(frame: Frame) -> Iterator[str]:
+        opened: set[Frame] = set()
+        for name, path in frames.items():
+            inner = path[: len(frame) + 1]
+            if path == frame:
+                yield f"  {box(name, label_of(name, frame))}"
+            elif path[: len(frame)] == frame and inner not in opened:
+                opened.add(inner)
+                within = (*begin(next(numbers), inner[-1]), *lines(inner), end)
+                yield from (f"  {line}" for line in within)
+
+    return lines(())

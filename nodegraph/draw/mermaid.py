@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
 
 from nodegraph.draw.boxes import clean
-from nodegraph.draw.frames import frames_of, label_of, outline
+from nodegraph.draw.frames import nested
 from nodegraph.draw.picture import Arrow, Box, Picture
 
 _PLAIN = frozenset(" _.,:-=")
@@ -23,7 +22,8 @@ def mermaid(picture: Picture) -> str:
     ids = {box.name: f"n{index}" for index, box in enumerate(picture.boxes)}
     title = clean(picture.title).replace("<", "&lt;").replace(">", "&gt;")
     lines = ["---", f"title: {json.dumps(title, ensure_ascii=False)}", "---", "flowchart LR"]
-    lines += _nested(picture, ids)
+    boxes = {box.name: box for box in picture.boxes}
+    lines += nested(boxes, _begin, "end", lambda name, label: ids[name] + _box(boxes[name], label))
     lines += [
         f'  {ids[arrow.source]} {_line(arrow)}|"{_label(arrow)}"| {ids[arrow.target]}'
         for arrow in picture.arrows
@@ -31,19 +31,8 @@ def mermaid(picture: Picture) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _nested(picture: Picture, ids: Mapping[str, str]) -> Iterator[str]:
-    boxes = {box.name: box for box in picture.boxes}
-    frames = frames_of(boxes)
-    opened = 0
-    for kind, name, depth in outline(frames):
-        indent = "  " * (depth + 1)
-        if kind == "open":
-            yield f'{indent}subgraph frame{opened}["{_text(name)}"]'
-            opened += 1
-        elif kind == "close":
-            yield f"{indent}end"
-        else:
-            yield f"{indent}{ids[name]}{_box(boxes[name], label_of(name, frames[name]))}"
+def _begin(number: int, name: str) -> list[str]:
+    return [f'subgraph frame{number}["{_text(name)}"]']
 
 
 def _text(text: str) -> str:
