@@ -16,7 +16,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.formatting import number_of
 from nodegraph.plugin.hook_types import Rendered
 from nodegraph.report.foreign import passive, without_foreign_code
-from nodegraph.runs.folder import RECORD, STUDY, content_of
+from nodegraph.runs.folder import STUDY, content_of, missing
 from nodegraph.validation_errors import adapter_of, first_error
 
 _MOST_BYTES = 256_000_000
@@ -395,13 +395,7 @@ def read_study(folder: Path) -> Study:
         data = json.loads(content_of(path, _MOST_BYTES))
         return _without_foreign_code(path, adapter_of(Study).validate_python(data))
     except (FileNotFoundError, NotADirectoryError):
-        if (folder / RECORD).is_file():
-            raise NodegraphError(
-                f"{path}: it was not written when the run ended; run the graph again"
-            ) from None
-        raise NodegraphError(
-            f"{folder}: there is no finished run; run the graph, or name the folder of a run"
-        ) from None
+        raise missing(path) from None
     except ValidationError as error:
         reason = first_error(error, data)
         raise NodegraphError(f"{path} cannot be read ({reason}); run the graph again") from error

@@ -98,6 +98,15 @@ def lines_of(path: Path) -> Iterator[bytes]:
             yield line
 
 
+def missing(path: Path) -> NodegraphError:
+    """Return the error of a file of a run folder that is not there."""
+    if (path.parent / RECORD).is_file():
+        return NodegraphError(f"{path}: it was not written when the run ended; run the graph again")
+    return NodegraphError(
+        f"{path.parent}: there is no finished run; run the graph, or name the folder of a run"
+    )
+
+
 def _opened(path: Path) -> BufferedIOBase:
     if not stat.S_ISREG(path.stat().st_mode):
         raise ValueError("it is not a regular file")

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from nodegraph.errors import NodegraphError
-from nodegraph.runs.folder import RECORD, STEPS, content_of, lines_of
+from nodegraph.runs.folder import RECORD, STEPS, content_of, lines_of, missing
 from nodegraph.runs.record import FORMAT, Cell, NotShown, Record, RecordedStep
 from nodegraph.validation_errors import adapter_of, first_error
 
@@ -51,9 +51,7 @@ def read_record(folder: Path) -> Record:
     try:
         data = json.loads(content_of(path))
     except (FileNotFoundError, NotADirectoryError):
-        raise NodegraphError(
-            f"{folder}: there is no finished run; run the graph, or name the folder of a run"
-        ) from None
+        raise missing(path) from None
     except (OSError, ValueError, RecursionError) as error:
         raise _unreadable(path, error) from error
     written = data.get("format") if isinstance(data, dict) else FORMAT
@@ -76,9 +74,7 @@ def _read_steps(path: Path) -> list[RecordedStep]:
         for number, line in enumerate(lines_of(path), 1):
             steps.append(_validated(RecordedStep, json.loads(line), path, f"line {number}"))
     except FileNotFoundError:
-        raise NodegraphError(
-            f"{path}: it was not written when the run ended; run the graph again"
-        ) from None
+        raise missing(path) from None
     except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
         raise _unreadable(path, error) from error
     return steps
