@@ -93,6 +93,17 @@ def add_run(parser: ArgumentParser) -> None:
     parser.add_argument("run", type=Path, metavar="RUN", help="Folder of a run, such as runs/fill.")
 
 
+def add_runs(parser: ArgumentParser) -> None:
+    """Add the folders of runs, or folders of these."""
+    parser.add_argument(
+        "runs",
+        nargs="+",
+        type=Path,
+        metavar="RUN",
+        help="Folder of a run, such as runs/fill, or a folder of runs.",
+    )
+
+
 def add_executor(parser: ArgumentParser) -> None:
     """Add the options that say where steps are computed."""
     parser.add_argument(

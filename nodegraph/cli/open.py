@@ -6,7 +6,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nodegraph.cli.arguments import add_page, add_plugin
+from nodegraph.cli.arguments import add_page, add_plugin, add_runs
 from nodegraph.cli.browser import needing_pages, serve
 from nodegraph.errors import NodegraphError
 
@@ -28,13 +28,7 @@ example:
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.add_argument(
-        "runs",
-        nargs="+",
-        type=Path,
-        metavar="RUN",
-        help="Folder of a run, such as runs/fill, or a folder of runs.",
-    )
+    add_runs(parser)
     add_page(parser)
     add_plugin(parser)
     parser.add_argument(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from nodegraph.cli.arguments import add_runs
 from nodegraph.cli.output import write_file
 from nodegraph.errors import NodegraphError
 from nodegraph.formatting import number_of, size_text
@@ -14,13 +15,7 @@ HELP = "Write a static site: a gallery of runs with their reports, and runs of o
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the arguments of the command."""
-    parser.add_argument(
-        "runs",
-        nargs="+",
-        type=Path,
-        metavar="RUN",
-        help="Folder of a run, such as runs/fill, or a folder of runs.",
-    )
+    add_runs(parser)
     parser.add_argument(
         "--out",
         type=Path,
