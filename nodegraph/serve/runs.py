@@ -259,17 +259,15 @@ class OpenRun:
     def title(self) -> str:
         """The title of the study."""
         record = self._record_if_any()
-        with self._lock:
-            self._read_events()
-            planned = self._events.progress.planned
+        self._read_events()
+        planned = self._events.progress.planned
         return record.title if record is not None else str(planned.get("title", ""))
 
     def _begun(self) -> tuple[RunSettings, Path]:
         """Return the settings of an unfinished run and its working directory."""
         from pydantic import ValidationError
 
-        with self._lock:
-            self._read_events()
+        self._read_events()
         planned = self._events.progress.planned
         try:
             settings: RunSettings = adapter_of(RunSettings).validate_python(planned.get("settings"))
@@ -288,14 +286,12 @@ class OpenRun:
         }
 
     def _read_events(self) -> bool:
-        try:
+        with self._lock, suppress(OSError):
             return self._events.update()
-        except OSError:
-            return False
+        return False
 
     def _interrupted(self) -> Condition:
-        with self._lock:
-            self._read_events()
+        self._read_events()
         message = f"the run ended after {self._events.progress.seconds:.0f} s without a result"
         try:
             settings, origin = self._begun()
