@@ -19,6 +19,7 @@ from typing import Any
 import markupsafe
 
 from nodegraph.execute.settings import RunSettings
+from nodegraph.graphfile.spec import with_leaves
 from nodegraph.lock.portable import texts_in
 from nodegraph.runs.record import Record
 
@@ -183,19 +184,15 @@ def relocate_settings(settings: RunSettings, graph: str, names: Mapping[str, str
     names
         Names in the archive by paths in the settings.
     """
+
+    def in_archive(part: object) -> object:
+        return names.get(part, part) if isinstance(part, str) else part
+
     return RunSettings(
         graph,
-        set=_in_archive(settings.set, names),
-        axis=_in_archive(settings.axis, names),
-        only=_in_archive(settings.only, names),
+        set=with_leaves(settings.set, in_archive),
+        axis=with_leaves(settings.axis, in_archive),
+        only=with_leaves(settings.only, in_archive),
         until=settings.until,
-        plugins=_in_archive(settings.plugins, names),
+        plugins=with_leaves(settings.plugins, in_archive),
     )
-
-
-def _in_archive(value: object, names: Mapping[str, str]) -> Any:
-    if isinstance(value, Mapping):
-        return {name: _in_archive(item, names) for name, item in value.items()}
-    if isinstance(value, list):
-        return [_in_archive(item, names) for item in value]
-    return names.get(value, value) if isinstance(value, str) else value

@@ -9,6 +9,7 @@ from pathlib import PurePosixPath, PureWindowsPath
 
 from nodegraph.execute.results import Run
 from nodegraph.graph import GraphNode, Method
+from nodegraph.graphfile.spec import with_leaves
 from nodegraph.node.description import (
     ShownSetting,
     describe_declaration,
@@ -128,7 +129,7 @@ def _row(used: _MethodRun, texts: Mapping[str, str]) -> MethodRow:
 
 def _setting(used: _MethodRun, setting: ShownSetting) -> SettingRow:
     values = _values(used, setting.name)
-    value, in_print = _joined(values), _joined(map(_without_folders, values))
+    value, in_print = _joined(values), _joined(with_leaves(values, _without_folder))
     return SettingRow(
         setting.name,
         value,
@@ -157,12 +158,8 @@ def _joined(values: Iterable[object]) -> str:
     return ", ".join(texts[:_MOST_VALUES]) + more
 
 
-def _without_folders(value: object) -> object:
-    """Return a value with files by their names alone: folders belong to one machine."""
-    if isinstance(value, (list, tuple)):
-        return [_without_folders(item) for item in value]
-    if isinstance(value, Mapping):
-        return {name: _without_folders(item) for name, item in value.items()}
+def _without_folder(value: object) -> object:
+    """Return a file by its name alone: folders belong to one machine."""
     text = str(value)
     for path in (PurePosixPath(text), PureWindowsPath(text)):
         if path.is_absolute() and len(path.parts) > 2:
