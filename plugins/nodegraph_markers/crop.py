@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -55,10 +54,4 @@ def crop(recording: Trajectories, *, frames: Spans) -> Trajectories:
     ValueError
         If the take has no such frames, or a part's last comes before its first.
     """
-    kept = np.concatenate(_ranges(recording, frames))
-    return replace(
-        recording,
-        positions=recording.positions[kept],
-        origin=recording.origin[kept],
-        sigma=None if recording.sigma is None else recording.sigma[kept],
-    )
+    return recording[np.concatenate(_ranges(recording, frames))]

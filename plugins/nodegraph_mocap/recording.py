@@ -146,6 +146,15 @@ class Trajectories(Value):
         deviation = self.sigma if sigma is None else sigma
         return replace(self, positions=positions, origin=marked, sigma=deviation)
 
+    def __getitem__(self, frames: slice | NDArray[np.generic]) -> Trajectories:
+        """Return the recording in some frames: a slice, flags, or numbers."""
+        return replace(
+            self,
+            positions=self.positions[frames],
+            origin=self.origin[frames],
+            sigma=None if self.sigma is None else self.sigma[frames],
+        )
+
     def keep(self, names: Iterable[str]) -> Trajectories:
         """Return the recording with these markers only, in this order.
 

@@ -51,8 +51,8 @@ def recordings() -> dict[str, Trajectories]:
         ),
         "a marker never seen": _cut(face, [(3, 0, FRAMES), (6, 12, 18)]),
         "a frame without any marker": _cut(face, [(m, 15, 17) for m in range(len(MARKERS))]),
-        "one frame": _cut(_first_frames(face, 1), [(2, 0, 1)]),
-        "two frames": _cut(_first_frames(face, 2), [(2, 1, 2)]),
+        "one frame": _cut(face[:1], [(2, 0, 1)]),
+        "two frames": _cut(face[:2], [(2, 1, 2)]),
         "one marker": _cut(face, [(6, 10, 14)]).keep(["nose"]),
         "all missing": _without_marker_set(nowhere),
         "two markers in one place": _cut(_without_marker_set(together), [(0, 10, 14), (6, 20, 24)]),
@@ -202,12 +202,6 @@ def _cut(recording: Trajectories, gaps: list[tuple[int, int, int]]) -> Trajector
         hidden[start:stop, marker] = True
     positions[hidden] = np.nan
     return recording.with_samples(positions, changed=hidden, origin=Origin.MISSING)
-
-
-def _first_frames(recording: Trajectories, count: int) -> Trajectories:
-    return replace(
-        recording, positions=recording.positions[:count], origin=recording.origin[:count]
-    )
 
 
 def _without_marker_set(positions: NDArray[Any]) -> Trajectories:

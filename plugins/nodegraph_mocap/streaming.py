@@ -92,16 +92,6 @@ def _joined(frames: Sequence[NDArray[_Scalar]], header: NDArray[_Scalar]) -> NDA
     return np.stack(frames) if len(frames) else header
 
 
-def _no_frames(recording: Trajectories) -> Trajectories:
-    sigma = recording.sigma
-    return replace(
-        recording,
-        positions=recording.positions[:0],
-        origin=recording.origin[:0],
-        sigma=None if sigma is None else sigma[:0],
-    )
-
-
 def _marker_frames(recording: Trajectories) -> list[MarkerFrame]:
     sigma = [None] * recording.frames if recording.sigma is None else recording.sigma
     positions = np.ascontiguousarray(recording.positions)
@@ -183,7 +173,9 @@ def _detections(header: Detections, frames: Sequence[NDArray[np.float64]]) -> De
 
 
 STREAMS: Mapping[type, Streamable] = {
-    Trajectories: Streamable(_no_frames, _marker_frames, _recording, _missing_markers),
+    Trajectories: Streamable(
+        lambda recording: recording[:0], _marker_frames, _recording, _missing_markers
+    ),
     Weights: Streamable(
         lambda weights: replace(weights, values=weights.values[:0]),
         lambda weights: list(weights.values),

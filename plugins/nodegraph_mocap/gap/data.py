@@ -8,7 +8,7 @@ strays far does not coarsen the others.
 from __future__ import annotations
 
 import base64
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -286,9 +286,7 @@ def _runs(flags: NDArray[np.bool_]) -> list[list[int]]:
 
 def _view(base: Trajectories) -> Projection:
     """Return from where the face of a take is seen."""
-    step = max(1, base.frames // _VIEW_FRAMES)
-    part = replace(base, positions=base.positions[::step], origin=base.origin[::step], sigma=None)
-    return frontal(part, AUTO)
+    return frontal(base[:: max(1, base.frames // _VIEW_FRAMES)], AUTO)
 
 
 def _axes(view: Projection) -> list[str]:

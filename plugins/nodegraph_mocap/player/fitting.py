@@ -48,13 +48,7 @@ def thinned(shown: Trajectories | Animation, every: int) -> Trajectories | Anima
             weights=thinned_weights(shown.weights, every),
             head_motion=motion and motion[::every],
         )
-    return replace(
-        shown,
-        positions=shown.positions[::every],
-        origin=shown.origin[::every],
-        sigma=None if shown.sigma is None else shown.sigma[::every],
-        rate=shown.rate / every,
-    )
+    return replace(shown[::every], rate=shown.rate / every)
 
 
 def thinned_weights(weights: Weights, every: int) -> Weights:

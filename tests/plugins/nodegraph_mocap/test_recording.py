@@ -90,6 +90,21 @@ def test_kept_markers_come_with_all_that_is_theirs() -> None:
     assert recording.keep(("b", "a")).keep(("a", "b")).origin.tolist() == recording.origin.tolist()
 
 
+def test_some_frames_come_with_all_that_is_theirs() -> None:
+    recording = recordings()["filled, repaired and with sigma"]
+    part = recording[10:14]
+    assert (part.markers, part.rate, part.marker_set) == (
+        recording.markers,
+        recording.rate,
+        recording.marker_set,
+    )
+    np.testing.assert_array_equal(part.positions, recording.positions[10:14])
+    np.testing.assert_array_equal(part.origin, recording.origin[10:14])
+    assert part.sigma is not None
+    assert recording.sigma is not None
+    np.testing.assert_array_equal(part.sigma, recording.sigma[10:14])
+
+
 def test_keeping_what_is_not_there_is_refused_with_what_is() -> None:
     with pytest.raises(ValueError, match="the recording has no marker 'x'; 'y'; it has a, b"):
         recording_of().keep(["x", "a", "y"])
