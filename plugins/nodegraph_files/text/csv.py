@@ -147,9 +147,8 @@ def read_columns(
     table = columns.table
     order = [axes[axis] for axes in columns.markers.values() for axis in "xyz"]
     wanted = sorted([*order, *columns.counters])
-    cells = read_rows(table.below(columns.header, len(columns.names), wanted, names=columns.names))
-    if not len(cells):
-        raise ValueError(f"{table.path}: no frames follow line {columns.header.line}")
+    names = columns.names
+    cells = table.frames_below(columns.header, len(names), wanted, names=names)
     places = {column: place for place, column in enumerate(wanted)}
     counters = {counter: cells[:, places[counter]] for counter in columns.counters}
     return recording_of(

@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 
 from nodegraph import Format, listed, quoted
-from nodegraph_files.text.table import Row, Table, check_distinct, filled_width, read_rows
+from nodegraph_files.text.table import Row, Table, check_distinct, filled_width
 from nodegraph_files.text.table_recording import (
     known_rate,
     recording_of,
@@ -81,10 +81,7 @@ def read_mot(
         columns = ["time", *names]
     else:
         raise ValueError(f"{path}: DataType={facts['datatype']}, but a recording is made of points")
-    rows = table.below(header, len(columns), range(len(columns)), names=columns)
-    cells = read_rows(rows)
-    if not len(cells):
-        raise ValueError(f"{path}: no frames follow line {header.line}")
+    cells = table.frames_below(header, len(columns), range(len(columns)), names=columns)
     warn_count("rows", facts.get("nrows", str(len(cells))), len(cells))
     warn_irregular("time", cells[:, 0])
     return recording_of(

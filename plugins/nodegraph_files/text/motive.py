@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nodegraph import quoted
-from nodegraph_files.text.table import Row, Table, filled, read_rows
+from nodegraph_files.text.table import Row, Table
 from nodegraph_files.text.table_recording import (
     rate_of_header,
     recording_of,
@@ -71,10 +71,8 @@ def read_motive(
     _warn_left_out(header, columns)
     names = [f"{name} {axis}" for name, axis in zip(header.names, header.axes.cells, strict=True)]
     width = len(header.axes.cells)
-    below = table.below(header.axes, width, [0, 1, *columns], names=names, lenient=True)
-    cells = filled(read_rows(below))
-    if not len(cells):
-        raise ValueError(f"{table.path}: no frames follow line {header.axes.line}")
+    wanted = [0, 1, *columns]
+    cells = table.frames_below(header.axes, width, wanted, names=names, lenient=True, counted=True)
     warn_count("frames", _fact(table, "Total Exported Frames")[0] or str(len(cells)), len(cells))
     warn_skipped("the frame number", cells[:, 0])
     warn_other_rate(cells[:, 1], used_rate, "the header" if rate is None else "`rate`")

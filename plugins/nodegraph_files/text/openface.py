@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import listed
-from nodegraph_files.text.table import Row, Table, check_distinct, read_rows
+from nodegraph_files.text.table import Row, Table, check_distinct
 from nodegraph_files.text.table_recording import known_rate, recording_of, warn_skipped
 from nodegraph_files.units import unit_from
 from nodegraph_mocap.recording import Trajectories
@@ -59,12 +59,10 @@ def read_openface(
     order = [column for axes in points.values() for column in axes]
     wanted = sorted([*order, *counters.values()])
     _warn_left_out(header.cells, wanted)
-    rows = table.below(header, len(header.cells), wanted, names=header.cells)
-    cells = dict(zip(wanted, read_rows(rows).T, strict=True))
+    numbers = table.frames_below(header, len(header.cells), wanted, names=header.cells)
+    cells = dict(zip(wanted, numbers.T, strict=True))
     read = {name: cells[column] for name, column in counters.items()}
     coordinates = np.stack([cells[column] for column in order], axis=1)
-    if not len(coordinates):
-        raise ValueError(f"{table.path}: no frames follow line {header.line}")
     _check_faces(table, read.get("face_id"))
     if "frame" in read:
         warn_skipped("frame", read["frame"])

@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 
 from nodegraph import quoted
-from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
+from nodegraph_files.text.table import Row, Table, filled_width
 from nodegraph_files.text.table_recording import (
     is_number,
     rate_of_header,
@@ -55,10 +55,7 @@ def read_qtm(table: Table, *, zeros_missing: bool, unit: str, rate: float | None
     used_rate = _rate(table, facts, rate)
     labels = facts["MARKER_NAMES"].cells[1 : filled_width(facts["MARKER_NAMES"].cells)]
     leading, width = _shape(table, header, len(labels))
-    cells = read_rows(table.below(header, width, range(width), lenient=True))
-    cells = filled(cells) if leading else cells
-    if not len(cells):
-        raise ValueError(f"{table.path}: no frames follow line {header.line}")
+    cells = table.frames_below(header, width, range(width), lenient=True, counted=leading > 0)
     _warn_facts(facts, len(cells), (width - leading) // 3)
     if leading:
         warn_skipped("the frame number", cells[:, 0])

@@ -475,6 +475,32 @@ class Table:
             beyond=beyond,
         )
 
+    def frames_below(
+        self,
+        row: Row,
+        width: int,
+        wanted: Sequence[int],
+        *,
+        names: Sequence[str] = (),
+        lenient: bool = False,
+        counted: bool = False,
+    ) -> NDArray[np.float64]:
+        """Return the numbers that follow a row of the header, a row per frame; see `read_rows`.
+
+        Where the first of the columns counts frames, a row that is wholly missing is none.
+
+        Raises
+        ------
+        ValueError
+            If there are no frames, or as `read_rows` does.
+        """
+        numbers = read_rows(self.below(row, width, wanted, names=names, lenient=lenient))
+        if counted:
+            numbers = filled(numbers)
+        if not len(numbers):
+            raise ValueError(f"{self.path}: no frames follow line {row.line}")
+        return numbers
+
 
 def read_table(path: Path) -> Table:
     """Read a text file as a table.

@@ -14,7 +14,7 @@ from itertools import islice
 from pathlib import Path
 
 from nodegraph import quoted
-from nodegraph_files.text.table import Row, Table, filled, filled_width, read_rows
+from nodegraph_files.text.table import Row, Table, filled_width
 from nodegraph_files.text.table_recording import rate_of_header, recording_of, warn_skipped
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.recording import Trajectories
@@ -101,10 +101,8 @@ def read_vicon(table: Table, *, zeros_missing: bool, unit: str, rate: float | No
     markers = count_triples(table.path, axes.line, ["", "", *axes.cells[LEADING:]])
     width = LEADING + 3 * markers
     body = _until_empty(table, units)
-    below = body.below(units, width, [0, *range(LEADING, width)], lenient=True)
-    cells = filled(read_rows(below))
-    if not len(cells):
-        raise ValueError(f"{table.path}: no frames follow line {units.line}")
+    wanted = [0, *range(LEADING, width)]
+    cells = body.frames_below(units, width, wanted, lenient=True, counted=True)
     warn_skipped(axes.cells[0], cells[:, 0])
     return recording_of(
         cells[:, 1:],

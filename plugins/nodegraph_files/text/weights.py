@@ -12,7 +12,7 @@ import numpy as np
 
 from nodegraph import Format, listed
 from nodegraph_files.text.counters import in_seconds, is_counter
-from nodegraph_files.text.table import check_distinct, filled_width, read_rows, read_table
+from nodegraph_files.text.table import check_distinct, filled_width, read_table
 from nodegraph_files.text.table_recording import known_rate, warn_irregular
 from nodegraph_files.text.text_file import start_in_utf8
 from nodegraph_mocap.face_model import Weights
@@ -51,9 +51,7 @@ def read_weights_table(path: Path, *, rate: float | None = None) -> Weights:
         what = f"{names.index('') + 1}: a column has no name" if "" in names else " no weights"
         raise ValueError(f"{place}:{what}")
     check_distinct(names, place)
-    cells = read_rows(table.below(header, len(names), range(len(names)), names=names))
-    if not len(cells):
-        raise ValueError(f"{path}: no frames follow line {header.line}")
+    cells = table.frames_below(header, len(names), range(len(names)), names=names)
     values = cells[:, shapes]
     infinite = np.argwhere(np.isinf(values))
     if len(infinite):
