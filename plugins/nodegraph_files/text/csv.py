@@ -32,9 +32,9 @@ from nodegraph_files.text.table import (
 from nodegraph_files.text.table_recording import (
     is_number,
     known_rate,
+    rate_of_counters,
     recording_of,
     unit_of_table,
-    warn_irregular,
     whole_steps,
 )
 from nodegraph_files.text.vicon import is_vicon, read_vicon
@@ -150,11 +150,11 @@ def read_columns(
     names = columns.names
     cells = table.frames_below(columns.header, len(names), wanted, names=names)
     places = {column: place for place, column in enumerate(wanted)}
-    counters = {counter: cells[:, places[counter]] for counter in columns.counters}
+    counters = [(names[counter], cells[:, places[counter]]) for counter in columns.counters]
     return recording_of(
         _taken(cells, [places[column] for column in order]),
         list(columns.markers),
-        rate=_rate(columns, counters, rate),
+        rate=rate_of_counters(table, counters, rate),
         unit=unit_of_table(table, unit, columns.unit),
         zeros_missing=zeros_missing,
     )
@@ -195,17 +195,6 @@ def warn_left_out(columns: CsvColumns) -> None:
             f"{listed(shown, _MOST_NAMES)}",
             stacklevel=4,
         )
-
-
-def _rate(
-    columns: CsvColumns, counters: dict[int, NDArray[np.float64]], setting: float | None
-) -> float:
-    times = None
-    for column, values in counters.items():
-        name = columns.names[column]
-        warn_irregular(name, values)
-        times = in_seconds(name, values) if times is None else times
-    return known_rate(columns.table, times, setting)
 
 
 def read_wide(table: Table, *, zeros_missing: bool, unit: str, rate: float | None) -> Trajectories:

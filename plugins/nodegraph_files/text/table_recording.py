@@ -12,6 +12,7 @@ from nodegraph import listed, quoted
 from nodegraph_files.marker_names import unique_names
 from nodegraph_files.missing import mark_missing
 from nodegraph_files.rates import rate_from
+from nodegraph_files.text.counters import in_seconds
 from nodegraph_files.text.table import Table
 from nodegraph_files.units import AUTO, MILLIMETRES, LengthUnit, unit_from, unit_named
 from nodegraph_mocap.checks import possible_rate
@@ -233,6 +234,30 @@ def rate_of_header(setting: float | None, written: str, place: str, fact: str) -
             f"{quoted(written) if written else 'none'}; set `rate` in Hz"
         )
     return _possible(rate, place)
+
+
+def rate_of_counters(
+    table: Table,
+    counters: Sequence[tuple[str, NDArray[np.float64]]],
+    setting: float | None,
+) -> float:
+    """Return the rate as `known_rate` does, by the first of some columns that holds times.
+
+    Warnings count irregular steps of each, of frame numbers too.
+
+    Parameters
+    ----------
+    table
+    counters
+        Name and numbers of each column of frame numbers or times.
+    setting
+        The user's rate, Hz.
+    """
+    times = None
+    for name, values in counters:
+        warn_irregular(name, values)
+        times = in_seconds(name, values) if times is None else times
+    return known_rate(table, times, setting)
 
 
 def known_rate(

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from nodegraph import Format, listed
-from nodegraph_files.text.counters import in_seconds, is_counter
+from nodegraph_files.text.counters import is_counter
 from nodegraph_files.text.table import check_distinct, filled_width, read_table
-from nodegraph_files.text.table_recording import known_rate, warn_irregular
+from nodegraph_files.text.table_recording import rate_of_counters
 from nodegraph_files.text.text_file import start_in_utf8
 from nodegraph_mocap.face_model import Weights
 
@@ -57,14 +57,10 @@ def read_weights_table(path: Path, *, rate: float | None = None) -> Weights:
     if len(infinite):
         frame, shape = infinite[0]
         raise ValueError(f"{path}: frame {frame}: the weight {names[shapes[shape]]} is infinite")
-    times = None
-    for column in counters:
-        warn_irregular(names[column], cells[:, column])
-        times = in_seconds(names[column], cells[:, column]) if times is None else times
     return Weights(
         values=values,
         names=tuple(names[column] for column in shapes),
-        rate=known_rate(table, times, rate),
+        rate=rate_of_counters(table, [(names[at], cells[:, at]) for at in counters], rate),
     )
 
 
