@@ -9,12 +9,13 @@ from __future__ import annotations
 import json
 import math
 import struct
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from nodegraph import quoted
-from nodegraph_files.glb.document import Accessor, Document, Sparse, entry_at
+from nodegraph_files.glb.document import Accessor, Document, Sparse, entry_at, read_document
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -195,6 +196,19 @@ class Accessors:
             raise ValueError(f"{at}: buffer {buffer} lies outside the file; export one GLB file")
         if stop > len(self._binary):
             raise ValueError(f"{at}: ends at byte {stop} of data that has {len(self._binary)}")
+
+
+def opened_glb(path: Path) -> tuple[Document, Accessors]:
+    """Return what a GLB file describes, and what reads its numbers.
+
+    Raises
+    ------
+    ValueError
+        As `split_glb` and `read_document` do.
+    """
+    text, binary = split_glb(path.read_bytes())
+    document = read_document(text)
+    return document, Accessors(document, binary)
 
 
 class GlbBuffer:

@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Format, listed
-from nodegraph_files.glb.buffers import MAGIC, Accessors, split_glb
+from nodegraph_files.glb.buffers import MAGIC, Accessors, opened_glb
 from nodegraph_files.glb.document import (
     Channel,
     Document,
     Sampler,
     entry_at,
-    read_document,
 )
 from nodegraph_files.glb.reading import Placed, head_of, meshes_of_head, places_of, target_names
 from nodegraph_files.head import RawHead
@@ -62,13 +61,12 @@ class RawAnimation:
 def is_animated(path: Path) -> bool:
     """Return whether a GLB file moves the head that it holds."""
     try:
-        text, binary = split_glb(path.read_bytes())
-        document = read_document(text)
+        document, accessors = opened_glb(path)
         if not document.animations:
             return False
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the reader says what it leaves out
-            placed = meshes_of_head(document, Accessors(document, binary))
+            placed = meshes_of_head(document, accessors)
         return bool(_Moving(document, placed).channels)
     except ValueError:
         return False  # the reader of heads says what is wrong
@@ -88,9 +86,7 @@ def read_glb_animation(path: Path, *, rate: float | None = None) -> RawAnimation
         are not in the order of time, or the head is sheared.
     """
     try:
-        text, binary = split_glb(path.read_bytes())
-        document = read_document(text)
-        accessors = Accessors(document, binary)
+        document, accessors = opened_glb(path)
         placed = meshes_of_head(document, accessors)
         head = head_of(document, placed, accessors)
         return _Moving(document, placed).animation(head, accessors, rate)

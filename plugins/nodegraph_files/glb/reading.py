@@ -20,7 +20,7 @@ from nodegraph_files.glb.buffers import (
     TARGET_NAMES,
     UNIT,
     Accessors,
-    split_glb,
+    opened_glb,
 )
 from nodegraph_files.glb.document import (
     Document,
@@ -28,7 +28,6 @@ from nodegraph_files.glb.document import (
     Primitive,
     SceneNode,
     entry_at,
-    read_document,
 )
 from nodegraph_files.head import RawHead
 from nodegraph_mocap.checks import distinct
@@ -66,9 +65,7 @@ def read_glb(path: Path) -> RawHead:
         file, is compressed, shows no mesh, or its parts do not fit together.
     """
     try:
-        text, binary = split_glb(path.read_bytes())
-        document = read_document(text)
-        accessors = Accessors(document, binary)
+        document, accessors = opened_glb(path)
         return head_of(document, meshes_of_head(document, accessors), accessors)
     except ValueError as error:
         raise ValueError(f"{path}: not a readable GLB head: {error}") from None
