@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from nodegraph import quoted
-from nodegraph_files.yaml_document import yaml_document
+from nodegraph_files.yaml_document import parts_in, yaml_document
 from nodegraph_mocap.marker_set import MarkerSet
 
 PARTS = tuple(field.name for field in fields(MarkerSet))
@@ -41,14 +40,7 @@ def marker_set_of(data: object) -> MarkerSet:
     ValueError
         If they are not of its form.
     """
-    if not isinstance(data, Mapping) or "markers" not in data:
-        raise ValueError(
-            f"it must be a mapping with 'markers', and may have {', '.join(PARTS[1:])}"
-        )
-    unknown = [str(key) for key in data if key not in PARTS]
-    if unknown:
-        raise ValueError(f"unknown key {quoted(unknown[0])}; there is {', '.join(PARTS)}")
-    return MarkerSet(**{part: _part(part, data[part]) for part in PARTS if part in data})
+    return MarkerSet(**{part: _part(part, it) for part, it in parts_in(data, PARTS).items()})
 
 
 def plain_marker_set(marker_set: MarkerSet) -> dict[str, list[Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from nodegraph import quoted
-from nodegraph_files.yaml_document import yaml_document
+from nodegraph_files.yaml_document import parts_in, yaml_document
 from nodegraph_mocap.selection import Selection
 
 _PARTS = tuple(field.name for field in fields(Selection))
@@ -28,12 +27,7 @@ def read_selection_yaml(path: Path) -> Selection:
         If the file is not of that form.
     """
     try:
-        data = yaml_document(path)
-        if not isinstance(data, Mapping) or "chosen" not in data:
-            raise ValueError(f"it must be a mapping with 'chosen', and may have {_PARTS[1:]}")
-        unknown = [str(key) for key in data if key not in _PARTS]
-        if unknown:
-            raise ValueError(f"unknown key {quoted(unknown[0])}; there is {', '.join(_PARTS)}")
+        data = parts_in(yaml_document(path), _PARTS)
         return Selection(**{part: _part(part, items) for part, items in data.items()})
     except ValueError as error:
         raise ValueError(f"{path}: not a selection: {error}") from None

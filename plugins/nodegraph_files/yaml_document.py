@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,24 @@ def yaml_document(path: Path) -> Any:
         return root and loader.construct_document(root)
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise ValueError(str(error)) from None
+
+
+def parts_in(data: object, parts: Sequence[str]) -> Mapping[str, Any]:
+    """Return what is a mapping with the first of some parts, and perhaps with others of them.
+
+    Raises
+    ------
+    ValueError
+        If it is anything else.
+    """
+    if not isinstance(data, Mapping) or parts[0] not in data:
+        raise ValueError(
+            f"it must be a mapping with {quoted(parts[0])}, and may have {', '.join(parts[1:])}"
+        )
+    unknown = [str(key) for key in data if key not in parts]
+    if unknown:
+        raise ValueError(f"unknown key {quoted(unknown[0])}; there is {', '.join(parts)}")
+    return data
 
 
 def _check_depth(text: str) -> None:
