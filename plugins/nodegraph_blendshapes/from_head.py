@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from nodegraph import Refusal, node
-from nodegraph_blendshapes.model import with_markers, with_neutral
+from nodegraph_blendshapes.model import with_neutral
 from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
 from nodegraph_mocap.face_model import ModelAndNeutral
+from nodegraph_mocap.recording import with_marker_set
 
 
 @node("blendshapes.from_head", cite=("curio2006", "lewis2014"))
@@ -58,4 +59,4 @@ def from_head(head: Head, marker_set: MarkerSet | None = None) -> ModelAndNeutra
         markers=head.markers,
     )
     result = with_neutral(model, None)
-    return result._replace(neutral=with_markers(result.neutral, marker_set))
+    return result._replace(neutral=with_marker_set(result.neutral, marker_set, what="the model"))

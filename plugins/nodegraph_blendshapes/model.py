@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nodegraph import listed
-from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories
+from nodegraph_mocap import BlendshapeModel, MarkerSet
 from nodegraph_mocap.face_model import ModelAndNeutral
 
 if TYPE_CHECKING:
@@ -25,25 +24,6 @@ def with_neutral(model: BlendshapeModel, marker_set: MarkerSet | None) -> ModelA
     _warn_unseen(model)
     _warn_alike(model)
     return ModelAndNeutral.of(model, marker_set)
-
-
-def with_markers(recording: Trajectories, marker_set: MarkerSet | None) -> Trajectories:
-    """Return a recording with what is known of its markers, or as it is where nothing is.
-
-    Raises
-    ------
-    ValueError
-        If the marker set names a marker that the recording lacks.
-    """
-    if marker_set is None:
-        return recording
-    absent = [name for name in marker_set.markers if name not in recording.markers]
-    if absent:
-        raise ValueError(
-            f"the marker set names {listed(absent)}, which the model lacks; it has "
-            f"{listed(recording.markers)}"
-        )
-    return replace(recording, marker_set=marker_set)
 
 
 def _warn_unseen(model: BlendshapeModel) -> None:

@@ -7,9 +7,9 @@ import warnings
 import numpy as np
 
 from nodegraph import node
-from nodegraph_blendshapes.model import with_markers
 from nodegraph_blendshapes.shape_matches import driving
 from nodegraph_mocap import BlendshapeModel, MarkerSet, Trajectories, Weights
+from nodegraph_mocap.recording import with_marker_set
 
 
 @node("blendshapes.pose", cite=("lewis2014",))
@@ -64,4 +64,4 @@ def pose(
     posed = Trajectories(
         positions=model.neutral + offsets, markers=model.markers, rate=weights.rate
     )
-    return with_markers(posed, marker_set)
+    return with_marker_set(posed, marker_set, what="the model")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from nodegraph import Format, InputFile, Truth, formats, listed, node, quoted
+from nodegraph import Format, InputFile, Truth, formats, node, quoted
 from nodegraph_files.glb.moving import RawAnimation
 from nodegraph_files.head import NEUTRAL, RawHead, read_marker_vertices, unit_of_mesh
 from nodegraph_files.marker_set import read_marker_set_yaml
@@ -24,7 +24,7 @@ from nodegraph_mocap.face_model import BlendshapeModel, ModelAndNeutral, Weights
 from nodegraph_mocap.head import Head
 from nodegraph_mocap.marker_set import MarkerSet
 from nodegraph_mocap.marks import Marks
-from nodegraph_mocap.recording import Trajectories
+from nodegraph_mocap.recording import Trajectories, with_marker_set
 from nodegraph_mocap.selection import Selection
 
 MARKER_SETS = ("markers.yaml",)
@@ -94,7 +94,7 @@ def _read(
     settings = {"zeros_missing": zeros_missing, "unit": unit, "rate": rate}
     recording: Trajectories = _value_of(file, known, **settings)
     _check_recording(path, recording)
-    return with_marker_set(recording, marker_set_for(Path(path), file, marker_set), file)
+    return _with_marker_set(recording, Path(path), file, marker_set)
 
 
 @node("read.truth", synthetic=is_sample)
@@ -213,9 +213,8 @@ def read_head(
     """
     known = formats(RawHead)
     file = find_file(path, _head_names(file_names("head", known)))
-    is_folder = Path(path) != file
-    raw: RawHead = _value_of(file, known, is_folder=is_folder)
-    table = _marker_vertices(file, marker_vertices, is_folder=is_folder)
+    raw: RawHead = _value_of(file, known, is_folder=Path(path) != file)
+    table = _beside(Path(path), file, marker_vertices, _MARKER_VERTICES)
     if table is not None:
         raw = replace(raw, marker_vertices=read_marker_vertices(table, len(raw.vertices)))
     try:
@@ -293,8 +292,7 @@ def read_model(*, path: InputFile, marker_set: InputFile | None = None) -> Model
     known = formats(BlendshapeModel)
     file = find_file(path, file_names("model", known))
     model, neutral = ModelAndNeutral.of(_value_of(file, known))
-    its_set = marker_set_for(Path(path), file, marker_set)
-    return ModelAndNeutral(model, with_marker_set(neutral, its_set, file))
+    return ModelAndNeutral(model, _with_marker_set(neutral, Path(path), file, marker_set))
 
 
 @node("read.marker_set", synthetic=is_sample)
@@ -414,45 +412,37 @@ def file_names(stem: str, formats: Sequence[Format]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(stem + each.suffixes[0] for each in formats))
 
 
-def marker_set_for(path: Path, file: Path, named: Path | None) -> MarkerSet | None:
-    """Return the marker set of a file, or None.
+def _beside(path: Path, file: Path, named: Path | None, wanted: tuple[str, ...]) -> Path | None:
+    """Return another file that says more of one, or None.
 
     Parameters
     ----------
     path
         The path that the user named.
     file
-        The file that this led to. ``markers.yaml`` beside it counts only if the user named the
-        folder: results are stored by the content of what is named, and by nothing else.
+        The file that this led to. One beside it counts only if the user named the folder: results
+        are stored by the content of what is named, and by nothing else.
     named
-        The marker set's own file, if the user named one.
+        The other file, if the user named it.
+    wanted
+        Its names.
     """
     if named is not None:
-        return read_marker_set_yaml(find_file(named, MARKER_SETS))
-    beside = file.parent / MARKER_SETS[0]
-    return read_marker_set_yaml(beside) if path != file and beside.is_file() else None
+        return find_file(named, wanted)
+    beside = file.parent / wanted[0]
+    return beside if path != file and beside.is_file() else None
 
 
-def with_marker_set(
-    recording: Trajectories, marker_set: MarkerSet | None, file: Path
+def _with_marker_set(
+    recording: Trajectories, path: Path, file: Path, named: Path | None
 ) -> Trajectories:
-    """Return the recording with that marker set, or as it is if there is none.
-
-    Raises
-    ------
-    ValueError
-        If the set names a marker that the recording lacks.
-    """
-    if marker_set is None:
-        return recording
-    known = set(recording.markers)
-    absent = [name for name in marker_set.markers if name not in known]
-    if absent:
-        raise ValueError(
-            f"{file}: the marker set names {listed(absent)}, which the recording lacks; it has "
-            f"{listed(recording.markers)}"
-        )
-    return replace(recording, marker_set=marker_set)
+    """Return what was read from a file with the marker set that is named or lies beside it."""
+    beside = _beside(path, file, named, MARKER_SETS)
+    marker_set = read_marker_set_yaml(beside) if beside else None
+    try:
+        return with_marker_set(recording, marker_set)
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
 
 
 def _check_recording(path: Path, recording: Trajectories) -> None:
@@ -487,14 +477,6 @@ def _head_names(names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names with that of the head at rest before ``head.obj``, perhaps a target's."""
     at = names.index("head.obj") if "head.obj" in names else len(names)
     return (*names[:at], NEUTRAL, *names[at:])
-
-
-def _marker_vertices(file: Path, named: Path | None, *, is_folder: bool) -> Path | None:
-    """Return the table of marker vertices; that beside a file only if its folder was named."""
-    if named is not None:
-        return find_file(named, _MARKER_VERTICES)
-    beside = file.parent / _MARKER_VERTICES[0]
-    return beside if is_folder and beside.is_file() else None
 
 
 def _unit(file: Path, raw: RawHead, setting: str) -> str:

@@ -232,6 +232,35 @@ def check_markers(
         )
 
 
+def with_marker_set(
+    recording: Trajectories, marker_set: MarkerSet | None, *, what: str = "the recording"
+) -> Trajectories:
+    """Return a recording with what is known of its markers, or as it is where nothing is.
+
+    Parameters
+    ----------
+    recording
+    marker_set
+    what
+        What has the recording's markers, in the message.
+
+    Raises
+    ------
+    ValueError
+        If the marker set names a marker that the recording lacks.
+    """
+    if marker_set is None:
+        return recording
+    known = set(recording.markers)
+    absent = [name for name in marker_set.markers if name not in known]
+    if absent:
+        raise ValueError(
+            f"the marker set names {listed(absent)}, which {what} lacks; it has "
+            f"{listed(recording.markers)}"
+        )
+    return replace(recording, marker_set=marker_set)
+
+
 def _with_nearest(name: str, markers: Sequence[str]) -> str:
     near = closest(name, markers)
     return f"{name!r} (did you mean {near!r}?)" if near else repr(name)
