@@ -155,6 +155,14 @@ class Trajectories(Value):
             sigma=None if self.sigma is None else self.sigma[frames],
         )
 
+    def positions_of(self, names: Sequence[str]) -> NDArray[np.float64]:
+        """Return (T, N, 3) positions of some markers; NaN for those that the recording lacks."""
+        place = {marker: column for column, marker in enumerate(self.markers)}
+        there = [column for column, name in enumerate(names) if name in place]
+        positions = np.full((self.frames, len(names), 3), np.nan)
+        positions[:, there] = self.positions[:, [place[names[column]] for column in there]]
+        return positions
+
     def keep(self, names: Iterable[str]) -> Trajectories:
         """Return the recording with these markers only, in this order.
 

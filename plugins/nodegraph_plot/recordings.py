@@ -88,13 +88,9 @@ def check_truth(recordings: dict[str, Trajectories], truth: Trajectories | None)
 
 def true_positions(truth: Trajectories | None, recording: Trajectories) -> NDArray[np.float64]:
     """Return the truth of a recording's markers, (T, M, 3); NaN where it is not known."""
-    known = np.full(recording.positions.shape, np.nan)
     if truth is None:
-        return known
-    place = {marker: column for column, marker in enumerate(truth.markers)}
-    shared = [column for column, marker in enumerate(recording.markers) if marker in place]
-    known[:, shared] = truth.positions[:, [place[recording.markers[index]] for index in shared]]
-    return known
+        return np.full(recording.positions.shape, np.nan)
+    return truth.positions_of(recording.markers)
 
 
 def estimated(recording: Trajectories) -> NDArray[np.bool_]:

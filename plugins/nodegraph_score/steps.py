@@ -147,11 +147,7 @@ def _named(stages: Across[Trajectories]) -> Iterator[tuple[str, Trajectories]]:
 
 
 def _stage(name: str, recording: Trajectories, truth: Trajectories) -> _Stage:
-    positions = np.full(truth.positions.shape, np.nan)
-    place = {marker: column for column, marker in enumerate(recording.markers)}
-    shared = [column for column, marker in enumerate(truth.markers) if marker in place]
-    theirs = [place[truth.markers[column]] for column in shared]
-    positions[:, shared] = recording.positions[:, theirs]
+    positions = recording.positions_of(truth.markers)
     positions[~truth.present] = np.nan
     return _Stage(name, positions, np.linalg.norm(positions - truth.positions, axis=2))
 

@@ -162,12 +162,8 @@ def columns_in(truth: Trajectories, recording: Trajectories) -> list[int]:
 
 
 def _errors(recording: Trajectories, truth: Trajectories) -> NDArray[np.float64]:
-    columns = np.array(columns_in(truth, recording), dtype=np.intp)
-    known = columns >= 0
-    errors = np.full(recording.origin.shape, np.nan)
-    apart = recording.positions[:, known] - truth.positions[:, columns[known]]
-    errors[:, known] = np.linalg.norm(apart, axis=2)
-    return errors
+    apart = recording.positions - truth.positions_of(recording.markers)
+    return np.asarray(np.linalg.norm(apart, axis=2))
 
 
 def _rounded_up(value: float) -> float:

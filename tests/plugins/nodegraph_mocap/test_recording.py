@@ -105,6 +105,14 @@ def test_some_frames_come_with_all_that_is_theirs() -> None:
     np.testing.assert_array_equal(part.sigma, recording.sigma[10:14])
 
 
+def test_positions_of_markers_are_nan_for_those_that_lack() -> None:
+    recording = recordings()["complete"]
+    positions = recording.positions_of(("nose", "elsewhere", "brow_left"))
+    np.testing.assert_array_equal(positions[:, [0, 2]], recording.positions[:, [6, 0]])
+    assert np.isnan(positions[:, 1]).all()
+    assert recording.positions_of(()).shape == (recording.frames, 0, 3)
+
+
 def test_keeping_what_is_not_there_is_refused_with_what_is() -> None:
     with pytest.raises(ValueError, match="the recording has no marker 'x'; 'y'; it has a, b"):
         recording_of().keep(["x", "a", "y"])
