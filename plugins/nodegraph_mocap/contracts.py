@@ -60,10 +60,7 @@ def moves_with_the_face(tried: Tried) -> Iterator[str]:
     """Do with a recording that is shifted as a whole what is done with the one that is not."""
     for recording, output in before_and_after(tried):
         again = output_again(tried, replace(recording, positions=recording.positions + SHIFT))
-        if again is None:
-            yield "declines the shifted recording"
-        else:
-            yield from differences(output, again, again.positions - SHIFT)
+        yield from _unlike(output, again, "the shifted recording", lambda moved: moved - SHIFT)
 
 
 def turns_with_the_face(tried: Tried) -> Iterator[str]:
@@ -72,10 +69,7 @@ def turns_with_the_face(tried: Tried) -> Iterator[str]:
     turn = SWAP if says(tried, DEPENDS_ON_AXES) else TURN
     for recording, output in before_and_after(tried):
         again = output_again(tried, replace(recording, positions=recording.positions @ turn.T))
-        if again is None:
-            yield "declines the turned recording"
-        else:
-            yield from differences(output, again, again.positions @ turn)
+        yield from _unlike(output, again, "the turned recording", lambda moved: moved @ turn)
 
 
 def scales_with_the_face(tried: Tried) -> Iterator[str]:
@@ -85,10 +79,8 @@ def scales_with_the_face(tried: Tried) -> Iterator[str]:
         sigma = None if recording.sigma is None else recording.sigma * SCALE
         larger = replace(recording, positions=recording.positions * SCALE, sigma=sigma)
         again = output_again(tried, larger, settings)
-        if again is None:
-            yield "declines the recording of a larger face"
-        else:
-            yield from differences(output, again, again.positions / SCALE)
+        what = "the recording of a larger face"
+        yield from _unlike(output, again, what, lambda moved: moved / SCALE)
 
 
 def runs_with_the_clock(tried: Tried) -> Iterator[str]:
@@ -101,10 +93,7 @@ def runs_with_the_clock(tried: Tried) -> Iterator[str]:
     settings = _changed(tried, 1.0 / FASTER, _power_of_seconds)
     for recording, output in before_and_after(tried):
         again = output_again(tried, replace(recording, rate=recording.rate * FASTER), settings)
-        if again is None:
-            yield "declines the recording that plays faster"
-        else:
-            yield from differences(output, again, again.positions)
+        yield from _unlike(output, again, "the recording that plays faster")
 
 
 def looks_ahead_as_declared(tried: Tried) -> Iterator[str]:
@@ -156,11 +145,8 @@ def does_not_depend_on_the_order_of_markers(tried: Tried) -> Iterator[str]:
     """Do the same with markers in another order."""
     for recording, output in before_and_after(tried):
         again = output_again(tried, recording.keep(recording.markers[::-1]))
-        if again is None:
-            yield "declines the recording whose markers are in another order"
-        else:
-            again = again.keep(recording.markers)
-            yield from differences(output, again, again.positions)
+        again = again and again.keep(recording.markers)
+        yield from _unlike(output, again, "the recording whose markers are in another order")
 
 
 def says(tried: Tried, words: str) -> bool:
@@ -184,6 +170,19 @@ def output_again(
     outputs = tried.again(settings or {}, recording=recording)
     output = None if outputs is None else next(iter(outputs.values()))
     return output if isinstance(output, Trajectories) else None
+
+
+def _unlike(
+    output: Trajectories,
+    again: Trajectories | None,
+    what: str,
+    back: Callable[[NDArray[np.float64]], NDArray[np.float64]] = lambda positions: positions,
+) -> Iterator[str]:
+    """Yield where a result differs from that of another recording, whose positions `back` moves."""
+    if again is None:
+        yield f"declines {what}"
+    else:
+        yield from differences(output, again, back(again.positions))
 
 
 def differences(
