@@ -18,12 +18,7 @@ from nodegraph import Rendered, standalone_page
 from nodegraph_mocap.playback import Panel, Playback
 from nodegraph_mocap.recording import Origin, Trajectories
 
-_ORIGINS = {
-    Origin.MEASURED: "measured",
-    Origin.FILLED: "filled",
-    Origin.REPAIRED: "repaired",
-    Origin.MISSING: "missing",
-}
+_ORIGINS = (Origin.MEASURED, Origin.FILLED, Origin.REPAIRED, Origin.MISSING)
 _SCRIPTS = (
     "data",
     "camera",
@@ -115,8 +110,8 @@ def _content(panel: Panel) -> str:
 
 def _origins(recording: Trajectories) -> str:
     """Return the number of samples by origin: ``1,200 measured, 40 filled, 3 missing``."""
-    counts = {word: int((recording.origin == origin).sum()) for origin, word in _ORIGINS.items()}
-    return ", ".join(f"{count:,} {word}" for word, count in counts.items() if count)
+    counts = {origin: int((recording.origin == origin).sum()) for origin in _ORIGINS}
+    return ", ".join(f"{count:,} {each.name.lower()}" for each, count in counts.items() if count)
 
 
 @cache
