@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph import Value, listed
+from nodegraph import Value
 from nodegraph_mocap.face_model import HeadMotion, Weights
 from nodegraph_mocap.head import Head
-from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.shape_names import places_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,13 +48,7 @@ class Animation(Value):
             raise ValueError(
                 f"the weights have {self.frames} frames, the head motion {motion.frames}"
             )
-        target_of = matched(self.weights.names, self.head.names)
-        without = [name for name in self.weights.names if name not in target_of]
-        if without:
-            raise ValueError(
-                f"the head has no morph target for the weights {listed(without)}; it has "
-                f"{listed(self.head.names)}"
-            )
+        self._targets()
 
     @property
     def frames(self) -> int:
@@ -69,8 +63,10 @@ class Animation(Value):
     @property
     def morph_weights(self) -> NDArray[np.float64]:
         """(T, K) weights in the order of the head's morph targets; 0 for one without weights."""
-        target_of = matched(self.weights.names, self.head.names)
-        columns = [self.head.names.index(target_of[name]) for name in self.weights.names]
         ordered = np.zeros((self.frames, len(self.head.names)))
-        ordered[:, columns] = self.weights.values
+        ordered[:, self._targets()] = self.weights.values
         return ordered
+
+    def _targets(self) -> list[int]:
+        """Return the place of each weight's morph target."""
+        return places_of(self.weights.names, self.head.names, "head", "morph target")

@@ -59,6 +59,30 @@ def matched(names: Iterable[str], others: Iterable[str]) -> Mapping[str, str]:
     return matches
 
 
+def places_of(names: Sequence[str], others: Sequence[str], face: str, shape: str) -> list[int]:
+    """Return the place among the others of the one that each weight's name means.
+
+    Parameters
+    ----------
+    names, others
+        As of `matched`.
+    face, shape
+        What has the others, and what they are, for messages: ``head``, ``morph target``.
+
+    Raises
+    ------
+    ValueError
+        If a name means none of them, or as `matched` does.
+    """
+    meant = matched(names, others)
+    without = [name for name in names if name not in meant]
+    if without:
+        raise ValueError(
+            f"the {face} has no {shape} for the weights {listed(without)}; it has {listed(others)}"
+        )
+    return [others.index(meant[name]) for name in names]
+
+
 @dataclass(frozen=True)
 class Sides:
     """Weights with shapes split into left and right, or joined, as another face has them.

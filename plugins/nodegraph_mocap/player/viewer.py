@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nodegraph import Refusal, Rendered, listed
+from nodegraph import Refusal, Rendered
 from nodegraph_mocap.animation import Animation
 from nodegraph_mocap.face_model import BlendshapeModel, Weights
 from nodegraph_mocap.head import Head
@@ -27,7 +27,7 @@ from nodegraph_mocap.player.panels import panel_of
 from nodegraph_mocap.player.spans import render_spans
 from nodegraph_mocap.player.strip import strip_of
 from nodegraph_mocap.recording import Trajectories
-from nodegraph_mocap.shape_names import matched
+from nodegraph_mocap.shape_names import places_of
 from nodegraph_mocap.view import AUTO
 
 _RATE = 30.0
@@ -183,14 +183,7 @@ def _posed(model: BlendshapeModel, weights: Weights) -> Trajectories:
     ValueError
         If it lacks the shape of a weight.
     """
-    shape_of = matched(weights.names, model.names)
-    without = [name for name in weights.names if name not in shape_of]
-    if without:
-        raise ValueError(
-            f"the model has no shape for the weights {listed(without)}; it has "
-            f"{listed(model.names)}"
-        )
-    shapes = model.shapes[[model.names.index(shape_of[name]) for name in weights.names]]
+    shapes = model.shapes[places_of(weights.names, model.names, "model", "shape")]
     offsets = np.tensordot(weights.values, shapes, axes=1)
     return Trajectories(positions=model.neutral + offsets, markers=model.markers, rate=weights.rate)
 
