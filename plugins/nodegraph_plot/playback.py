@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 from pydantic import Field
 
@@ -19,8 +19,7 @@ from nodegraph_mocap.player.fitting import (
     thinning_notes,
 )
 from nodegraph_mocap.player.panels import panel_of
-
-_Shown = TypeVar("_Shown")
+from nodegraph_plot.recordings import by_label
 
 
 @node("plot.playback")
@@ -76,8 +75,8 @@ def playback(
         `view` is not of that form.
     """
     shown: list[tuple[str, Trajectories | Animation]] = [
-        *_labelled("recording", recordings),
-        *_labelled("animation", animations),
+        *(by_label("recording", recordings).items() if recordings else ()),
+        *(by_label("animation", animations).items() if animations else ()),
     ]
     if not shown:
         raise ValueError("there is neither a recording nor an animation to play")
@@ -94,14 +93,6 @@ def playback(
         every=every,
         notes=(*notes, *_absent("recording", recordings), *_absent("animation", animations)),
     )
-
-
-def _labelled(kind: str, gathered: Across[_Shown] | None) -> list[tuple[str, _Shown]]:
-    names = gathered.names() if gathered else ()
-    repeated = sorted({name for name in names if names.count(name) > 1})
-    if repeated:
-        raise ValueError(f"several {kind}s are labelled {', '.join(repeated)}")
-    return list(zip(names, gathered.values(), strict=True)) if gathered else []
 
 
 def _panel(label: str, value: Trajectories | Animation, every: int, view: str) -> Panel:

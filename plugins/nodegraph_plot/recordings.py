@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from nodegraph import Across
 from nodegraph_mocap import Origin, check_markers
+from nodegraph_mocap.checks import twice
 from nodegraph_tables.style import Look, looks
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from nodegraph_mocap import Trajectories
+
+_Value = TypeVar("_Value")
 
 
 def named(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
@@ -27,15 +30,21 @@ def named(recordings: Across[Trajectories]) -> dict[str, Trajectories]:
     ValueError
         If there is none, two have the same labels, or one has no frames or no markers.
     """
-    names = recordings.names()
-    if not names:
+    if not len(recordings):
         raise ValueError("there is no recording to draw")
-    repeated = sorted({name for name in names if names.count(name) > 1})
-    if repeated:
-        raise ValueError(f"several recordings are labelled {', '.join(repeated)}")
-    for name, recording in zip(names, recordings.values(), strict=True):
+    by_name = by_label("recording", recordings)
+    for name, recording in by_name.items():
         check_something(name, recording)
-    return dict(zip(names, recordings.values(), strict=True))
+    return by_name
+
+
+def by_label(kind: str, gathered: Across[_Value]) -> dict[str, _Value]:
+    """Return values by their labels, in order; two of the same labels are a ValueError."""
+    names = gathered.names()
+    repeated = twice(names)
+    if repeated:
+        raise ValueError(f"several {kind}s are labelled {', '.join(repeated)}")
+    return dict(zip(names, gathered.values(), strict=True))
 
 
 def check_something(name: str, recording: Trajectories) -> None:
