@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nodegraph import Refusal, node
 from nodegraph_blendshapes.model import with_neutral
-from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
+from nodegraph_mocap import Head, MarkerSet
 from nodegraph_mocap.face_model import ModelAndNeutral
 from nodegraph_mocap.recording import with_marker_set
 
@@ -52,11 +52,5 @@ def from_head(head: Head, marker_set: MarkerSet | None = None) -> ModelAndNeutra
         )
     if not head.names:
         raise Refusal("the head has no morph targets")
-    model = BlendshapeModel(
-        neutral=head.vertices[head.marker_vertices],
-        shapes=head.morphs[:, head.marker_vertices],
-        names=head.names,
-        markers=head.markers,
-    )
-    result = with_neutral(model, None)
+    result = with_neutral(head.model, None)
     return result._replace(neutral=with_marker_set(result.neutral, marker_set, what="the model"))

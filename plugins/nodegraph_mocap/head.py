@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Value
 from nodegraph_mocap.checks import distinct, finite, indices, set_fields
+from nodegraph_mocap.face_model import BlendshapeModel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,4 +62,14 @@ class Head(Value):
             marker_vertices=indices(
                 "marker vertices", self.marker_vertices, (len(markers),), count=count
             ),
+        )
+
+    @property
+    def model(self) -> BlendshapeModel:
+        """The morph targets where the markers sit."""
+        return BlendshapeModel(
+            neutral=self.vertices[self.marker_vertices],
+            shapes=self.morphs[:, self.marker_vertices],
+            names=self.names,
+            markers=self.markers,
         )

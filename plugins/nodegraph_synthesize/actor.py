@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nodegraph_mocap import BlendshapeModel, Head, MarkerSet
+from nodegraph_mocap import Head, MarkerSet
 from nodegraph_mocap.random_numbers import random_for
 from nodegraph_synthesize.activation import Habits, draw_habits
 from nodegraph_synthesize.anatomy import Anatomy, draw_strengths, make_anatomy
@@ -76,13 +76,3 @@ def head_of(actor: Actor, markers: int) -> tuple[Head, MarkerSet]:
         marker_vertices=layout.vertices,
     )
     return head, edges_between(layout.marker_set, surface.vertices[layout.vertices])
-
-
-def model_of(head: Head) -> BlendshapeModel:
-    """Return the head's morph targets at its markers."""
-    return BlendshapeModel(
-        neutral=head.vertices[head.marker_vertices],
-        shapes=head.morphs[:, head.marker_vertices],
-        names=head.names,
-        markers=head.markers,
-    )

@@ -21,7 +21,7 @@ from nodegraph_mocap import (
 )
 from nodegraph_mocap.random_numbers import Seed, random_for
 from nodegraph_synthesize.activation import activations
-from nodegraph_synthesize.actor import Actor, draw_actor, head_of, model_of
+from nodegraph_synthesize.actor import Actor, draw_actor, head_of
 from nodegraph_synthesize.damage import impulses as impulses_on
 from nodegraph_synthesize.damage import occlusions, unlabelled
 from nodegraph_synthesize.movement import head_motion as motion_of_head
@@ -178,7 +178,7 @@ def synthesize_face(
         detections=unlabelled(random_for("order", drawn), captured),
         neutral=_recording(points[None], marker_set, rate),
         marker_set=marker_set,
-        model=model_of(head),
+        model=head.model,
         head=head,
         truth=truth,
         weights=Weights(values=weights, names=CHANNELS, rate=rate),
