@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_markers.rigid import far_apart
+from nodegraph_mocap.spread import far_apart
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

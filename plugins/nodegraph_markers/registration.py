@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from nodegraph_markers.rigid import RigidMotions, far_apart, fit, fit_robustly
+from nodegraph_markers.rigid import RigidMotions, fit, fit_robustly
+from nodegraph_mocap.spread import far_apart
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

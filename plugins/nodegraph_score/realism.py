@@ -11,6 +11,7 @@ import numpy as np
 
 from nodegraph import Across, Columns, Refusal, Truth, node
 from nodegraph_mocap import Figure, Table, Trajectories
+from nodegraph_mocap.spread import far_apart
 from nodegraph_tables import BetterEnd, TableInfo, with_info
 from nodegraph_tables.axes import SMALL, plain
 from nodegraph_tables.style import BEST, LINE, QUIET, figure_text
@@ -137,7 +138,7 @@ def realism(recordings: Truth[Across[Trajectories]]) -> Realism:
 
 def _measured(recording: Trajectories, name: str) -> tuple[float, ...]:
     places = _still(_complete(recording, name))
-    kept = places[:, _spread(places.mean(axis=0))]
+    kept = places[:, np.sort(far_apart(places.mean(axis=0), _MARKERS))]
     velocity = _velocity(kept, recording.rate)
     moved = kept - kept.mean(axis=0)
     flat = moved.reshape(len(moved), -1)
@@ -199,17 +200,6 @@ def _still(places: Numbers) -> Numbers:
         moved = centred @ (left @ right)
         mean = moved.mean(axis=0)
     return np.asarray(moved)
-
-
-def _spread(shape: Numbers) -> NDArray[np.intp]:
-    """Return 16 markers, each far from those before it, from the outermost on."""
-    apart = np.linalg.norm(shape - shape.mean(axis=0), axis=1)
-    chosen = [int(np.argmax(apart))]
-    nearest = np.linalg.norm(shape - shape[chosen[0]], axis=1)
-    while len(chosen) < min(_MARKERS, len(shape)):
-        chosen.append(int(np.argmax(nearest)))
-        nearest = np.minimum(nearest, np.linalg.norm(shape - shape[chosen[-1]], axis=1))
-    return np.sort(chosen)
 
 
 def _velocity(places: Numbers, rate: float) -> Numbers:

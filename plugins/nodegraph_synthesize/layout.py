@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph_mocap import MarkerSet
+from nodegraph_mocap.spread import far_from
 from nodegraph_synthesize.surface import HALF_COLUMNS
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ def _thinned(count: int) -> tuple[list[Spot], list[Spot]]:
     on_midline = odd + 2 * round((len(MIDLINE) * count / _USUAL - odd) / 2)
     places = np.array([spot.place for spot in PAIRS])
     taken = np.array([spot.place for spot in MIDLINE[:on_midline]] + [*places[:2].tolist()])
-    spread = _spread(places, taken, (count - on_midline) // 2 - 2)
+    spread = far_from(places, taken, (count - on_midline) // 2 - 2)
     numbers = sorted({0, 1, *spread})
     return list(MIDLINE[:on_midline]), [PAIRS[index] for index in numbers]
 
@@ -134,9 +135,9 @@ def _thinned(count: int) -> tuple[list[Spot], list[Spot]]:
 def _denser(count: int, places: NDArray[np.float64]) -> tuple[list[Spot], list[Spot]]:
     usual = np.array([spot.place for spot in (*MIDLINE, *PAIRS)])
     on_midline, on_left = _free(places)
-    more = on_midline[_spread(on_midline, usual, count % 2)]
+    more = on_midline[far_from(on_midline, usual, count % 2)]
     taken = np.concatenate([usual, more, usual[len(MIDLINE) :] * [-1.0, 1.0]])
-    left = on_left[_spread(on_left, taken, (count - _USUAL) // 2)]
+    left = on_left[far_from(on_left, taken, (count - _USUAL) // 2)]
     return [*MIDLINE, *_like_nearest(more)], [*PAIRS, *_like_nearest(left)]
 
 
@@ -146,17 +147,6 @@ def _free(places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.
     grid = places.reshape(-1, columns, 2)[2:-2]
     left = grid[:, HALF_COLUMNS + 2 : -2].reshape(-1, 2)
     return grid[:, HALF_COLUMNS], left[left[:, 0] > 4.0]
-
-
-def _spread(candidates: NDArray[np.float64], taken: NDArray[np.float64], count: int) -> list[int]:
-    """Return `count` candidates, each the farthest from all that were taken before it."""
-    nearest = np.linalg.norm(candidates[:, None] - taken[None], axis=2).min(axis=1)
-    selected = []
-    for _ in range(count):
-        index = int(np.argmax(nearest))
-        selected.append(index)
-        nearest = np.minimum(nearest, np.linalg.norm(candidates - candidates[index], axis=1))
-    return selected
 
 
 def _like_nearest(places: NDArray[np.float64]) -> list[Spot]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nodegraph_markers.rigid import far_apart
+from nodegraph_mocap.spread import far_apart
 
 
 def test_each_point_far_apart_is_the_farthest_from_those_before() -> None:
