@@ -190,7 +190,7 @@ class NatNetSource(DatagramReceiver):
                     number, content = decode_message(packet)
                     if number == RESPONSE and not rate and content.left == 4:
                         rate = max(float(content.numbers("f")[0]), 0.0)
-                    self._learn(packet)
+                    self._learn(number, content)
                 except ValueError:
                     continue
                 if number in (SERVER, MODEL):
@@ -210,7 +210,7 @@ class NatNetSource(DatagramReceiver):
         header = recording_only(self._settings.address, header)
         number, reader = decode_message(packet)
         if number != FRAME:
-            self._learn(packet, header)
+            self._learn(number, reader, header)
             return ()
         if self._protocol is None or not self._marker_sets:
             raise ValueError("a frame before the description of the marker sets")
@@ -243,7 +243,7 @@ class NatNetSource(DatagramReceiver):
         with suppress(OSError):  # the network may come back; silence has its own limit
             self._endpoint.sendto(packet, self._address)
 
-    def _learn(self, packet: bytes, header: Trajectories | None = None) -> None:
+    def _learn(self, number: int, reader: PacketReader, header: Trajectories | None = None) -> None:
         """Take version and marker sets from a message, if it has any.
 
         Raises
@@ -252,7 +252,6 @@ class NatNetSource(DatagramReceiver):
             If they are of another server: of another version than is known, or without the markers
             of the header.
         """
-        number, reader = decode_message(packet)
         if number == SERVER:
             protocol = decode_server(reader).protocol
             if self._protocol not in (None, protocol):
