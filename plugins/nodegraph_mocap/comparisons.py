@@ -36,7 +36,7 @@ def compare_recordings(first: Trajectories, second: Trajectories) -> Iterator[st
         yield f"{_samples(lone, first.markers)} present in one and missing in the other"
     apart = np.nan_to_num(np.linalg.norm(first.positions - second.positions, axis=2))
     if apart.any():
-        yield f"{_samples(apart > 0, first.markers)} moved, {_most(apart, first.markers)}"
+        yield f"{_samples(apart > 0, first.markers)} moved, {_most(apart, ' mm', first.markers)}"
     relabelled = (first.origin != second.origin) & ~lone
     if relabelled.any():
         yield f"{_samples(relabelled, first.markers)} of another origin"
@@ -63,8 +63,7 @@ def compare_weights(first: Weights, second: Weights) -> Iterator[str]:
     differs = differences(first.values, second.values)
     if differs.any():
         apart = np.nan_to_num(np.abs(first.values - second.values))
-        frame, column = divmod(int(np.argmax(apart)), apart.shape[1])
-        most = f"by up to {apart[frame, column]:.3g} (frame {frame}, {first.names[column]})"
+        most = _most(apart, "", first.names)
         yield f"{_samples(differs, first.names)} of another weight, {most}"
 
 
@@ -78,6 +77,6 @@ def _samples(where: NDArray[np.bool_], markers: Sequence[str]) -> str:
     return f"{count} sample{'s' if count > 1 else ''} ({span}; {names})"
 
 
-def _most(apart: NDArray[np.float64], markers: Sequence[str]) -> str:
+def _most(apart: NDArray[np.float64], unit: str, names: Sequence[str]) -> str:
     frame, column = divmod(int(np.argmax(apart)), apart.shape[1])
-    return f"by up to {apart[frame, column]:.3g} mm (frame {frame}, {markers[column]})"
+    return f"by up to {apart[frame, column]:.3g}{unit} (frame {frame}, {names[column]})"
