@@ -158,8 +158,7 @@ def _faults(
     missing = ~recording.present
     gaps = runs_of(missing)
     number = np.bincount(gaps.marker, minlength=len(recording.markers))
-    longest = np.zeros(len(recording.markers), dtype=np.intp)
-    np.maximum.at(longest, gaps.marker, gaps.stop - gaps.start)
+    longest = gaps.longest(len(recording.markers))
     count, sudden = missing.sum(axis=0), suspect.sum(axis=0)
     return {
         recording.markers[column]: {

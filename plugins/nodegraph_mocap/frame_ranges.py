@@ -27,6 +27,17 @@ class RunsOfTrue(NamedTuple):
     start: NDArray[np.intp]
     stop: NDArray[np.intp]
 
+    def longest(self, markers: int) -> NDArray[np.intp]:
+        """Return the frames of the longest run of each of so many markers, 0 without any."""
+        longest = np.zeros(markers, dtype=np.intp)
+        np.maximum.at(longest, self.marker, self.stop - self.start)
+        return longest
+
+    def by_start(self) -> RunsOfTrue:
+        """Return the runs ordered by their first frame, then by marker, as gaps are numbered."""
+        order = np.lexsort((self.marker, self.start))
+        return RunsOfTrue(*(column[order] for column in self))
+
 
 def runs_of(flags: NDArray[np.bool_]) -> RunsOfTrue:
     """Return the runs of True in (T, M), or in (T,) as of one marker."""

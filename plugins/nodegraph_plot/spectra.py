@@ -82,7 +82,8 @@ def spectra(
 
 def _common_segment(recordings: dict[str, Trajectories]) -> int:
     longest = {
-        name: float(np.median(_longest_runs(recording))) for name, recording in recordings.items()
+        name: float(np.median(runs_of(recording.present).longest(len(recording.markers))))
+        for name, recording in recordings.items()
     }
     name, shortest = min(longest.items(), key=lambda item: item[1])
     frames, called = recordings[name].frames, name or "the recording"
@@ -94,13 +95,6 @@ def _common_segment(recordings: dict[str, Trajectories]) -> int:
             "fill it first"
         )
     return min(_SEGMENT, 1 << int(np.log2(shortest)))
-
-
-def _longest_runs(recording: Trajectories) -> NDArray[np.intp]:
-    runs = runs_of(recording.present)
-    longest = np.zeros(len(recording.markers), dtype=np.intp)
-    np.maximum.at(longest, runs.marker, runs.stop - runs.start)
-    return longest
 
 
 def _spectrum(

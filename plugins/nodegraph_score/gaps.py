@@ -169,14 +169,8 @@ def gaps(
     error, jumps = error[some], impulses(truth.positions[:, some]).T
     markers = [truth.markers[column] for column in some]
     has, poses = np.isfinite(error[..., 0]), poses_of(truth.markers, truth.positions, truth.rate)
-    return _table(_find(mask[some]), error, has, jumps, markers, poses, take_of(truth))
-
-
-def _find(mask: NDArray[np.bool_]) -> RunsOfTrue:
-    """Return the gaps of a (M, T) mask, ordered by first frame, then marker."""
-    runs = runs_of(mask.T)
-    order = np.lexsort((runs.marker, runs.start))
-    return RunsOfTrue(*(column[order] for column in runs))
+    found = runs_of(mask[some].T).by_start()
+    return _table(found, error, has, jumps, markers, poses, take_of(truth))
 
 
 def _table(

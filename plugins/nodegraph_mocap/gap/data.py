@@ -186,14 +186,12 @@ def _gap(block: Mapping[str, Any], scored: _Scored) -> _Place | None:
         return _around(str(marker), int(block["start"]), int(block["frames"]), scored)
     if scored.mask is None or "gap" not in block:
         return None
-    runs = runs_of(scored.mask.hidden)
-    order = np.lexsort((runs.marker, runs.start))
+    gaps = runs_of(scored.mask.hidden).by_start()
     number = int(block["gap"])
-    if not 0 <= number < len(order):
+    if not 0 <= number < len(gaps.start):
         return None
-    run = order[number]
-    first, length = int(runs.start[run]), int(runs.stop[run] - runs.start[run])
-    return _around(scored.mask.markers[runs.marker[run]], first, length, scored)
+    marker, first, stop = (int(column[number]) for column in gaps)
+    return _around(scored.mask.markers[marker], first, stop - first, scored)
 
 
 def _around(marker: str, first: int, length: int, scored: _Scored) -> _Place:
