@@ -167,7 +167,7 @@ class LiveLinkSource(DatagramSource):
         return (Frame(number, captured, arrived, face.values[: len(SHAPES)]),)
 
 
-class LiveLinkSink:
+class LiveLinkSink(DatagramSink):
     """Sends weights as the app does: ``livelink:HOST:PORT``.
 
     Weights of which the names are not ARKit shapes are refused; of the two sides of one that has
@@ -177,24 +177,23 @@ class LiveLinkSink:
 
     def __init__(self, address: str) -> None:
         settings = Settings("livelink", address, "livelink:HOST[:PORT]", {})
-        self._datagrams = DatagramSink(settings, PORT)
-        self._address = settings.address
+        super().__init__(settings, PORT)
 
     def open(self, header: object) -> None:
         """Find the place of each weight in the packet."""
-        header = weights_only(self._address, header)
+        header = weights_only(self._settings.address, header)
         self._sides = sides_as(header.names, SHAPES)
         names = self._sides.names
         shape_of = matched(names, SHAPES)
         unknown = [name for name in names if name not in shape_of]
         if unknown:
             raise NodegraphError(
-                f"{self._address}: {listed(unknown)} are not shapes of Live Link Face; there is "
-                f"{listed(SHAPES)}"
+                f"{self._settings.address}: {listed(unknown)} are not shapes of Live Link Face; "
+                f"there is {listed(SHAPES)}"
             )
         self._places = [SHAPES.index(shape_of[name]) for name in names]
         self._rate = Fraction(header.rate).limit_denominator(1001)
-        self._datagrams.connect()
+        self.connect()
 
     def write(self, frame: Frame) -> None:
         """Send a frame."""
@@ -203,8 +202,4 @@ class LiveLinkSink:
             values = np.zeros(VALUES)
             values[self._places] = self._sides.of(frame.payload)
         number = frame.index % max(round(self._rate * _DAY), 1)
-        self._datagrams.send(encode(Face("nodegraph", number, self._rate, values)))
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._datagrams.close()
+        self.send(encode(Face("nodegraph", number, self._rate, values)))

@@ -195,7 +195,7 @@ class UdpSource(DatagramSource):
         return (Frame(number, captured, arrived, payload),)
 
 
-class UdpSink:
+class UdpSink(DatagramSink):
     """Sends recordings or weights: ``udp:HOST:PORT``; with ``?bytes=8`` as float64."""
 
     def __init__(self, address: str) -> None:
@@ -204,43 +204,42 @@ class UdpSink:
         if settings["bytes"] not in _FLOATS:
             raise settings.error(f"no floats of {settings['bytes']:g} bytes")
         self._width = int(settings["bytes"])
-        self._datagrams = DatagramSink(settings, PORT)
-        self._address = settings.address
+        super().__init__(settings, PORT)
         self._description = b""
 
     def open(self, header: object) -> None:
         """Send the description."""
-        header = recording_or_weights(self._address, header)
+        header = recording_or_weights(self._settings.address, header)
         kind = "markers" if isinstance(header, Trajectories) else "weights"
         fields = {kind: names_of(header), "rate": header.rate, "started": time.time_ns()}
         content = json.dumps(fields, ensure_ascii=False).encode()
         size = _HEAD.size + max(count_of_numbers(header) * self._width, len(content))
         if size > _LARGEST:
             raise NodegraphError(
-                f"{self._address}: {len(names_of(header))} {kind} take {size} bytes; a packet "
-                f"holds {_LARGEST}"
+                f"{self._settings.address}: {len(names_of(header))} {kind} take {size} bytes; a "
+                f"packet holds {_LARGEST}"
             )
-        self._datagrams.connect()
+        self.connect()
         self._stream = zlib.crc32(content)
         self._description = self._packet(_DESCRIPTION, content)
         self._until_described = self._period = max(round(header.rate / 4), 1)
-        self._datagrams.send(self._description)
+        self.send(self._description)
 
     def write(self, frame: Frame) -> None:
         """Send a frame."""
         content = numbers_of(frame.payload).astype(_FLOATS[self._width]).tobytes()
-        self._datagrams.send(self._packet(_FRAME, content, frame.index, frame.captured))
+        self.send(self._packet(_FRAME, content, frame.index, frame.captured))
         self._until_described -= 1
         if not self._until_described:
             self._until_described = self._period
-            self._datagrams.send(self._description)
+            self.send(self._description)
 
     def close(self) -> None:
         """Send the end of the stream."""
         if self._description:
             with suppress(OSError):  # whoever receives notes the silence, too
-                self._datagrams.send(self._packet(_END, b""))
-        self._datagrams.close()
+                self.send(self._packet(_END, b""))
+        super().close()
 
     def _packet(self, kind: int, content: bytes, index: int = 0, at: int = 0) -> bytes:
         return encode(kind, content, width=self._width, stream=self._stream, index=index, at=at)

@@ -131,7 +131,7 @@ def _nanoseconds(seconds: float) -> int:
     return int(seconds * 1e9)
 
 
-class VmcSink:
+class VmcSink(DatagramSink):
     """Sends weights: ``vmc:HOST:PORT``.
 
     The messages of a frame are in bundles of at most 1472 bytes, which networks do not split. A
@@ -140,20 +140,21 @@ class VmcSink:
 
     def __init__(self, address: str) -> None:
         settings = Settings("vmc", address, "vmc:HOST[:PORT], such as vmc:127.0.0.1:39539", {})
-        self._datagrams = DatagramSink(settings, PORT)
-        self._address = settings.address
+        super().__init__(settings, PORT)
 
     def open(self, header: object) -> None:
         """Prepare the messages."""
-        header = weights_only(self._address, header)
+        header = weights_only(self._settings.address, header)
         longest = max(map(len, header.names), default=0)
         if longest > 255:
-            raise NodegraphError(f"{self._address}: a name of {longest} letters is too long")
+            raise NodegraphError(
+                f"{self._settings.address}: a name of {longest} letters is too long"
+            )
         # all but the value, which is the last four bytes
         self._starts = [osc.message(_VALUE, name, 0.0)[:-4] for name in header.names]
         self._apply = osc.message(_APPLY)
         self._start_time = 0
-        self._datagrams.connect()
+        self.connect()
 
     def write(self, frame: Frame) -> None:
         """Send a frame."""
@@ -166,8 +167,4 @@ class VmcSink:
             for place in np.flatnonzero(np.isfinite(values)).tolist()
         ]
         for packet in osc.bundles([time, *weights, self._apply], LARGEST_UNSPLIT):
-            self._datagrams.send(packet)
-
-    def close(self) -> None:
-        """Close the socket."""
-        self._datagrams.close()
+            self.send(packet)
