@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nodegraph import Tried
-from nodegraph_mocap import Trajectories
+from nodegraph_mocap import Trajectories, contracts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -16,16 +16,7 @@ if TYPE_CHECKING:
 
 def gives_a_recording_of_the_same_frames(tried: Tried) -> Iterator[str]:
     """Take `recording`, and give a recording of as many frames and that rate first."""
-    recording, output = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
-    if not isinstance(recording, Trajectories):
-        yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the recording `recording`"
-    elif not isinstance(output, Trajectories):
-        yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
-    else:
-        for what in ("frames", "rate"):
-            before, after = getattr(recording, what), getattr(output, what)
-            if before != after:
-                yield f"{what} went in as {before}, came out as {after}"
+    yield from contracts.gives_a_recording_of_the_same(tried, ("frames", "rate"))
 
 
 def moves_no_sample(tried: Tried) -> Iterator[str]:

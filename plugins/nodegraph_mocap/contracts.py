@@ -6,7 +6,7 @@ hold for it beside its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -44,13 +44,18 @@ TOLERANCE = 1e-6
 
 def takes_and_gives_a_recording(tried: Tried) -> Iterator[str]:
     """Take one port, `recording`, and give a recording with the same markers first."""
+    yield from gives_a_recording_of_the_same(tried, ("markers", "rate", "frames", "marker_set"))
+
+
+def gives_a_recording_of_the_same(tried: Tried, properties: Iterable[str]) -> Iterator[str]:
+    """Take one port, `recording`, and give a recording first that has these properties of it."""
     recording, output = tried.inputs.get("recording"), next(iter(tried.outputs.values()))
     if not isinstance(recording, Trajectories):
         yield f"its ports are {', '.join(tried.inputs) or 'none'}; name the recording `recording`"
     elif not isinstance(output, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
-        for what in ("markers", "rate", "frames", "marker_set"):
+        for what in properties:
             before, after = getattr(recording, what), getattr(output, what)
             if before != after:
                 yield f"{what} went in as {before}, came out as {after}"
