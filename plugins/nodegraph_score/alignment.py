@@ -20,7 +20,7 @@ from nodegraph_score.components import (
 )
 from nodegraph_score.notes import with_notes
 from nodegraph_score.pose import NAMES, carried, check_proper, left_over, pose
-from nodegraph_tables import TableInfo, poses_of
+from nodegraph_tables import TableInfo
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -126,14 +126,9 @@ def alignment(
             parts.append(_table(labels, pca, moved, pca.part_of(head), components))
     if not parts:
         raise Refusal("; ".join(notes) or "there is no recording")
-    first = recordings.values()[0]
-    info = TableInfo(
-        "What PCA finds",
-        answer_of(parts, recordings.axes),
-        units=UNITS,
-        poses=poses_of(first.markers, first.positions, first.rate),
-    )
-    return with_notes(concat(parts, ignore_index=True), notes, info)
+    info = TableInfo("What PCA finds", answer_of(parts, recordings.axes), units=UNITS)
+    table = concat(parts, ignore_index=True)
+    return with_notes(table, notes, info, of=recordings.values()[0])
 
 
 def _removed(

@@ -9,7 +9,7 @@ import numpy as np
 from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.notes import with_notes
-from nodegraph_tables import BetterEnd, TableInfo, poses_of
+from nodegraph_tables import BetterEnd, TableInfo
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -95,9 +95,8 @@ def distance(
             raise ValueError("distances are too large to be squared") from None
     notes = [*left_out(estimate, reference), *lacking(table, "markers", "frames")]
     units = {name: of for name, of in UNITS.items() if unit == "mm" or "mm" not in of}
-    poses = poses_of(reference.markers, reference.positions, reference.rate)
-    info = TableInfo("Distances", units=units, better=BETTER, poses=poses)
-    return with_notes(table, notes, info)
+    info = TableInfo("Distances", units=units, better=BETTER)
+    return with_notes(table, notes, info, of=reference)
 
 
 def _apart(

@@ -10,7 +10,7 @@ from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Mask, Origin, Table, Trajectories
 from nodegraph_mocap.truth import check_same_samples
 from nodegraph_score.notes import with_notes
-from nodegraph_tables import BetterEnd, TableInfo, poses_of
+from nodegraph_tables import BetterEnd, TableInfo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -108,9 +108,8 @@ def impulses(
     columns = _columns(judged.T[rows], hit.T[rows], repaired.T[rows], distance.T[rows])
     table = _table(("all",) if per == "take" else truth.markers, columns)
     notes = [*_without(table, per), *_left_out(estimate, truth, hit, both, judged)]
-    poses = poses_of(truth.markers, truth.positions, truth.rate)
-    info = TableInfo("Impulses", units=UNITS, better=BETTER, poses=poses)
-    return with_notes(table, notes, info)
+    info = TableInfo("Impulses", units=UNITS, better=BETTER)
+    return with_notes(table, notes, info, of=truth)
 
 
 def _columns(

@@ -9,7 +9,7 @@ import numpy as np
 from nodegraph import Columns, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.notes import with_notes
-from nodegraph_tables import BetterEnd, TableInfo, poses_of
+from nodegraph_tables import BetterEnd, TableInfo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,9 +68,8 @@ def roughness(recording: Trajectories) -> Annotated[Table, Columns("marker", *UN
     columns = {"vectors": vectors, "roughness": variance}
     table = DataFrame({"marker": np.array(recording.markers, dtype=object), **columns})
     notes = _notes(vectors)
-    poses = poses_of(recording.markers, recording.positions, recording.rate)
-    info = TableInfo("Roughness", units=UNITS, better=BETTER, poses=poses)
-    return with_notes(table, notes, info)
+    info = TableInfo("Roughness", units=UNITS, better=BETTER)
+    return with_notes(table, notes, info, of=recording)
 
 
 def _variances(

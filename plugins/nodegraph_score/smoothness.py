@@ -12,7 +12,7 @@ from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import runs_of
 from nodegraph_mocap.truth import check_same_samples
 from nodegraph_score.notes import with_notes
-from nodegraph_tables import BetterEnd, TableInfo, poses_of
+from nodegraph_tables import BetterEnd, TableInfo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -92,9 +92,8 @@ def smoothness(
     }
     table = DataFrame({"marker": np.array(truth.markers, dtype=object), **values})
     notes = list(_notes(table))
-    poses = poses_of(truth.markers, truth.positions, truth.rate)
-    info = TableInfo("Smoothness", units=UNITS, better=BETTER, poses=poses)
-    return with_notes(table, notes, info)
+    info = TableInfo("Smoothness", units=UNITS, better=BETTER)
+    return with_notes(table, notes, info, of=truth)
 
 
 def _errors(

@@ -13,7 +13,7 @@ from nodegraph_mocap import Table, Trajectories
 from nodegraph_mocap.frame_ranges import chunks
 from nodegraph_score.notes import with_notes
 from nodegraph_score.steps_answer import BETTER, WORSE, absences, answer_of, left_out, worse
-from nodegraph_tables import TableInfo, poses_of
+from nodegraph_tables import TableInfo
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -117,9 +117,8 @@ def steps(
         answer_of(rows),
         units=UNITS,
         sequences=("step",),
-        poses=poses_of(truth.markers, truth.positions, truth.rate),
     )
-    return with_notes(table, notes, info)
+    return with_notes(table, notes, info, of=truth)
 
 
 def _check(stages: Across[Trajectories], truth: Trajectories) -> None:

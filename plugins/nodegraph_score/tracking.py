@@ -9,7 +9,7 @@ import numpy as np
 from nodegraph import Columns, Truth, node
 from nodegraph_mocap import Table, Trajectories
 from nodegraph_score.notes import with_notes
-from nodegraph_tables import BetterEnd, TableInfo, poses_of
+from nodegraph_tables import BetterEnd, TableInfo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -86,9 +86,8 @@ def tracking(
     rows = [_row(track[truth.present[:, column], column]) for column in range(len(truth.markers))]
     table = DataFrame(rows, columns=list(UNITS))
     table.insert(0, "marker", np.array(truth.markers, dtype=object))
-    poses = poses_of(truth.markers, truth.positions, truth.rate)
-    info = TableInfo("Tracks", units=UNITS, better=BETTER, poses=poses)
-    return with_notes(table, _notes(estimate, track), info)
+    info = TableInfo("Tracks", units=UNITS, better=BETTER)
+    return with_notes(table, _notes(estimate, track), info, of=truth)
 
 
 def _tracks(estimate: Trajectories, truth: Trajectories) -> NDArray[np.intp]:

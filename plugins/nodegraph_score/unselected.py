@@ -10,7 +10,7 @@ from nodegraph import Columns, Truth, listed, node
 from nodegraph_mocap import Selection, Table, Trajectories
 from nodegraph_score.distance import lacking, left_out
 from nodegraph_score.notes import with_notes
-from nodegraph_tables import TableInfo, poses_of
+from nodegraph_tables import TableInfo
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -86,9 +86,8 @@ def unselected(
     if not set(reference.markers) - set(selection.chosen):
         notes.append(f"all {len(reference.markers)} markers are selected, none is left to score")
     notes += lacking(table, "frames", "markers")
-    poses = poses_of(reference.markers, reference.positions, reference.rate)
-    info = TableInfo("Errors at unselected markers", units=UNITS, poses=poses)
-    return with_notes(table, notes, info)
+    info = TableInfo("Errors at unselected markers", units=UNITS)
+    return with_notes(table, notes, info, of=reference)
 
 
 def _check(estimate: Trajectories, reference: Trajectories, selection: Selection) -> None:
