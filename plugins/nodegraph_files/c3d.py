@@ -192,7 +192,7 @@ def read_c3d(
         raise ValueError(f"{path}: not a readable C3D recording: {error}") from None
     markers = unique_names(labels, positions.shape[1])
     positions = mark_missing(positions, lost, markers, zeros_missing=zeros_missing)
-    length_unit = unit_from(unit, _unit(description.parameters))
+    length_unit = unit_from(unit, "".join(_texts_of(description.parameters, "UNITS")[:1]))
     if description.scales:
         positions *= _scale(description.scales, extent_of(positions), length_unit.name)
     length_unit.convert(positions)
@@ -316,11 +316,6 @@ def _numbers(content: bytes, description: Description) -> NDArray[np.generic]:
     points = np.ascontiguousarray(frames[:, : 4 * layout.points * layout.width]).data
     numbers = processor.floats(points) if layout.width == 4 else processor.integers(points)
     return numbers.reshape(len(frames), layout.points, 4)
-
-
-def _unit(parameters: Parameters) -> str:
-    units = parameters.get(("POINT", "UNITS"))
-    return next(iter(units.texts), "") if units else ""
 
 
 def _texts_of(parameters: Parameters, name: str) -> list[str]:
