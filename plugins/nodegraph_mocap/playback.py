@@ -168,6 +168,11 @@ class Playback(Value):
             _check_comparable(self.panels, self.truth)
 
     @property
+    def with_truth(self) -> tuple[Panel, ...]:
+        """The panels, before them the truth if there is one."""
+        return (self.truth, *self.panels) if self.truth else self.panels
+
+    @property
     def seconds(self) -> float:
         """Duration of the longest panel or curve."""
         parts: list[Panel | Curves] = [*self.panels, *self.curves]

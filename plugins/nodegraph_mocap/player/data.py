@@ -177,15 +177,14 @@ class _Packing:
     def __init__(self, playback: Playback) -> None:
         self.playback = playback
         self.blob = Blob()
-        self.panels = [*((playback.truth,) if playback.truth else ()), *playback.panels]
-        self.step = step_of(self.panels)
+        self.step = step_of(playback.with_truth)
         self._heads: dict[str, int] = {}
         self._head_entries: list[dict[str, object]] = []
         self._recordings: dict[int, tuple[tuple[str, ...], NDArray[np.float64]]] = {}
         self._steps: dict[int, NDArray[np.int32]] = {}
 
     def packed(self) -> bytes:
-        panels = [self._panel(place, panel) for place, panel in enumerate(self.panels)]
+        panels = [self._panel(place, panel) for place, panel in enumerate(self.playback.with_truth)]
         head = {
             "panels": panels,
             "heads": self._head_entries,

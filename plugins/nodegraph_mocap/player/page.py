@@ -42,7 +42,7 @@ def render_playback(playback: Playback, title: str) -> Rendered:
     Every word that came from users is escaped, or lies in the packed data, from which the script
     takes it as text and never as markup.
     """
-    contents = [_content(panel) for panel in _panels(playback)]
+    contents = [_content(panel) for panel in playback.with_truth]
     notes = [*contents, *playback.notes, _rounding(playback)]
     where = "This playback runs in the report (report.html), with JavaScript."
     html = (
@@ -83,16 +83,12 @@ def _figure(playback: Playback, title: str, without: str, kinds: str = "playback
 def _rounding(playback: Playback) -> str:
     from nodegraph_mocap.player.data import step_of
 
-    return f"Positions are rounded to {step_of(_panels(playback)):g} mm."
+    return f"Positions are rounded to {step_of(playback.with_truth):g} mm."
 
 
 def _tagged(tag: str, notes: Iterable[str]) -> str:
     quiet = ' class="quiet"' if tag == "p" else ""
     return "".join(f"<{tag}{quiet}>{escape(note)}</{tag}>" for note in notes)
-
-
-def _panels(playback: Playback) -> list[Panel]:
-    return [*((playback.truth,) if playback.truth else ()), *playback.panels]
 
 
 def _content(panel: Panel) -> str:
