@@ -11,7 +11,13 @@ from pydantic import Field
 
 from nodegraph import Across, Truth, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.recordings import check_something, check_truth, estimated, true_positions
+from nodegraph_plot.recordings import (
+    agreeing,
+    check_something,
+    check_truth,
+    estimated,
+    true_positions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -86,13 +92,9 @@ def _pairs(
 
 
 def _truth_of(name: str, labels: Mapping[str, Label], truth: Across[Trajectories]) -> Trajectories:
-    alike = [
-        (known, value)
-        for known, value in truth
-        if all(labels[axis] == label for axis, label in known.items() if axis in labels)
-    ]
+    alike = agreeing(truth, labels)
     if len(alike) == 1:
-        return alike[0][1]
+        return alike[0]
     of = f" of {name}" if name else ""
     if not alike:
         raise ValueError(f"there is no truth{of}")

@@ -13,10 +13,11 @@ from nodegraph_mocap.checks import twice
 from nodegraph_tables.style import Look, looks
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
+    from nodegraph import Label
     from nodegraph_mocap import Trajectories
 
 _Value = TypeVar("_Value")
@@ -45,6 +46,15 @@ def by_label(kind: str, gathered: Across[_Value]) -> dict[str, _Value]:
     if repeated:
         raise ValueError(f"several {kind}s are labelled {', '.join(repeated)}")
     return dict(zip(names, gathered.values(), strict=True))
+
+
+def agreeing(gathered: Across[_Value], labels: Mapping[str, Label]) -> list[_Value]:
+    """Return the values that have these labels, along the axes that both have."""
+    return [
+        value
+        for at, value in gathered
+        if all(labels.get(axis, label) == label for axis, label in at.items())
+    ]
 
 
 def check_something(name: str, recording: Trajectories) -> None:

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from nodegraph import Across, node
 from nodegraph_mocap import Figure, Trajectories
-from nodegraph_plot.recordings import check_frames, named
+from nodegraph_plot.recordings import agreeing, check_frames, named
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -72,11 +72,7 @@ def _reference(
     name: str, labels: Mapping[str, Label], references: Across[Trajectories]
 ) -> Trajectories:
     """Return the reference whose labels are those of the shape."""
-    matches = [
-        reference
-        for at, reference in references
-        if all(labels.get(axis, at[axis]) == at[axis] for axis in at)
-    ]
+    matches = agreeing(references, labels)
     if len(matches) != 1:
         of = f"the shape {name}" if name else "the shape"
         raise ValueError(f"{of} has {len(matches)} references, not one")
