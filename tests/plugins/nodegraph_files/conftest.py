@@ -151,12 +151,17 @@ def samples() -> NDArray[np.float64]:
     return result
 
 
-@pytest.fixture
-def gappy() -> Trajectories:
+def a_recording() -> Trajectories:
     """A recording in which two samples are missing."""
     positions = np.random.default_rng(1).normal(size=(6, 3, 3)) * 100
     positions[2, 1] = positions[5, 0] = np.nan
     return Trajectories(positions=positions, markers=("a", "b c", "é"), rate=59.94)
+
+
+@pytest.fixture
+def gappy() -> Trajectories:
+    """The same, as a fixture."""
+    return a_recording()
 
 
 @pytest.fixture

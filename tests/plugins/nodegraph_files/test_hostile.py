@@ -34,9 +34,8 @@ from nodegraph_files.glb.reading import read_glb
 from nodegraph_files.head import read_marker_vertices
 from nodegraph_files.obj import read_obj
 from nodegraph_files.text.weights import read_weights_table
-from nodegraph_mocap import Trajectories
 from nodegraph_mocap.specimens import heads, models
-from tests.plugins.nodegraph_files.conftest import build
+from tests.plugins.nodegraph_files.conftest import a_recording, build
 
 TIMES = 100
 LETTERS = b"0123456789:;,.-e\n\t#[]{}&*!?|>%'\"abc"
@@ -99,12 +98,6 @@ class Case:
     read: Callable[[Path], object]
     says: str = ":"
     is_text: bool = True
-
-
-def a_recording() -> Trajectories:
-    positions = np.random.default_rng(1).normal(size=(6, 3, 3)) * 100
-    positions[2, 1] = positions[5, 0] = np.nan
-    return Trajectories(positions=positions, markers=("a", "b c", "é"), rate=59.94)
 
 
 def c3d(**settings: Any) -> Case:
