@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -98,7 +97,7 @@ def reference_of(
     shape = source.positions[number, columns][there]
     check_shape(shape)
     kept = tuple(name for name in landmarks if name not in lacking)
-    return Reference(_one_frame(source, number), kept, shape), notes
+    return Reference(source[number : number + 1], kept, shape), notes
 
 
 def check_shape(shape: NDArray[np.float64]) -> None:
@@ -117,17 +116,6 @@ def check_shape(shape: NDArray[np.float64]) -> None:
         raise Refusal("the landmarks of the frame to align to are all in one place")
     if extents[1] ** 2 <= _ON_A_LINE * extents[0] ** 2:
         raise Refusal("the landmarks of the frame to align to lie on a line")
-
-
-def _one_frame(recording: Trajectories, number: int) -> Trajectories:
-    """Return one frame as a recording."""
-    only = slice(number, number + 1)
-    return replace(
-        recording,
-        positions=recording.positions[only],
-        origin=recording.origin[only],
-        sigma=None if recording.sigma is None else recording.sigma[only],
-    )
 
 
 def _incomplete(number: int, lacking: Sequence[str], landmarks: Sequence[str]) -> str:

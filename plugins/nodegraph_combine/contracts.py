@@ -9,6 +9,7 @@ import numpy as np
 
 from nodegraph import Across, Tried
 from nodegraph_mocap import Trajectories
+from nodegraph_mocap.contracts import changes
 
 _SHIFT = np.array([110.0, -70.0, 240.0])
 _TOLERANCE = 1e-6
@@ -22,11 +23,8 @@ def takes_recordings_and_gives_one(tried: Tried) -> Iterator[str]:
     elif not isinstance(combined, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
-        first = recordings.values()[0]
-        for what in ("markers", "rate", "frames", "marker_set"):
-            if getattr(first, what) != getattr(combined, what):
-                before, after = getattr(first, what), getattr(combined, what)
-                yield f"{what} went in as {before}, came out as {after}"
+        properties = ("markers", "rate", "frames", "marker_set")
+        yield from changes(recordings.values()[0], combined, properties)
 
 
 def keeps_what_all_have_alike(tried: Tried) -> Iterator[str]:

@@ -55,10 +55,15 @@ def gives_a_recording_of_the_same(tried: Tried, properties: Iterable[str]) -> It
     elif not isinstance(output, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
-        for what in properties:
-            before, after = getattr(recording, what), getattr(output, what)
-            if before != after:
-                yield f"{what} went in as {before}, came out as {after}"
+        yield from changes(recording, output, properties)
+
+
+def changes(given: object, returned: object, properties: Iterable[str]) -> Iterator[str]:
+    """Yield which properties of what a node is given another value has that it returns."""
+    for what in properties:
+        before, after = getattr(given, what), getattr(returned, what)
+        if before != after:
+            yield f"{what} went in as {before}, came out as {after}"
 
 
 def moves_with_the_face(tried: Tried) -> Iterator[str]:

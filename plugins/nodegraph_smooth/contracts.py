@@ -96,8 +96,7 @@ def _lag(nod: Trajectories, after: Trajectories) -> float:
 def _is_causal(tried: Tried, nod: Trajectories, after: Trajectories) -> bool:
     """Return whether the first frames come out the same without those after them."""
     count = len(nod.positions) // 2
-    start = replace(nod, positions=nod.positions[:count], origin=nod.origin[:count])
-    again = contracts.output_again(tried, start)
+    again = contracts.output_again(tried, nod[:count])
     if again is None or again.frames != count:
         return False
     return bool(

@@ -10,6 +10,7 @@ import numpy as np
 
 from nodegraph import Tried
 from nodegraph_mocap import Detections, Trajectories
+from nodegraph_mocap.contracts import changes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,10 +27,7 @@ def takes_points_and_gives_a_recording(tried: Tried) -> Iterator[str]:
     elif not isinstance(recording, Trajectories):
         yield f"its first output is not a recording; it gives {', '.join(tried.outputs)}"
     else:
-        for what in ("frames", "rate"):
-            if getattr(detections, what) != getattr(recording, what):
-                before, after = getattr(detections, what), getattr(recording, what)
-                yield f"{what} went in as {before}, came out as {after}"
+        yield from changes(detections, recording, ("frames", "rate"))
 
 
 def gives_each_point_once(tried: Tried) -> Iterator[str]:
