@@ -64,9 +64,12 @@ class Environment:
         return {path for path in self.site_packages.rglob("*") if "__pycache__" not in path.parts}
 
     def install(self, *words: str | Path) -> None:
-        """Install with pip, which downloads nothing."""
+        """Install with pip, which downloads nothing.
+
+        Python compiles the modules that programs import, and pip would compile all others, too.
+        """
         offline = ("--no-deps", "--no-build-isolation", "--no-index")
-        self._pip("install", *offline, *map(str, words))
+        self._pip("install", "--no-compile", *offline, *map(str, words))
 
     def uninstall(self, name: str) -> None:
         """Uninstall with pip."""

@@ -171,12 +171,19 @@ report: [table]
 """
 """Reads a file of the package, and compiles a function."""
 
-LISTS = """
+IN_TURN = """
+import sys
 from nodegraph.cli.main import main
-main(["show", "fill"])
-print("---")
-main(["new"])
+for line in sys.argv[1:]:
+    try:
+        status = main(line.split())
+    except SystemExit as ended:  # of argparse
+        status = ended.code
+    print("---")
+    if status:
+        sys.exit(status)
 """
+"""Gives commands, each an argument, and says where the output of each ends."""
 
 
 @pytest.fixture(scope="module")
@@ -226,7 +233,7 @@ def test_wheel_and_checkout_replace_each_other_and_a_run_writes_nothing_there(
     place = Environment.create(tmp_path)
     before = place.files()
     leave_what_an_earlier_version_left(place)
-    place.install("--no-compile", wheel)
+    place.install(wheel)
     # files where folders would be written
     in_the_way = [
         place.home,
@@ -253,14 +260,12 @@ def test_wheel_and_checkout_replace_each_other_and_a_run_writes_nothing_there(
 
 
 def test_a_third_party_method_joins_the_comparison(place: Environment, tmp_path: Path) -> None:
-    shown = nodegraph(place, "show", "fill.hold", cwd=tmp_path).stdout
+    labels = ("length=5", "condition=own_noise", "recording=face_1", "fill=hold,linear")
+    only = " ".join(f"--only {label}" for label in labels)
+    words = ("show fill.hold", "new fill", f"run fill.yaml {only} --until table")
+    shown, *_ = in_turn(place, *words, cwd=tmp_path)
     assert "Repeat the last measured position over each gap." in shown
     assert "Standing still" in shown
-
-    nodegraph(place, "new", "fill", cwd=tmp_path)
-    labels = ("length=5", "condition=own_noise", "recording=face_1", "fill=hold,linear")
-    only = [word for label in labels for word in ("--only", label)]
-    nodegraph(place, "run", "fill.yaml", *only, "--until", "table", cwd=tmp_path)
     with (tmp_path / "runs" / "fill" / "table.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["fill"] == "hold"]
     assert [row["length"] for row in rows] == ["5"]
@@ -277,9 +282,10 @@ def test_a_third_party_figure_executor_and_command_work_like_ours(
     assert "<polyline points=" in (tmp_path / "runs/heights/report.html").read_text("utf-8")
     assert (tmp_path / "runs/heights/heights.svg").is_file()
 
-    nodegraph(place, "export", "runs/heights", "fill", "--out", "fill.csv", cwd=tmp_path)
-    assert nodegraph(place, "count", "fill.csv", cwd=tmp_path).stdout == "60 markers\n"
-    assert "Count the markers" in nodegraph(place, "help", cwd=tmp_path).stdout
+    words = ("export runs/heights fill --out fill.csv", "count fill.csv", "help")
+    _, counted, helped = in_turn(place, *words, cwd=tmp_path)
+    assert counted == "60 markers\n"
+    assert "Count the markers" in helped
 
 
 def test_a_third_party_format_is_read_like_ours(place: Environment, tmp_path: Path) -> None:
@@ -287,8 +293,7 @@ def test_a_third_party_format_is_read_like_ours(place: Environment, tmp_path: Pa
     (tmp_path / "read.yaml").write_text(
         "nodegraph: 1\ntitle: Lab\nnodes:\n  take: {use: read.recording, with: {path: take.lab}}\n"
     )
-    nodegraph(place, "run", "read.yaml", cwd=tmp_path)
-    nodegraph(place, "export", "runs/read", "take", "--out", "take.csv", cwd=tmp_path)
+    in_turn(place, "run read.yaml", "export runs/read take --out take.csv", cwd=tmp_path)
     lines = (tmp_path / "take.csv").read_text("utf-8").split()
     assert lines[-3:] == ["frame,nose.X,nose.Y,nose.Z", "0,1.0,2.0,3.0", "1,4.0,5.0,6.0"]
 
@@ -347,7 +352,7 @@ def check_run(place: Environment, steps: str, *words: str) -> None:
 
 def check_all_is_there(place: Environment) -> None:
     """Check that nodes and example graphs are listed."""
-    nodes, graphs = place.run("python", "-c", LISTS).split("---\n")
+    nodes, graphs, _ = place.run("python", "-c", IN_TURN, "show fill", "new").split("---\n")
     assert {"fill.muscle", "fill.subspace_kalman"} <= set(nodes.split())
     assert "fill" in graphs.split()
 
@@ -383,3 +388,9 @@ def names(wheel: Path) -> list[str]:
 
 def nodegraph(place: Environment, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return run(str(place.python.with_name("nodegraph")), *words, cwd=cwd)
+
+
+def in_turn(place: Environment, *commands: str, cwd: Path) -> list[str]:
+    """Give commands in one process, which must succeed; return what each prints."""
+    *printed, _ = run(str(place.python), "-c", IN_TURN, *commands, cwd=cwd).stdout.split("---\n")
+    return printed
