@@ -11,6 +11,7 @@ from matplotlib.colors import to_hex
 from nodegraph import Across
 from nodegraph_compare.pictures import span_of
 from nodegraph_compare.table.node import Compared, table
+from nodegraph_tables import TableInfo, with_info
 from nodegraph_tables.style import BEST, BLACK, REST
 
 FILLS = ("lin", "cubic", "akima")
@@ -65,6 +66,26 @@ def test_a_row_has_the_mean_and_the_interval_of_the_table() -> None:
             assert mark.get_xdata()[0] == pytest.approx(expected["mean"])
             ends = next(path[:, 0] for path in paths if len(path) == 2 and path[0, 1] == row)
             assert ends == pytest.approx(expected[["low", "high"]].to_numpy(float))
+
+
+@pytest.mark.parametrize(("unit", "mean"), [("share", "18.6"), ("mm^2", "0.186")])
+def test_shares_are_drawn_in_percent_and_powers_as_they_are_printed(unit: str, mean: str) -> None:
+    info = TableInfo(units={"rmse": unit})
+    values = {"a": [0.2, 0.1, 0.3, 0.2], "b": [0.4, 0.5, 0.6, 0.5]}
+    tables = {
+        name: with_info(pd.DataFrame({"gap": range(4), "rmse": number}), info)
+        for name, number in values.items()
+    }
+    (axis,) = table(Across.of(tables, axis="fill"), clusters=("gap",)).figure.axes
+    assert "mm^2" not in axis.get_ylabel()
+    assert mean in [text.get_text() for text in axis.texts]
+
+
+def test_tables_without_rows_have_no_panel() -> None:
+    empty = Across.of({"a": pd.DataFrame({"gap": [], "rmse": []}, dtype=float)}, axis="fill")
+    with pytest.warns(UserWarning, match="the tables have no rows"):
+        result = table(empty, clusters=("gap",))
+    assert not result.figure.axes
 
 
 def test_colour_is_a_role() -> None:
