@@ -55,7 +55,9 @@ def by_py_c3d(path: Path) -> Found:
 
     with path.open("rb") as stream:
         reader = c3d.Reader(stream)
-        points = np.array([points for _, points, _ in reader.read_frames()], dtype=float)
+        # numbers that are NaN would be made missing, as they are here anyway
+        frames = reader.read_frames(check_nan=False)
+        points = np.array([points for _, points, _ in frames], dtype=float)
         lists = ["POINT:LABELS", *(f"POINT:LABELS{number}" for number in range(2, 99))]
         result = [parameter for name in lists if (parameter := reader.get(name)) is not None]
         labels = tuple(

@@ -515,7 +515,8 @@ def test_a_hundred_methods_and_many_groups_stay_readable() -> None:
     assert lead.count('<div class="for-all">') == 12
     assert lead.count('class="lead-strip" height="16"') == 12
     assert "tinted : rich, the one to take" in text_of(lead)
-    every = kitchens(recipes, 2, heats=tuple(range(100, 112)))
+    # 84 of twelve groups are more than a thousand dots
+    every = kitchens(dict([*recipes.items()][:84]), 2, heats=tuple(range(100, 112)))
     lead = rendered(compared(every, within=("heat",)).overview).lead
     assert 'class="lead-strip"' not in lead
 
