@@ -15,7 +15,7 @@ from nodegraph.live.counts import Counts
 from nodegraph.live.running_numbers import Latest
 from nodegraph.serve.stream_server import Update
 
-MINUTES = 15
+MINUTES = 10
 EVERY = 0.25
 
 
@@ -29,7 +29,7 @@ def test_a_line_spans_the_whole_stream_in_few_points() -> None:
         pickle.dump("a page", process.stdin)
         for step in range(round(MINUTES * 60 / EVERY)):
             counts.received = counts.computed = 60 * step
-            counts.latencies.add(1_000_000 if step < 3000 else 4_000_000)
+            counts.latencies.add(1_000_000 if step < 2000 else 4_000_000)
             counts.running["error"].receive(Frame(step, 0, 0, np.array([EVERY * step])))
             pickle.dump(Update(EVERY * step, {}, {}, "receiving", "", counts), process.stdin)
         pickle.dump(Update(EVERY * step, {}, {}, "ended", "", counts), process.stdin)
